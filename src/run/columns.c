@@ -4,76 +4,82 @@
 
 #include <string.h>
 
-static size_t count_of(const tvi_integrator *it, const tvi_columns *c)
+static size_t count_elements(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    return (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * (size_t)c->columns;
+    return (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * (size_t)columns->count;
 }
 
-static void load(const tvi_integrator *it, const tvi_columns *c, double to[])
+static void load_columns(const tvi_integrator *it, const tvi_tangent_columns *columns, double elements[])
 {
-    for (size_t i = 0; i < count_of(it, c); i++) to[i] = c->D[i * c->spacing];
+    for (size_t i = 0; i < count_elements(it, columns); i++)
+        elements[i] = columns->elements[i * columns->element_spacing];
 }
 
-static void store(const tvi_integrator *it, const tvi_columns *c, const double from[])
+static void store_columns(const tvi_integrator *it, const tvi_tangent_columns *columns, const double elements[])
 {
-    for (size_t i = 0; i < count_of(it, c); i++) c->D[i * c->spacing] = from[i];
+    for (size_t i = 0; i < count_elements(it, columns); i++)
+        columns->elements[i * columns->element_spacing] = elements[i];
 }
 
-bool tvi_columns_have_last_step(const tvi_integrator *it, const tvi_columns *c)
+bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     const tvi_tangent *tangent = it->tangent;
-    if (!c->D) return true;
-    if (!tangent || tangent->step == 0 || tangent->step != it->stats.steps || tangent->moved != c->columns)
+    if (!columns->elements) return true;
+    if (!tangent || tangent->step_number == 0 || tangent->step_number != it->stats.steps ||
+        tangent->moved_column_count != columns->count)
         return false;
-    for (size_t i = 0; i < count_of(it, c); i++)
-        if (tvi_bits(c->D[i * c->spacing]) != tvi_bits(tangent->end[i])) return false;
+    for (size_t i = 0; i < count_elements(it, columns); i++)
+        if (tvi_bits(columns->elements[i * columns->element_spacing]) != tvi_bits(tangent->end[i])) return false;
     return true;
 }
 
-void tvi_columns_begin(const tvi_integrator *it, const tvi_columns *c)
+void tvi_columns_begin_run(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (tvi_columns_have_last_step(it, c)) return;
-    load(it, c, it->tangent->end);
-    it->tangent->step = 0;
+    if (tvi_columns_match_last_step_end(it, columns)) return;
+    load_columns(it, columns, it->tangent->end);
+    it->tangent->step_number = 0;
 }
 
-tvi_status tvi_columns_step(const tvi_integrator *it, const tvi_columns *c)
+tvi_status tvi_columns_move_by_last_step(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (!c->D) return TVI_OK;
+    if (!columns->elements) return TVI_OK;
     tvi_tangent *tangent = it->tangent;
-    const tvi_columns start = {tangent->start, c->columns, 1}, end = {tangent->end, c->columns, 1};
-    load(it, c, start.D);
-    memcpy(end.D, start.D, count_of(it, c) * sizeof *end.D);
-    tangent->step = 0;
-    tvi_status status = tvi_columns_check(it, &start);
+    const tvi_tangent_columns start = {tangent->start, columns->count, 1}, end = {tangent->end, columns->count, 1};
+    load_columns(it, columns, start.elements);
+    memcpy(end.elements, start.elements, count_elements(it, columns) * sizeof *end.elements);
+    tangent->step_number = 0;
+    tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
-        status = tvi_columns_move(it, &(tvi_lifted_step){&it->start, it->parameters, it->h}, &start, &end);
+        status =
+            tvi_columns_multiply_by_jacobian(it, &(tvi_lifted_step){&it->start, it->parameters, it->h}, &start, &end);
     if (status != TVI_OK) return status;
-    tangent->step = it->stats.steps;
-    tangent->moved = c->columns;
-    store(it, c, end.D);
+    tangent->step_number = it->stats.steps;
+    tangent->moved_column_count = columns->count;
+    store_columns(it, columns, end.elements);
     return TVI_OK;
 }
 
-tvi_status tvi_columns_show(const tvi_integrator *it, const tvi_columns *c, double part, const double parameters[])
+tvi_status tvi_columns_move_to_offset(const tvi_integrator *it, const tvi_tangent_columns *columns, double offset,
+                                      const double parameters[])
 {
-    if (!c->D) return TVI_OK;
-    const tvi_columns start = {it->tangent->start, c->columns, 1};
-    tvi_columns_to_end(it, c);
-    if (part == it->h) return TVI_OK;
-    tvi_columns_to_start(it, c);
-    if (part == 0) return TVI_OK;
-    const tvi_status status = tvi_columns_move(it, &(tvi_lifted_step){&it->start, parameters, part}, &start, c);
-    if (status != TVI_OK) tvi_columns_to_end(it, c);
+    if (!columns->elements) return TVI_OK;
+    const tvi_tangent_columns start = {it->tangent->start, columns->count, 1};
+    tvi_columns_restore_step_end(it, columns);
+    if (offset == it->h) return TVI_OK;
+    tvi_columns_restore_step_start(it, columns);
+    if (offset == 0) return TVI_OK;
+    const tvi_status status =
+        tvi_columns_multiply_by_jacobian(it, &(tvi_lifted_step){&it->start, parameters, offset}, &start, columns);
+    if (status != TVI_OK) tvi_columns_restore_step_end(it, columns);
     return status;
 }
 
-void tvi_columns_to_end(const tvi_integrator *it, const tvi_columns *c)
+void tvi_columns_restore_step_end(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (c->D) store(it, c, it->tangent->end);
+    if (columns->elements) store_columns(it, columns, it->tangent->end);
 }
 
-void tvi_columns_to_start(const tvi_integrator *it, const tvi_columns *c)
+void tvi_columns_restore_step_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (c->D) store(it, c, it->tangent->start);
+    if (columns->elements) store_columns(it, columns, it->tangent->start);
 }

@@ -1,23 +1,27 @@
-/* columns.h - Moves the tangent vectors of a run to the end of each step, and to the times where its observers are
- * called. run.c, times.c and locate.c call it. All functions do nothing if the columns have no D. */
+/* columns.h - Updates the tangent vectors of a run (the columns of its matrix D): by each step, and to the points
+ * inside a step where observers are called. run.c, times.c and locate.c call it. A run without tangent vectors has
+ * columns->elements = NULL; all functions then do nothing. */
 #ifndef TVI_SRC_RUN_COLUMNS_H
 #define TVI_SRC_RUN_COLUMNS_H
 
 #include "run/tangent.h"
 
-/* Stores the columns that a run begins with as those at the end of a step. */
-void tvi_columns_begin(const tvi_integrator *integrator, const tvi_columns *columns);
-/* Moves the columns by the integrator's last step. On failure the columns are as they were. */
-TVI_NODISCARD tvi_status tvi_columns_step(const tvi_integrator *integrator, const tvi_columns *columns);
-/* Sets the columns to those at `part` after the start of the last step, which was made with these parameters. On
- * failure the columns are those at the end of the step. */
-TVI_NODISCARD tvi_status tvi_columns_show(const tvi_integrator *integrator, const tvi_columns *columns, double part,
-                                          const double parameters[]);
-/* Set the columns to those at the end or at the start of the last step. */
-void tvi_columns_to_end(const tvi_integrator *integrator, const tvi_columns *columns);
-void tvi_columns_to_start(const tvi_integrator *integrator, const tvi_columns *columns);
-/* Tells whether the columns are those that the last step ended with, bit for bit. Then the columns inside of that step
- * can be computed. */
-bool tvi_columns_have_last_step(const tvi_integrator *integrator, const tvi_columns *columns);
+/* Prepares a run: the user's columns become those at the end of the step before the run. */
+void tvi_columns_begin_run(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Multiplies the columns by the Jacobian matrix of the integrator's last step. On failure the columns are unchanged. */
+TVI_NODISCARD tvi_status tvi_columns_move_by_last_step(const tvi_integrator *integrator,
+                                                       const tvi_tangent_columns *columns);
+/* Sets the columns to those at the given offset (0 to h) from the start of the last step, which was made with the given
+ * parameters. On failure the columns become those at the end of the step. */
+TVI_NODISCARD tvi_status tvi_columns_move_to_offset(const tvi_integrator *integrator,
+                                                    const tvi_tangent_columns *columns, double offset,
+                                                    const double parameters[]);
+/* Sets the columns to the stored ones at the end of the last step. */
+void tvi_columns_restore_step_end(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Sets the columns to the stored ones at the start of the last step. */
+void tvi_columns_restore_step_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Tells whether the user's columns equal the stored ones at the end of the last step, bit for bit. In that case the
+ * columns at points inside that step can be computed. */
+bool tvi_columns_match_last_step_end(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 
 #endif

@@ -1,22 +1,23 @@
-/* dip.h - Decides whether a function whose size has a dip between two points becomes 0 there. search.c calls it. */
+/* dip.h - Decides whether a function g of one variable has a zero near a dip, that is a local minimum of |g| between
+ * samples of one sign. search.c calls it with event functions g(theta), where theta is the part of a step. */
 #ifndef TVI_SRC_RUN_DIP_H
 #define TVI_SRC_RUN_DIP_H
 
 #include <stdbool.h>
 
-/* A value of g, and the theta where g has it. */
+/* A sample of an event function: the value g at the abscissa theta. */
 typedef struct {
-    double at, g;
-} tvi_dip_point;
+    double theta, g;
+} tvi_event_sample;
 
-/* Five points. The three in the middle have one sign of g, x[1] < x[2] < x[3], and |g| is least at x[2]. x[0] and x[4]
- * lie farther out, or are missing, with NAN for g. */
-enum { TVI_DIP = 5 };
+/* A dip is described by five samples x[0] ... x[4], in the order of theta. x[1], x[2] and x[3] have one sign of g, and
+ * |g| is smallest at x[2]. The outer samples x[0] and x[4] may be missing; their g is NAN then. */
+enum { TVI_DIP_SAMPLES = 5 };
 
-/* Sets *at to the next abscissa to sample, after `looks` samples. Returns false if g is known to have no zero between
- * x[1] and x[3]. */
-bool tvi_dip_next(const tvi_dip_point x[TVI_DIP], int looks, double *at);
-/* Inserts a point with the same sign of g, in the middle of the three or at an end of them. */
-void tvi_dip_insert(tvi_dip_point x[TVI_DIP], tvi_dip_point found);
+/* Sets *theta to the next abscissa at which the caller should sample g, after sample_count samples. Returns false if g
+ * is known to have no zero between x[1] and x[3]. */
+bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_count, double *theta);
+/* Inserts a new sample whose g has the same sign. It becomes the middle sample x[2] or one of its neighbours. */
+void tvi_dip_insert_sample(tvi_event_sample x[TVI_DIP_SAMPLES], tvi_event_sample added);
 
 #endif

@@ -132,7 +132,7 @@ static tvi_status provide_columns(const tvi_ensemble *e, int columns)
 {
     tvi_status status = TVI_OK;
     for (int i = 0; i < e->threads && columns > 0 && status == TVI_OK; i++)
-        status = tvi_integrator_provide_tangent(e->worker[i].single, columns);
+        status = tvi_integrator_allocate_tangent(e->worker[i].single, columns);
     return status;
 }
 

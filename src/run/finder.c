@@ -26,314 +26,345 @@ static const double REACH = 2e-9, STEEPER = 32;
  * to FARTHEST. SURE and FARTHEST are parts of the step. */
 static const double SURE = 0x1p-50, WIDER = 16, FARTHEST = 1.0 / 16;
 
-tvi_status tvi_finder_open(tvi_finder *s, tvi_search *search)
+tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
 {
-    const tvi_integrator *it = search->it;
+    const tvi_integrator *it = search->integrator;
     const int size = 2 * it->system->n + 1;
-    *s = (tvi_finder){.search = search, .size = size, .base = calloc((size_t)size * 4, sizeof *s->base)};
-    if (!s->base) return TVI_ENOMEM;
-    s->rate = s->base + size;
-    s->middle = s->rate + size;
-    s->trial = s->middle + size;
-    return tvi_rates_open(&s->rates, it->system, it->parameters);
+    *finder = (tvi_event_finder){
+        .search = search, .state_size = size, .line_origin = calloc((size_t)size * 4, sizeof *finder->line_origin)};
+    if (!finder->line_origin) return TVI_ENOMEM;
+    finder->line_direction = finder->line_origin + size;
+    finder->chord_midpoint = finder->line_direction + size;
+    finder->trial_state = finder->chord_midpoint + size;
+    return tvi_rates_open(&finder->field_rates, it->system, it->parameters);
 }
 
-void tvi_finder_close(tvi_finder *s)
+void tvi_finder_close(tvi_event_finder *finder)
 {
-    tvi_rates_close(&s->rates);
-    free(s->base);
+    tvi_rates_close(&finder->field_rates);
+    free(finder->line_origin);
 }
 
-/* Sets s->rate to the slope of the curve at theta, and s->middle to the state in the middle of the chord there. *slope
- * is that of g along the curve, and *ahead the distance to the zero of g. */
-static tvi_status set_slopes(tvi_finder *s, int which, double theta, double *slope, double *ahead)
+/* Sets finder->line_direction to the slope of the curve at theta, and finder->chord_midpoint to the state in the
+ * middle of the chord there. *slope is that of g along the curve, and *ahead the distance to the zero of g. */
+static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index, double theta, double *slope,
+                                       double *ahead)
 {
     const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
     double ga = 0, gb = 0;
-    tvi_status status = tvi_search_state(s->search, a, s->rate);
-    if (status == TVI_OK) status = tvi_search_value(s->search, which, s->rate, &ga);
-    if (status == TVI_OK) status = tvi_search_state(s->search, b, s->middle);
-    if (status == TVI_OK) status = tvi_search_value(s->search, which, s->middle, &gb);
+    tvi_status status = tvi_search_compute_curve_state(finder->search, a, finder->line_direction);
+    if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->line_direction, &ga);
+    if (status == TVI_OK) status = tvi_search_compute_curve_state(finder->search, b, finder->chord_midpoint);
+    if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->chord_midpoint, &gb);
     *slope = (gb - ga) / (b - a);
     *ahead = -(ga + gb) / (2 * *slope);
-    for (int i = 0; i < s->size; i++) {
-        const double low = s->rate[i], high = s->middle[i];
-        s->rate[i] = (high - low) / (b - a);
-        s->middle[i] = (low + high) / 2;
+    for (int i = 0; i < finder->state_size; i++) {
+        const double low = finder->line_direction[i], high = finder->chord_midpoint[i];
+        finder->line_direction[i] = (high - low) / (b - a);
+        finder->chord_midpoint[i] = (low + high) / 2;
     }
-    s->is_inside = a > 0 && b < 1; /* the error of the slope is the square of the chord */
+    finder->is_chord_inside_step = a > 0 && b < 1; /* the error of the slope is the square of the chord */
     return status;
 }
 
 /* Tells whether the root has a guess that lies inside the bracket, clear of its ends. */
-static bool has_guess(const tvi_root *r) { return r->guess > r->a + CHORD && r->guess < r->b - CHORD; }
-
-/* Tells whether the distance `way` from a point is short, also relative to the distance from a and b. */
-static bool is_short(const tvi_root *r, double from, double way)
+static bool has_guess_inside_bracket(const tvi_event_root *root)
 {
-    return fabs(way) <= fmin(LEAST_WAY, NEAR * fmin(from + way - r->a, r->b - (from + way)));
+    return root->theta_guess > root->bracket.left + CHORD && root->theta_guess < root->bracket.right - CHORD;
 }
 
-/* The distance of the curve from s->base in these components, relative to the largest of them. */
-static double distance_of(const tvi_finder *s, int from, int count)
+/* Tells whether the distance `way` from a point is short, also relative to the distance from a and b. */
+static bool is_short_correction(const tvi_event_root *root, double from, double way)
+{
+    return fabs(way) <=
+           fmin(LEAST_WAY, NEAR * fmin(from + way - root->bracket.left, root->bracket.right - (from + way)));
+}
+
+/* The distance of the curve from finder->line_origin in these components, relative to the largest of them. */
+static double relative_distance_to_curve(const tvi_event_finder *finder, int from, int count)
 {
     double apart = 0, size = 0;
     for (int i = from; i < from + count; i++) {
-        apart = fmax(apart, fabs(s->base[i] - s->middle[i]));
-        size = fmax(size, fabs(s->base[i]));
+        apart = fmax(apart, fabs(finder->line_origin[i] - finder->chord_midpoint[i]));
+        size = fmax(size, fabs(finder->line_origin[i]));
     }
     return tvi_ratio(apart, size);
 }
 
-/* The relative distance in the time, which may be 0 at s->base. */
-static double time_distance(const tvi_finder *s)
+/* The relative distance in the time, which may be 0 at finder->line_origin. */
+static double relative_time_distance(const tvi_event_finder *finder)
 {
-    const int t = s->size - 1;
-    return tvi_ratio(fabs(s->base[t] - s->middle[t]), fabs(s->base[t]) + fabs(s->rate[t]));
+    const int t = finder->state_size - 1;
+    return tvi_ratio(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
+                     fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
-/* Copies the last state of s->search->between, at theta, to s->base. */
-static void copy_between(tvi_finder *s, double theta)
+/* Copies the last state of finder->search->partial_step, at theta, to finder->line_origin. */
+static void copy_partial_step_state(tvi_event_finder *finder, double theta)
 {
-    tvi_between_copy(s->search->between, s->base);
-    s->base_at = theta;
+    tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
+    finder->line_origin_theta = theta;
 }
 
 /* ---- On a line --------------------------------------------------------------------------------------------------- */
 
-/* Sets x [2n + 1] = s->base + way s->rate, and *g to the value there. */
-static tvi_status value_ahead(tvi_finder *s, int which, double way, double x[], double *g)
+/* Sets x [2n + 1] = finder->line_origin + way finder->line_direction, and *g to the value there. */
+static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_index, double way, double x[], double *g)
 {
-    for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
-    return tvi_search_value(s->search, which, x, g);
+    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + way * finder->line_direction[i];
+    return tvi_search_evaluate_event(finder->search, event_index, x, g);
 }
 
 typedef struct {
-    tvi_finder *s;
-    int which;
-} on_line;
+    tvi_event_finder *finder;
+    int event_index;
+} event_on_line;
 
-static tvi_status value_on_line(void *ctx, double way, double *g)
+static tvi_status evaluate_line_distance(void *ctx, double way, double *g)
 {
-    const on_line *line = ctx;
-    return value_ahead(line->s, line->which, way, line->s->trial, g);
+    const event_on_line *line = ctx;
+    return evaluate_event_on_line(line->finder, line->event_index, way, line->finder->trial_state, g);
 }
 
 /* Brackets the sign change of g around `way`, within the step and no farther than FARTHEST. The bracket has one sign
  * only if g does not change there. */
-static tvi_status enclose(tvi_finder *s, const tvi_root *r, double way, tvi_bracket *z)
+static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double way,
+                                       tvi_sign_bracket *bracket)
 {
-    const double low = fmax(-s->base_at, -FARTHEST), high = fmin(1 - s->base_at, FARTHEST);
+    const double low = fmax(-finder->line_origin_theta, -FARTHEST),
+                 high = fmin(1 - finder->line_origin_theta, FARTHEST);
     double width = SURE;
-    z->a = fmin(fmax(way - width, low), high), z->b = fmin(fmax(way + width, low), high);
-    tvi_status status = value_ahead(s, r->which, z->a, s->trial, &z->ga);
-    while (status == TVI_OK && tvi_is_behind(r, z->ga) && z->a > low) {
-        z->b = z->a, z->gb = z->ga;
-        z->a = fmax(z->a - (width *= WIDER), low);
-        status = value_ahead(s, r->which, z->a, s->trial, &z->ga);
+    bracket->left = fmin(fmax(way - width, low), high), bracket->right = fmin(fmax(way + width, low), high);
+    tvi_status status =
+        evaluate_event_on_line(finder, root->event_index, bracket->left, finder->trial_state, &bracket->g_left);
+    while (status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > low) {
+        bracket->right = bracket->left, bracket->g_right = bracket->g_left;
+        bracket->left = fmax(bracket->left - (width *= WIDER), low);
+        status =
+            evaluate_event_on_line(finder, root->event_index, bracket->left, finder->trial_state, &bracket->g_left);
     }
     if (status != TVI_OK || width > SURE) return status;
-    status = value_ahead(s, r->which, z->b, s->trial, &z->gb);
-    while (status == TVI_OK && !tvi_is_behind(r, z->gb) && z->b < high) {
-        z->a = z->b, z->ga = z->gb;
-        z->b = fmin(z->b + (width *= WIDER), high);
-        status = value_ahead(s, r->which, z->b, s->trial, &z->gb);
+    status = evaluate_event_on_line(finder, root->event_index, bracket->right, finder->trial_state, &bracket->g_right);
+    while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < high) {
+        bracket->left = bracket->right, bracket->g_left = bracket->g_right;
+        bracket->right = fmin(bracket->right + (width *= WIDER), high);
+        status =
+            evaluate_event_on_line(finder, root->event_index, bracket->right, finder->trial_state, &bracket->g_right);
     }
     return status;
 }
 
-/* Sets *way to the distance from s->base to the root on the line, if s->is_enclosed. g is the value at s->base, and
- * slope that of g along the line, which may be any number. */
-static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, double slope, double *way)
+/* Sets *way to the distance from finder->line_origin to the root on the line, if finder->is_root_on_line. g is the
+ * value at finder->line_origin, and slope that of g along the line, which may be any number. */
+static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
+                                    double *way)
 {
     double next;
-    tvi_bracket z = {0};
+    tvi_sign_bracket bracket = {0};
     const double first = -g / slope;
     *way = fabs(first) <= FARTHEST ? first : 0;
-    tvi_status status = value_ahead(s, r->which, *way, s->trial, &next);
+    tvi_status status = evaluate_event_on_line(finder, root->event_index, *way, finder->trial_state, &next);
     const double second = *way - next / slope;
     if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *way = second;
-    if (status == TVI_OK) status = enclose(s, r, *way, &z);
-    s->is_enclosed = status == TVI_OK && !tvi_is_behind(r, z.ga) && tvi_is_behind(r, z.gb);
-    if (!s->is_enclosed || z.b - z.a <= 2 * SURE) return status;
-    status = tvi_narrow(&z, DBL_EPSILON / 4, value_on_line, &(on_line){s, r->which});
-    *way = z.b;
+    if (status == TVI_OK) status = bracket_root_on_line(finder, root, *way, &bracket);
+    finder->is_root_on_line = status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_left) &&
+                              tvi_has_sign_after_root(root, bracket.g_right);
+    if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * SURE) return status;
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_line_distance,
+                                &(event_on_line){finder, root->event_index});
+    *way = bracket.right;
     return status;
 }
 
 /* Sets the event to the point at this distance on the line. */
-static void settle(const tvi_finder *s, tvi_root *r, double way, double x[])
+static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *root, double way, double x[])
 {
-    r->theta = s->base_at + way;
-    for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
+    root->theta = finder->line_origin_theta + way;
+    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + way * finder->line_direction[i];
 }
 
 /* Sets the event to theta, by a step over a part of h. */
-static tvi_status settle_at(tvi_finder *s, tvi_root *r, double theta, double x[])
+static tvi_status set_event_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta, double x[])
 {
-    const tvi_status status = tvi_between_state(s->search->between, theta * s->search->it->h);
-    copy_between(s, theta);
-    if (status == TVI_OK) settle(s, r, 0, x);
+    const tvi_status status =
+        tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
+    copy_partial_step_state(finder, theta);
+    if (status == TVI_OK) set_event_on_line(finder, root, 0, x);
     return status;
 }
 
-/* Sets s->base to the state at theta, by a step over a part of h, and s->reach to the distance over which the slope of
- * the curve makes no error that shows. */
-static tvi_status set_base(tvi_finder *s, double theta)
+/* Sets finder->line_origin to the state at theta, by a step over a part of h, and finder->accurate_distance to the
+ * distance over which the slope of the curve makes no error that shows. */
+static tvi_status start_line_at(tvi_event_finder *finder, double theta)
 {
-    const int n = s->search->it->system->n;
-    const tvi_status status = tvi_between_state(s->search->between, theta * s->search->it->h);
+    const int n = finder->search->integrator->system->n;
+    const tvi_status status =
+        tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
-    copy_between(s, theta);
-    const double apart = fmax(fmax(distance_of(s, 0, n), distance_of(s, n, n)), time_distance(s));
-    s->reach = s->is_inside ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
+    copy_partial_step_state(finder, theta);
+    const double apart = fmax(fmax(relative_distance_to_curve(finder, 0, n), relative_distance_to_curve(finder, n, n)),
+                              relative_time_distance(finder));
+    finder->accurate_distance = finder->is_chord_inside_step ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
     return TVI_OK;
 }
 
-static tvi_status value_of_step(void *ctx, double theta, double *g)
+static tvi_status evaluate_after_partial_step(void *ctx, double theta, double *g)
 {
-    const on_line *at = ctx;
-    tvi_finder *s = at->s;
-    const tvi_status status = set_base(s, theta);
-    return status == TVI_OK ? tvi_search_value(s->search, at->which, s->base, g) : status;
+    const event_on_line *line = ctx;
+    tvi_event_finder *finder = line->finder;
+    const tvi_status status = start_line_at(finder, theta);
+    return status == TVI_OK ? tvi_search_evaluate_event(finder->search, line->event_index, finder->line_origin, g)
+                            : status;
 }
 
 /* Finds the root by steps over parts of h in the bracket that the curve gives, or beside it. It is used if no line has
  * the root, or if lines converge slowly. */
-static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
+static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
-    on_line at = {s, r->which};
-    tvi_bracket z = {r->a, 0, r->b, 0};
-    tvi_status status = value_of_step(&at, z.a, &z.ga);
-    if (status == TVI_OK) status = value_of_step(&at, z.b, &z.gb);
-    while (status == TVI_OK && tvi_is_behind(r, z.ga) && z.a > 0) {
-        z.b = z.a, z.gb = z.ga;
-        z.a = fmax(z.a - tvi_sample_theta[0], 0);
-        status = value_of_step(&at, z.a, &z.ga);
+    event_on_line line = {finder, root->event_index};
+    tvi_sign_bracket bracket = {root->bracket.left, 0, root->bracket.right, 0};
+    tvi_status status = evaluate_after_partial_step(&line, bracket.left, &bracket.g_left);
+    if (status == TVI_OK) status = evaluate_after_partial_step(&line, bracket.right, &bracket.g_right);
+    while (status == TVI_OK && tvi_has_sign_after_root(root, bracket.g_left) && bracket.left > 0) {
+        bracket.right = bracket.left, bracket.g_right = bracket.g_left;
+        bracket.left = fmax(bracket.left - tvi_sample_theta[0], 0);
+        status = evaluate_after_partial_step(&line, bracket.left, &bracket.g_left);
     }
-    while (status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1) {
-        z.a = z.b, z.ga = z.gb;
-        z.b = fmin(z.b + tvi_sample_theta[0], 1);
-        status = value_of_step(&at, z.b, &z.gb);
+    while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_right) && bracket.right < 1) {
+        bracket.left = bracket.right, bracket.g_left = bracket.g_right;
+        bracket.right = fmin(bracket.right + tvi_sample_theta[0], 1);
+        status = evaluate_after_partial_step(&line, bracket.right, &bracket.g_right);
     }
     if (status != TVI_OK) return status;
-    r->is_none = tvi_is_behind(r, z.ga) || !tvi_is_behind(r, z.gb);
-    if (r->is_none) return TVI_OK;
-    status = tvi_narrow(&z, DBL_EPSILON / 4, value_of_step, &at);
-    return status == TVI_OK ? settle_at(s, r, z.b, x) : status;
+    root->is_only_on_curve =
+        tvi_has_sign_after_root(root, bracket.g_left) || !tvi_has_sign_after_root(root, bracket.g_right);
+    if (root->is_only_on_curve) return TVI_OK;
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_after_partial_step, &line);
+    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, x) : status;
 }
 
 /* Finds the root on the curve, and then on lines. Each line starts at the root on the line before, until two roots are
  * near. */
-static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
+static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
-    double theta = r->guess, g = 0, slope, way = 0, ahead = 0;
+    double theta = root->theta_guess, g = 0, slope, way = 0, ahead = 0;
     tvi_status status = TVI_OK;
-    if (has_guess(r)) status = set_slopes(s, r->which, theta, &slope, &ahead);
-    if (status == TVI_OK && has_guess(r) && is_short(r, theta, ahead)) theta += ahead;
-    else if (status == TVI_OK) status = tvi_search_zero(s->search, r, &theta);
+    if (has_guess_inside_bracket(root)) status = measure_curve_slopes(finder, root->event_index, theta, &slope, &ahead);
+    if (status == TVI_OK && has_guess_inside_bracket(root) && is_short_correction(root, theta, ahead)) theta += ahead;
+    else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
     for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
-        status = set_slopes(s, r->which, theta, &slope, &ahead);
-        if (status == TVI_OK) status = value_of_step(&(on_line){s, r->which}, theta, &g);
-        if (status == TVI_OK) status = root_on_line(s, r, g, slope, &way);
+        status = measure_curve_slopes(finder, root->event_index, theta, &slope, &ahead);
+        if (status == TVI_OK)
+            status = evaluate_after_partial_step(&(event_on_line){finder, root->event_index}, theta, &g);
+        if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &way);
         if (status != TVI_OK) return status;
-        if (!s->is_enclosed) break;
-        if (fabs(way) <= fmax(s->reach, DBL_EPSILON)) {
-            settle(s, r, way, x);
+        if (!finder->is_root_on_line) break;
+        if (fabs(way) <= fmax(finder->accurate_distance, DBL_EPSILON)) {
+            set_event_on_line(finder, root, way, x);
             return TVI_OK;
         }
         theta = fmin(fmax(theta + way, 0), 1);
     }
-    return status == TVI_OK ? find_by_steps(s, r, x) : status;
+    return status == TVI_OK ? find_event_by_partial_steps(finder, root, x) : status;
 }
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
-/* Sets s->rate to the rates of the field at a state, for a unit of theta. */
-static tvi_status rates_at(tvi_finder *s, const double x[])
+/* Sets finder->line_direction to the rates of the field at a state, for a unit of theta. */
+static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double x[])
 {
-    const int last = s->size - 1;
-    const double h = s->search->it->h;
-    const tvi_status status = tvi_rates_at(&s->rates, x, s->rate);
-    for (int i = 0; i < last; i++) s->rate[i] *= h;
-    s->rate[last] = h;
+    const int last = finder->state_size - 1;
+    const double h = finder->search->integrator->h;
+    const tvi_status status = tvi_rates_at(&finder->field_rates, x, finder->line_direction);
+    for (int i = 0; i < last; i++) finder->line_direction[i] *= h;
+    finder->line_direction[last] = h;
     return status;
 }
 
 /* Finds the event from a good guess by one step over a part of h, if the field's rates are accurate enough for the rest
  * of the way. For a way longer than 0 the rates are taken in its middle. */
-static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *is_done)
+static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_root *root, double x[], bool *is_done)
 {
     double g = 0, before = 0, after = 0, found = 0;
-    const double h = s->search->it->h;
-    tvi_status status = tvi_between_state(s->search->between, r->guess * h);
+    const double h = finder->search->integrator->h;
+    tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
-    copy_between(s, r->guess);
-    status = rates_at(s, s->base);
-    if (status == TVI_OK) status = tvi_search_value(s->search, r->which, s->base, &g);
-    if (status == TVI_OK) status = value_ahead(s, r->which, -CHORD, s->trial, &before);
-    if (status == TVI_OK) status = value_ahead(s, r->which, CHORD, s->trial, &after);
+    copy_partial_step_state(finder, root->theta_guess);
+    status = compute_rates_per_theta(finder, finder->line_origin);
+    if (status == TVI_OK)
+        status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
+    if (status == TVI_OK)
+        status = evaluate_event_on_line(finder, root->event_index, -CHORD, finder->trial_state, &before);
+    if (status == TVI_OK)
+        status = evaluate_event_on_line(finder, root->event_index, CHORD, finder->trial_state, &after);
     const double slope = (after - before) / (2 * CHORD), way = -g / slope;
-    const double tail = fmax(s->search->it->stats.tail, s->search->between->partial_integrator->stats.tail),
+    const double tail = fmax(finder->search->integrator->stats.tail,
+                             finder->search->partial_step->partial_step_integrator->stats.tail),
                  error = tail * tail;
-    if (status != TVI_OK || !(fabs(way) * error <= DBL_EPSILON / 8 && is_short(r, r->guess, way))) return status;
+    if (status != TVI_OK ||
+        !(fabs(way) * error <= DBL_EPSILON / 8 && is_short_correction(root, root->theta_guess, way)))
+        return status;
     if (fabs(way) > REACH) {
-        for (int i = 0; i < s->size; i++) s->trial[i] = s->base[i] + way / 2 * s->rate[i];
-        status = rates_at(s, s->trial);
+        for (int i = 0; i < finder->state_size; i++)
+            finder->trial_state[i] = finder->line_origin[i] + way / 2 * finder->line_direction[i];
+        status = compute_rates_per_theta(finder, finder->trial_state);
     }
-    if (status == TVI_OK) status = root_on_line(s, r, g, slope, &found);
-    if (status == TVI_OK) settle(s, r, found, x);
-    *is_done = status == TVI_OK && s->is_enclosed && fabs(found - way) <= REACH && tvi_all_finite(s->size, x);
+    if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
+    if (status == TVI_OK) set_event_on_line(finder, root, found, x);
+    *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - way) <= REACH &&
+               tvi_all_finite(finder->state_size, x);
     return status;
 }
 
 /* Tells whether the method's solution follows the field up to the square of the tail. */
-static bool knows_rates(const tvi_finder *s)
+static bool are_field_rates_accurate(const tvi_event_finder *finder)
 {
-    const tvi_integrator *it = s->search->it;
-    return s->rates.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent && it->options.degree > 1;
+    const tvi_integrator *it = finder->search->integrator;
+    return finder->field_rates.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent &&
+           it->options.degree > 1;
 }
 
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
 /* Sets *g to the rise of g since the event that the step began on, divided by theta. The quotient is nearly linear if
  * theta is small. */
-static tvi_status rise_over_way(void *ctx, double theta, double *g)
+static tvi_status compute_rise_per_theta(void *ctx, double theta, double *g)
 {
-    const on_line *at = ctx;
+    const event_on_line *line = ctx;
     double rise = 0;
     bool known;
-    const tvi_status status = tvi_start_rise(at->s->search, at->which, theta, &rise, &known);
+    const tvi_status status = tvi_start_compute_rise(line->finder->search, line->event_index, theta, &rise, &known);
     *g = rise / theta;
     return status;
 }
 
 /* Finds a return to the event that the step began on. The curve may return sooner than the method's own solution
  * does. */
-static tvi_status find_return(tvi_finder *s, tvi_root *r, double x[])
+static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
-    on_line at = {s, r->which};
-    const double first = s->search->watch[r->which].left_at;
-    tvi_bracket z = {.a = first, .b = fmax(r->b, first)};
-    tvi_status status = rise_over_way(&at, z.a, &z.ga);
-    if (status == TVI_OK) status = rise_over_way(&at, z.b, &z.gb);
-    while (status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1) {
-        z.b = fmin(z.b + tvi_sample_theta[0], 1);
-        status = rise_over_way(&at, z.b, &z.gb);
+    event_on_line line = {finder, root->event_index};
+    const double first = finder->search->watched_events[root->event_index].leaving_theta;
+    tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
+    tvi_status status = compute_rise_per_theta(&line, bracket.left, &bracket.g_left);
+    if (status == TVI_OK) status = compute_rise_per_theta(&line, bracket.right, &bracket.g_right);
+    while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_right) && bracket.right < 1) {
+        bracket.right = fmin(bracket.right + tvi_sample_theta[0], 1);
+        status = compute_rise_per_theta(&line, bracket.right, &bracket.g_right);
     }
     if (status != TVI_OK) return status;
-    r->is_none = !tvi_is_behind(r, z.gb);
-    if (r->is_none) return TVI_OK;
-    status = tvi_narrow(&z, DBL_EPSILON / 4 * first, rise_over_way, &at);
-    return status == TVI_OK ? settle_at(s, r, z.b, x) : status;
+    root->is_only_on_curve = !tvi_has_sign_after_root(root, bracket.g_right);
+    if (root->is_only_on_curve) return TVI_OK;
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4 * first, compute_rise_per_theta, &line);
+    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, x) : status;
 }
 
-tvi_status tvi_finder_find(tvi_finder *s, tvi_root *r, double x[])
+tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
     bool is_done = false;
     tvi_status status = TVI_OK;
-    if (r->is_return) return find_return(s, r, x);
-    if (r->b == 1 && r->gb == 0) return settle_at(s, r, 1, x);
-    if (has_guess(r) && knows_rates(s)) status = polish_by_rates(s, r, x, &is_done);
-    return is_done || status != TVI_OK ? status : polish(s, r, x);
+    if (root->is_return_to_event) return find_return_to_event(finder, root, x);
+    if (root->bracket.right == 1 && root->bracket.g_right == 0) return set_event_by_partial_step(finder, root, 1, x);
+    if (has_guess_inside_bracket(root) && are_field_rates_accurate(finder))
+        status = find_event_by_field_rates(finder, root, x, &is_done);
+    return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, x);
 }

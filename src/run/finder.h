@@ -1,32 +1,39 @@
-/* finder.h - Finds the time and the state of an event, from a root that the search has bracketed. locate.c calls it. */
+/* finder.h - Finds the time and the state of an event to roundoff, from a root that the search (search.h) has bracketed
+ * on the curve of the step. locate.c calls it. */
 #ifndef TVI_SRC_RUN_FINDER_H
 #define TVI_SRC_RUN_FINDER_H
 
 #include "run/search.h"
 #include "system/rates.h"
 
-/* The work of a finder. States are [2n + 1]: q, p, t. */
+/* The memory of a finder. It represents the solution near an event by a line x(theta) = line_origin + (theta -
+ * line_origin_theta) line_direction. States x are vectors [2n + 1], in the order q, p, t. */
 typedef struct {
-    tvi_search *search;
-    tvi_rates rates;       /* of the field */
-    int size;              /* of a state */
-    double *base, base_at; /* state of the last partial step, and its theta */
-    /* The slope of the line from `base`, and the distance over which the line is accurate. */
-    double *rate, reach;
-    double *middle;   /* the state on the curve where `rate` was measured */
-    bool is_inside;   /* `rate` was measured clear of the ends of the step */
-    bool is_enclosed; /* the root is on the last line */
-    double *trial;
-} tvi_finder;
+    tvi_event_search *search;
+    tvi_rates field_rates;                  /* computes dq/dt and dp/dt */
+    int state_size;                         /* 2n + 1, the number of components of a state */
+    double *line_origin, line_origin_theta; /* the state after the last partial step, and its theta */
+    /* The derivative dx/dtheta of the solution, and the distance in theta up to which the line is accurate to
+     * roundoff. */
+    double *line_direction, accurate_distance;
+    double *chord_midpoint;    /* the middle of the chord of the curve whose slope is line_direction */
+    bool is_chord_inside_step; /* true if both ends of this chord lie inside the step */
+    bool is_root_on_line;      /* true if the event function changes its sign on the current line */
+    double *trial_state;       /* scratch memory for one state */
+} tvi_event_finder;
 
-TVI_NODISCARD tvi_status tvi_finder_open(tvi_finder *finder, tvi_search *search);
-void tvi_finder_close(tvi_finder *finder);
+/* Allocates the memory of a finder for the events of a search. */
+TVI_NODISCARD tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search);
+void tvi_finder_close(tvi_event_finder *finder);
 
-/* Finds an event of the last step to roundoff: root->theta, and its state x [2n + 1]. Sets root->is_none if g changes
- * its sign on the curve alone, as where it nearly touches 0. */
-TVI_NODISCARD tvi_status tvi_finder_find(tvi_finder *finder, tvi_root *root, double x[]);
+/* Computes root->theta and the state x [2n + 1] of an event in the last step, to roundoff. If g changes its sign
+ * only on the less accurate curve, since it nearly touches 0 there, root->is_only_on_curve is set instead. */
+TVI_NODISCARD tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double x[]);
 
-/* Tells whether g has the sign after the root, or is 0. */
-static inline bool tvi_is_behind(const tvi_root *root, double g) { return root->sign_after > 0 ? g >= 0 : g <= 0; }
+/* Tells whether the value g has the sign that the event function has after the root, or is 0. */
+static inline bool tvi_has_sign_after_root(const tvi_event_root *root, double g)
+{
+    return root->g_sign_after > 0 ? g >= 0 : g <= 0;
+}
 
 #endif

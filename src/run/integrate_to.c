@@ -1,5 +1,5 @@
 /* integrate_to.c - Runs to a given time, with a shorter last step. */
-#include "run/between.h"
+#include "run/partial_step.h"
 #include "run/run.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -29,12 +29,12 @@ tvi_status tvi_run_goes_on(const tvi_integrator *it, double t_end, int *slow)
 /* Replaces a step that went past t_end by the part of it that ends there. */
 static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[], double p[])
 {
-    tvi_between between;
-    const tvi_status opened = tvi_between_open(&between, it, false);
-    tvi_status status = opened == TVI_OK ? tvi_between_time(&between, t_end) : opened;
+    tvi_partial_step partial_step;
+    const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
+    tvi_status status = opened == TVI_OK ? tvi_partial_step_compute_state_at_time(&partial_step, t_end) : opened;
     tvi_integrator_undo(it, t, q, p);
-    if (status == TVI_OK && between.part != 0) status = tvi_step(it, between.part, t, q, p);
-    if (opened == TVI_OK) tvi_between_close(&between);
+    if (status == TVI_OK && partial_step.offset != 0) status = tvi_step(it, partial_step.offset, t, q, p);
+    if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
     return status;
 }
 
@@ -92,5 +92,5 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
 {
     const tvi_run_plan plan = {.h = h, .t_end = t_end};
     const tvi_observers observers = {.at_step = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t, q, p);
+    return tvi_run_one(it, &(tvi_single_run){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t, q, p);
 }

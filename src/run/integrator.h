@@ -65,7 +65,7 @@ struct tvi_integrator {
     tvi_run_state state;                  /* in the history */
     tvi_run_state start;                  /* of the last step, in history_before */
     tvi_stop *stop;                       /* the last stop of one member */
-    long parameter_sets;                  /* how often the parameters were set */
+    long parameter_version;               /* how often the parameters were set */
     bool is_in_observer;                  /* an observer is being called: steps are refused */
     bool has_dense;                       /* the work holds the last step */
     double h, covered;                    /* size of the last step that was tried, and the time that it covers */
@@ -165,7 +165,7 @@ void tvi_integrator_apply_parameters(tvi_integrator *integrator);
 void tvi_integrator_load_parameters(tvi_integrator *integrator, const double value[], size_t stride, int count);
 
 /* Provides the tangent's memory for this number of columns (tangent.c). */
-TVI_NODISCARD tvi_status tvi_integrator_provide_tangent(tvi_integrator *integrator, int columns);
+TVI_NODISCARD tvi_status tvi_integrator_allocate_tangent(tvi_integrator *integrator, int columns);
 
 /* Tells whether the status says that the member itself has failed. Other statuses tell of the run, or of the call. */
 static inline bool tvi_status_is_of_member(tvi_status status)

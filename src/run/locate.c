@@ -24,256 +24,272 @@ static const double SAME_ROOT = 1e-12;
 enum { KEPT = 32 };
 
 /* The work of a run with events. States are [2n + 1]: q, p, t. */
-typedef struct tvi_locator {
-    const tvi_run_of_one *run;
-    tvi_between between;
-    tvi_search search;
-    tvi_finder finder;
-    int size; /* of a state */
-    /* [KEPT + 1] states of the roots; the last one is scratch. */
-    double *kept;
-    double *state_sizes; /* [size] scratch */
-} locator;
+struct tvi_locator {
+    const tvi_single_run *run;
+    tvi_partial_step partial_step;
+    tvi_event_search search;
+    tvi_event_finder finder;
+    int state_size; /* 2n + 1, the number of components of a state */
+    /* [KEPT + 1][state_size] The states of the first KEPT roots of the step, and scratch memory for one more. */
+    double *cached_states;
+    double *scratch_sizes; /* [state_size] the sizes |x_i| of a state's components */
+};
 
-static double *kept_state(locator *s, int kept)
+static double *cached_root_state(tvi_locator *locator, int kept)
 {
-    return s->kept + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)s->size;
+    return locator->cached_states + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)locator->state_size;
 }
 
 /* Tells whether root a comes before root b, by their times and then by their events. Two roots whose states are not
  * kept, or that are far apart, are compared by theta. */
-static bool is_before(locator *s, const tvi_root *a, const tvi_root *b)
+static bool is_root_before(tvi_locator *locator, const tvi_event_root *a, const tvi_event_root *b)
 {
-    const int t = s->size - 1;
-    const bool are_kept = a->number < KEPT && b->number < KEPT, are_near = fabs(a->theta - b->theta) <= NEAR_STOP;
+    const int t = locator->state_size - 1;
+    const bool are_kept = a->found_index < KEPT && b->found_index < KEPT,
+               are_near = fabs(a->theta - b->theta) <= NEAR_STOP;
     if (!are_kept || !are_near) return a->theta < b->theta;
-    const double way = (kept_state(s, a->number)[t] - kept_state(s, b->number)[t]) * s->search.it->covered;
-    return way < 0 || (way == 0 && a->which < b->which);
+    const double way = (cached_root_state(locator, a->found_index)[t] - cached_root_state(locator, b->found_index)[t]) *
+                       locator->search.integrator->covered;
+    return way < 0 || (way == 0 && a->event_index < b->event_index);
 }
 
-static void sort_roots(locator *s)
+static void sort_roots_by_time(tvi_locator *locator)
 {
-    for (int i = 1; i < s->search.found; i++)
-        for (int j = i; j > 0 && is_before(s, &s->search.roots[j], &s->search.roots[j - 1]); j--) {
-            const tvi_root later = s->search.roots[j - 1];
-            s->search.roots[j - 1] = s->search.roots[j];
-            s->search.roots[j] = later;
+    for (int i = 1; i < locator->search.root_count; i++)
+        for (int j = i; j > 0 && is_root_before(locator, &locator->search.roots[j], &locator->search.roots[j - 1]);
+             j--) {
+            const tvi_event_root later = locator->search.roots[j - 1];
+            locator->search.roots[j - 1] = locator->search.roots[j];
+            locator->search.roots[j] = later;
         }
 }
 
 /* Tells whether the root was found before, from another bracket. */
-static bool is_known(const locator *s, int count, const tvi_root *root)
+static bool is_duplicate_root(const tvi_locator *locator, int count, const tvi_event_root *root)
 {
     for (int i = 0; i < count; i++) {
-        const tvi_root *r = &s->search.roots[i];
-        if (r->which == root->which && r->sign_after == root->sign_after && fabs(r->theta - root->theta) <= SAME_ROOT)
+        const tvi_event_root *earlier = &locator->search.roots[i];
+        if (earlier->event_index == root->event_index && earlier->g_sign_after == root->g_sign_after &&
+            fabs(earlier->theta - root->theta) <= SAME_ROOT)
             return true;
     }
     return false;
 }
 
 /* Finds the events of the last step, in order: the roots that the method's own solution has. */
-static tvi_status locate_events(locator *s)
+static tvi_status locate_events_of_step(tvi_locator *locator)
 {
-    tvi_status status = tvi_search_step(&s->search);
+    tvi_status status = tvi_search_last_step(&locator->search);
     int count = 0;
-    for (int i = 0; i < s->search.found && status == TVI_OK; i++) {
-        tvi_root *r = &s->search.roots[i];
-        status = tvi_finder_find(&s->finder, r, kept_state(s, r->number));
-        if (!r->is_none && !is_known(s, count, r)) s->search.roots[count++] = *r;
+    for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++) {
+        tvi_event_root *root = &locator->search.roots[i];
+        status = tvi_finder_find_event(&locator->finder, root, cached_root_state(locator, root->found_index));
+        if (!root->is_only_on_curve && !is_duplicate_root(locator, count, root)) locator->search.roots[count++] = *root;
     }
-    s->search.found = count;
-    sort_roots(s);
+    locator->search.root_count = count;
+    sort_roots_by_time(locator);
     return status;
 }
 
 /* Reports an event with the state x. Returns whether the observer ends the run. */
-static bool report_event(locator *s, const tvi_root *r, const double x[])
+static bool report_event(tvi_locator *locator, const tvi_event_root *root, const double x[])
 {
-    const int n = s->search.it->system->n;
-    const tvi_observers *observers = &s->run->observers;
-    return tvi_call_event_observer(s->search.it, observers->on_event, r->which, x[2 * n], x, x + n, observers->ctx) !=
-           0;
+    const int n = locator->search.integrator->system->n;
+    const tvi_observers *observers = &locator->run->observers;
+    return tvi_call_event_observer(locator->search.integrator, observers->on_event, root->event_index, x[2 * n], x,
+                                   x + n, observers->ctx) != 0;
 }
 
 /* Sets the columns to those at the root, if the root is reported to an observer or ends the run. */
-static tvi_status show_columns(locator *s, const tvi_root *r)
+static tvi_status move_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
-    const bool is_seen = s->run->observers.on_event || s->search.watch[r->which].event->terminal;
-    const double part = r->theta * s->search.it->h;
-    return is_seen ? tvi_columns_show(s->search.it, &s->run->columns, part, s->between.partial_integrator->parameters)
+    const bool is_seen =
+        locator->run->observers.on_event || locator->search.watched_events[root->event_index].event->terminal;
+    const double part = root->theta * locator->search.integrator->h;
+    return is_seen ? tvi_columns_move_to_offset(locator->search.integrator, &locator->run->columns, part,
+                                                locator->partial_step.partial_step_integrator->parameters)
                    : TVI_OK;
 }
 
 /* Tells whether the root is at the stop x, at theta. It is if the times are equal. It is also if both are near and the
  * sign of g at x contradicts the order of the thetas. */
-static tvi_status is_at_stop(locator *s, const tvi_root *r, double theta, const double x[], bool *is_here)
+static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double x[],
+                                  bool *is_at_stop)
 {
-    const double t = x[s->size - 1], covered = s->search.it->covered;
-    const double own = r->number < KEPT ? kept_state(s, r->number)[s->size - 1] : t + (r->theta - theta) * covered;
+    const double t = x[locator->state_size - 1], covered = locator->search.integrator->covered;
+    const double own = root->found_index < KEPT ? cached_root_state(locator, root->found_index)[locator->state_size - 1]
+                                                : t + (root->theta - theta) * covered;
     double g = 0;
-    *is_here = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
-    if (*is_here || fabs(r->theta - theta) > NEAR_STOP) return TVI_OK;
-    const tvi_status status = tvi_search_value(&s->search, r->which, x, &g);
-    *is_here = tvi_is_behind(r, g) == (r->theta > theta);
+    *is_at_stop = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
+    if (*is_at_stop || fabs(root->theta - theta) > NEAR_STOP) return TVI_OK;
+    const tvi_status status = tvi_search_evaluate_event(&locator->search, root->event_index, x, &g);
+    *is_at_stop = tvi_has_sign_after_root(root, g) == (root->theta > theta);
     return status;
 }
 
 /* Tells whether g is within its roundoff of 0 at the stop x, in the direction that is not wanted. The search has
  * skipped such a root. */
-static tvi_status crosses_back(locator *s, int which, const double x[], bool *is_here)
+static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_index, const double x[],
+                                               bool *is_at_stop)
 {
-    const tvi_watch *w = &s->search.watch[which];
+    const tvi_watched_event *w = &locator->search.watched_events[event_index];
     double g = 0, roundoff = 0;
-    tvi_status status = tvi_search_value(&s->search, which, x, &g);
-    for (int i = 0; i < s->size; i++) s->state_sizes[i] = fabs(x[i]);
-    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->near, x, s->state_sizes, &roundoff);
-    *is_here = fabs(g) <= roundoff;
+    tvi_status status = tvi_search_evaluate_event(&locator->search, event_index, x, &g);
+    for (int i = 0; i < locator->state_size; i++) locator->scratch_sizes[i] = fabs(x[i]);
+    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->local_series, x, locator->scratch_sizes, &roundoff);
+    *is_at_stop = fabs(g) <= roundoff;
     return status;
 }
 
 /* Tells whether an event is at the stop x of the root `last`: as this root, or as its own root just before. If its next
  * root is at the stop, too, that root is reported now. */
-static tvi_status check_stop(locator *s, int which, int last, const double x[], bool *is_here)
+static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last, const double x[], bool *is_at_stop)
 {
-    const tvi_root *told = NULL, *next = NULL;
-    const double theta = s->search.roots[last].theta;
-    bool was_here = s->search.roots[last].which == which, comes = false;
+    const tvi_event_root *told = NULL, *next = NULL;
+    const double theta = locator->search.roots[last].theta;
+    bool was_here = locator->search.roots[last].event_index == event_index, comes = false;
     tvi_status status = TVI_OK;
-    for (int i = 0; i < s->search.found; i++) {
-        const tvi_root *r = &s->search.roots[i];
-        if (r->which == which && i < last) told = r;
-        else if (r->which == which && i > last && !next) next = r;
+    for (int i = 0; i < locator->search.root_count; i++) {
+        const tvi_event_root *root = &locator->search.roots[i];
+        if (root->event_index == event_index && i < last) told = root;
+        else if (root->event_index == event_index && i > last && !next) next = root;
     }
-    if (next) status = is_at_stop(s, next, theta, x, &comes);
-    if (status == TVI_OK && told && !was_here) status = is_at_stop(s, told, theta, x, &was_here);
-    const double resolved = SOON * fabs(x[s->size - 1] / s->search.it->covered); /* the end of the step is later, too */
-    const bool has_other_way = s->search.watch[which].event->direction != TVI_EITHER;
+    if (next) status = is_root_at_stop(locator, next, theta, x, &comes);
+    if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, x, &was_here);
+    const double resolved = SOON * fabs(x[locator->state_size - 1] /
+                                        locator->search.integrator->covered); /* the end of the step is later, too */
+    const bool has_other_way = locator->search.watched_events[event_index].event->direction != TVI_EITHER;
     const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
     /* also a root at the stop: roundoff of g decides */
     const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
-    if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead) status = crosses_back(s, which, x, &was_here);
-    if (status == TVI_OK && comes) (void)report_event(s, next, x);
-    *is_here = was_here || comes;
+    if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
+        status = is_unwanted_crossing_at_stop(locator, event_index, x, &was_here);
+    if (status == TVI_OK && comes) (void)report_event(locator, next, x);
+    *is_at_stop = was_here || comes;
     return status;
 }
 
 /* Ends the run at the event with the state x. Other events at the same time are reported, too. The stop keeps all of
  * them, so that the run that goes on has left them; it also keeps those of the stop before if that was hardly
  * sooner. */
-static tvi_status stop_at(locator *s, int last, const double x[])
+static tvi_status stop_run_at_event(tvi_locator *locator, int last, const double x[])
 {
-    tvi_integrator *it = s->search.it;
+    tvi_integrator *it = locator->search.integrator;
     tvi_stop *stop = it->stop;
-    const double t = x[s->size - 1], before = stop->state[s->size - 1];
+    const double t = x[locator->state_size - 1], before = stop->state[locator->state_size - 1];
     const bool is_soon = stop->is_set && fabs(t - before) <= SOON * fmax(fabs(t), fabs(before));
     if (!is_soon) stop->count = 0;
-    for (int which = 0; which < s->search.count; which++) {
-        bool is_here;
-        const tvi_status status = check_stop(s, which, last, x, &is_here);
+    for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
+        bool is_at_stop;
+        const tvi_status status = is_event_at_stop(locator, event_index, last, x, &is_at_stop);
         if (status != TVI_OK) return status;
-        const tvi_event *event = s->search.watch[which].event;
-        if (is_here && stop->count < TVI_STOP_EVENTS && !tvi_start_is_among(stop, event))
+        const tvi_event *event = locator->search.watched_events[event_index].event;
+        if (is_at_stop && stop->count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
             stop->events[stop->count++] = event->hash;
     }
-    memcpy(stop->state, x, (size_t)s->size * sizeof *x);
-    stop->is_set = it->parameter_sets == s->between.parameter_sets; /* otherwise the events have new parameters */
+    memcpy(stop->state, x, (size_t)locator->state_size * sizeof *x);
+    stop->is_set =
+        it->parameter_version == locator->partial_step.parameter_version; /* otherwise the events have new parameters */
     tvi_integrator_reset(it);
     return TVI_ESTOPPED;
 }
 
 /* Copies parameters that an observer has set to the search. They are those of the step that was just made. */
-static tvi_status update_parameters(locator *s)
+static tvi_status update_event_parameters(tvi_locator *locator)
 {
-    const tvi_integrator *it = s->search.it;
-    if (s->between.parameter_sets == it->parameter_sets) return TVI_OK;
-    tvi_search_set_parameters(&s->search);
-    tvi_rates_set_parameters(&s->finder.rates, it->parameters);
-    return tvi_between_set_parameters(&s->between);
+    const tvi_integrator *it = locator->search.integrator;
+    if (locator->partial_step.parameter_version == it->parameter_version) return TVI_OK;
+    tvi_search_set_parameters(&locator->search);
+    tvi_rates_set_parameters(&locator->finder.field_rates, it->parameters);
+    return tvi_partial_step_update_parameters(&locator->partial_step);
 }
 
 /* Copies a state to t, q and p of the user. */
-static void copy_state(const locator *s, const double x[], double *t, double q[], double p[])
+static void copy_state_to_user(const tvi_locator *locator, const double x[], double *t, double q[], double p[])
 {
-    const size_t n = (size_t)s->search.it->system->n;
+    const size_t n = (size_t)locator->search.integrator->system->n;
     *t = x[2 * n];
     memcpy(q, x, n * sizeof *q);
     memcpy(p, x + n, n * sizeof *p);
 }
 
 /* Reports root number i, after the times before it. Returns TVI_ESTOPPED if the run ends there. */
-static tvi_status report_root(locator *s, tvi_times *times, int i, double *t, double q[], double p[])
+static tvi_status report_root(tvi_locator *locator, tvi_times *times, int i, double *t, double q[], double p[])
 {
-    tvi_root *r = &s->search.roots[i];
-    double *x = kept_state(s, r->number);
-    tvi_status status = r->number >= KEPT ? tvi_finder_find(&s->finder, r, x) : TVI_OK;
-    if (status == TVI_OK && times) status = tvi_times_report(times, x[s->size - 1]);
-    if (status == TVI_OK) status = show_columns(s, r);
+    tvi_event_root *root = &locator->search.roots[i];
+    double *x = cached_root_state(locator, root->found_index);
+    tvi_status status = root->found_index >= KEPT ? tvi_finder_find_event(&locator->finder, root, x) : TVI_OK;
+    if (status == TVI_OK && times) status = tvi_times_report_until(times, x[locator->state_size - 1]);
+    if (status == TVI_OK) status = move_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
-    const bool ends = report_event(s, r, x);
-    if (!ends && !s->search.watch[r->which].event->terminal) return TVI_OK;
-    status = stop_at(s, i, x);
-    if (status == TVI_ESTOPPED) copy_state(s, x, t, q, p);
+    const bool ends = report_event(locator, root, x);
+    if (!ends && !locator->search.watched_events[root->event_index].event->terminal) return TVI_OK;
+    status = stop_run_at_event(locator, i, x);
+    if (status == TVI_ESTOPPED) copy_state_to_user(locator, x, t, q, p);
     return status;
 }
 
-tvi_status tvi_locator_report(locator *s, tvi_times *times, double *t, double q[], double p[])
+tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times *times, double *t, double q[], double p[])
 {
-    const tvi_columns *columns = &s->run->columns;
-    tvi_status status = update_parameters(s);
-    if (status == TVI_OK) status = locate_events(s);
-    if (s->search.rests) tvi_integrator_undo(s->search.it, t, q, p);
-    if (s->search.rests) tvi_columns_to_start(s->search.it, columns);
-    for (int i = 0; i < s->search.found && status == TVI_OK; i++) status = report_root(s, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !s->search.rests) tvi_columns_to_end(s->search.it, columns);
+    const tvi_tangent_columns *columns = &locator->run->columns;
+    tvi_status status = update_event_parameters(locator);
+    if (status == TVI_OK) status = locate_events_of_step(locator);
+    if (locator->search.returns_before_time_moves) tvi_integrator_undo(locator->search.integrator, t, q, p);
+    if (locator->search.returns_before_time_moves) tvi_columns_restore_step_start(locator->search.integrator, columns);
+    for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
+        status = report_root(locator, times, i, t, q, p);
+    if (status != TVI_ESTOPPED && !locator->search.returns_before_time_moves)
+        tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }
 
-void tvi_locator_close(locator *s)
+void tvi_locator_close(tvi_locator *locator)
 {
-    if (!s) return;
-    tvi_finder_close(&s->finder);
-    tvi_search_close(&s->search);
-    free(s->kept);
-    tvi_between_close(&s->between);
-    free(s);
+    if (!locator) return;
+    tvi_finder_close(&locator->finder);
+    tvi_search_close(&locator->search);
+    free(locator->cached_states);
+    tvi_partial_step_close(&locator->partial_step);
+    free(locator);
 }
 
-static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_run_of_one *run, double t,
-                               const double *const state[2])
+static tvi_status initialize_locator(tvi_locator *locator, tvi_integrator *it, const tvi_single_run *run, double t,
+                                     const double *const state[2])
 {
     const int size = 2 * it->system->n + 1;
     const tvi_run_plan *plan = run->plan;
-    *s = (locator){.run = run, .size = size};
-    tvi_status status = tvi_between_open(&s->between, it, true);
-    if (status == TVI_OK) status = tvi_search_open(&s->search, &s->between, plan->events, plan->event_count, t, state);
-    if (status == TVI_OK) status = tvi_finder_open(&s->finder, &s->search);
+    *locator = (tvi_locator){.run = run, .state_size = size};
+    tvi_status status = tvi_partial_step_open(&locator->partial_step, it, true);
+    if (status == TVI_OK)
+        status = tvi_search_open(&locator->search, &locator->partial_step, plan->events, plan->event_count, t, state);
+    if (status == TVI_OK) status = tvi_finder_open(&locator->finder, &locator->search);
     if (status != TVI_OK) return status;
-    s->kept = calloc((size_t)size * (KEPT + 2), sizeof *s->kept);
-    if (!s->kept) return TVI_ENOMEM;
-    s->state_sizes = s->kept + size * (KEPT + 1);
+    locator->cached_states = calloc((size_t)size * (KEPT + 2), sizeof *locator->cached_states);
+    if (!locator->cached_states) return TVI_ENOMEM;
+    locator->scratch_sizes = locator->cached_states + size * (KEPT + 1);
     return TVI_OK;
 }
 
-tvi_status tvi_locator_open(locator **out, tvi_integrator *it, const tvi_run_of_one *run, double t,
+tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *it, const tvi_single_run *run, double t,
                             const double *const state[2])
 {
     *out = malloc(sizeof **out);
     if (!*out) return jet_refuse_memory(TVI_ENOMEM);
-    const tvi_status status = open_locator(*out, it, run, t, state);
+    const tvi_status status = initialize_locator(*out, it, run, t, state);
     if (status == TVI_OK) return status;
     tvi_locator_close(*out);
     *out = NULL;
     return jet_refuse_memory(status);
 }
 
-bool tvi_events_fit(const tvi_integrator *it, const tvi_event *const events[], int count)
+bool tvi_events_match_system(const tvi_integrator *it, const tvi_event *const events[], int count)
 {
     if (count >= 0 && (count == 0 || events)) {
-        int which = 0;
-        while (which < count && events[which] && events[which]->n == it->system->n) which++;
-        if (which == count) return true;
-        (void)jet_refuse(TVI_EINVAL, "events[%d] is %s", which, events[which] ? "of another dimension" : "NULL");
+        int event_index = 0;
+        while (event_index < count && events[event_index] && events[event_index]->n == it->system->n) event_index++;
+        if (event_index == count) return true;
+        (void)jet_refuse(TVI_EINVAL, "events[%d] is %s", event_index,
+                         events[event_index] ? "of another dimension" : "NULL");
     } else {
         (void)jet_refuse(TVI_EINVAL, count < 0 ? "count = %d is negative" : "events is NULL", count);
     }

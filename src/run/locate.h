@@ -1,4 +1,5 @@
-/* locate.h - Finds the events in each step of a run, and reports them. run.c calls it after each step. */
+/* locate.h - Locates the events in each step of a run, and reports them to the observer. run.c calls it after each
+ * step. */
 #ifndef TVI_SRC_RUN_LOCATE_H
 #define TVI_SRC_RUN_LOCATE_H
 
@@ -6,17 +7,20 @@
 
 typedef struct tvi_locator tvi_locator;
 typedef struct tvi_times tvi_times;
-typedef struct tvi_run_of_one tvi_run_of_one;
+typedef struct tvi_single_run tvi_single_run;
 
-/* Tells whether these are events of the integrator's system. If not, it sets the error text. */
-bool tvi_events_fit(const tvi_integrator *integrator, const tvi_event *const events[], int count);
-/* Opens a locator for a run that begins at time t with state[2], q and p, and has the events of its plan. *out is NULL
- * on failure. */
-TVI_NODISCARD tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *integrator, const tvi_run_of_one *run,
-                                          double t, const double *const state[2]);
-void tvi_locator_close(tvi_locator *locator); /* NULL is allowed */
-/* Reports the events of the last step, and before each of them the times that come first; times may be NULL. If an
- * event ends the run (TVI_ESTOPPED), t, q, p and the columns become those at the event. */
-TVI_NODISCARD tvi_status tvi_locator_report(tvi_locator *locator, tvi_times *times, double *t, double q[], double p[]);
+/* Tells whether all events were made for systems with the integrator's number of coordinates. If one was not, the error
+ * text of tvi_last_error names it. */
+bool tvi_events_match_system(const tvi_integrator *integrator, const tvi_event *const events[], int event_count);
+/* Creates a locator for the events of the run's plan. The run begins at the time t with q = start_state[0] and p =
+ * start_state[1]. On failure *out is NULL. */
+TVI_NODISCARD tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *integrator, const tvi_single_run *run,
+                                          double t, const double *const start_state[2]);
+void tvi_locator_close(tvi_locator *locator); /* does nothing if the locator is NULL */
+/* Reports the events of the last step in the order of time. Before each event it reports the given times of the run
+ * that come first; `times` is NULL if the run has none. If an event ends the run, it returns TVI_ESTOPPED, and t, q,
+ * p and the tangent columns become those at the event. */
+TVI_NODISCARD tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times *times, double *t, double q[],
+                                                   double p[]);
 
 #endif

@@ -4,10 +4,10 @@
 #include <float.h>
 #include <math.h>
 
-static int sign_of(double g) { return (g > 0) - (g < 0); }
+static int sign_of_value(double g) { return (g > 0) - (g < 0); }
 
 /* The next abscissa to evaluate, with `left` evaluations left. */
-static double next_place(double a, double ga, double b, double gb, double width, double least, int left)
+static double choose_next_abscissa(double a, double ga, double b, double gb, double width, double least, int left)
 {
     const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;
     const double truncation = 0.2 / width * (b - a) * (b - a);
@@ -17,18 +17,20 @@ static double next_place(double a, double ga, double b, double gb, double width,
     return fmin(fmax(at, a), b);
 }
 
-tvi_status tvi_narrow(tvi_bracket *z, double least, tvi_signed_fn *g, void *ctx)
+tvi_status tvi_narrow_bracket(tvi_sign_bracket *bracket, double least, tvi_bracketed_function *g, void *ctx)
 {
-    const double width = z->b - z->a;
+    const double width = bracket->right - bracket->left;
     const int most = (int)ceil(log2(fmax(width / least, 1))) + 1;
-    for (int k = 0; k < most && z->b - z->a > 2 * least && z->ga != 0 && z->gb != 0; k++) {
-        if (nextafter(z->a, z->b) >= z->b) break;
-        const double at = next_place(z->a, z->ga, z->b, z->gb, width, least, most - k);
+    for (int k = 0;
+         k < most && bracket->right - bracket->left > 2 * least && bracket->g_left != 0 && bracket->g_right != 0; k++) {
+        if (nextafter(bracket->left, bracket->right) >= bracket->right) break;
+        const double at = choose_next_abscissa(bracket->left, bracket->g_left, bracket->right, bracket->g_right, width,
+                                               least, most - k);
         double here;
         const tvi_status status = g(ctx, at, &here);
         if (status != TVI_OK) return status;
-        if (sign_of(here) == sign_of(z->ga)) z->a = at, z->ga = here;
-        else z->b = at, z->gb = here;
+        if (sign_of_value(here) == sign_of_value(bracket->g_left)) bracket->left = at, bracket->g_left = here;
+        else bracket->right = at, bracket->g_right = here;
     }
     return TVI_OK;
 }

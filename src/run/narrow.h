@@ -1,20 +1,23 @@
-/* narrow.h - Finds a sign change of a function in a bracket. The search for events and the states at given times call
- * it. */
+/* narrow.h - Finds a sign change of a function in a bracket. The search for events (search.c, finder.c) and the
+ * computation of states at given times (partial_step.c) call it. */
 #ifndef TVI_SRC_RUN_NARROW_H
 #define TVI_SRC_RUN_NARROW_H
 
 #include "tvi.h"
 
-/* A function of one variable. In a bracket its signs at a and b differ, or one of the values is 0. */
-typedef tvi_status tvi_signed_fn(void *ctx, double at, double *g);
+/* Computes the value *g of a function of one variable at x. */
+typedef tvi_status tvi_bracketed_function(void *ctx, double x, double *g);
+/* An interval [left, right], and the values of a function at its ends. The two values have different signs, or one of
+ * them is 0. */
 typedef struct {
-    double a, ga, b, gb;
-} tvi_bracket;
+    double left, g_left, right, g_right;
+} tvi_sign_bracket;
 
-/* Narrows the bracket to the width `least`, or to neighbouring numbers, or until a value is 0, at a or b. It
- * interpolates, truncates and projects (Oliveira and Takahashi, "An enhancement of the bisection method average
- * performance preserving minmax optimality", 2020): it is as fast as the secant method, and needs at most one
- * evaluation more than bisection. */
-TVI_NODISCARD tvi_status tvi_narrow(tvi_bracket *bracket, double least, tvi_signed_fn *g, void *ctx);
+/* Narrows the bracket until its width is least_width, or its ends are neighbouring numbers, or the function is 0 at
+ * one end. The method is ITP: interpolate, truncate, project (Oliveira and Takahashi, "An enhancement of the
+ * bisection method average performance preserving minmax optimality", 2020). It is as fast as the secant method, and
+ * needs at most one evaluation more than bisection. */
+TVI_NODISCARD tvi_status tvi_narrow_bracket(tvi_sign_bracket *bracket, double least_width,
+                                            tvi_bracketed_function *function, void *ctx);
 
 #endif

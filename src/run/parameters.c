@@ -39,7 +39,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
     tvi_integrator_reset(it);
     it->has_dense = false;
     it->stop->is_set = false; /* the events had other parameters */
-    it->parameter_sets++;
+    it->parameter_version++;
     return TVI_OK;
 }
 

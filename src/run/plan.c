@@ -63,7 +63,7 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
     const char *reason = plan ? conflict_of_modes(plan) : "plan is NULL";
     if (!reason) reason = misfit_of_members(plan);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
-    if (!tvi_events_fit(it, plan->events, plan->event_count)) return TVI_EINVAL;
+    if (!tvi_events_match_system(it, plan->events, plan->event_count)) return TVI_EINVAL;
     return plan->tolerance != 0 ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 
@@ -109,7 +109,7 @@ static int report_step(long step, double t, const double q[], const double p[], 
 tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, double *t, double q[], double p[])
 {
     const tvi_run_plan *plan = member->plan;
-    const tvi_run_of_one run = {
+    const tvi_single_run run = {
         .mode = member->mode,
         .plan = plan,
         .observers = {.at_step = plan->at_step || member->observer ? report_step : NULL,

@@ -36,12 +36,12 @@ static tvi_status make_steps(tvi_integrator *it, const tvi_schedule *schedule, d
 }
 
 /* Tells whether an observer or the columns need each step. */
-static bool is_observed(const tvi_run_of_one *run)
+static bool is_observed(const tvi_single_run *run)
 {
-    return run->plan->event_count > 0 || run->observers.at_step || run->columns.D;
+    return run->plan->event_count > 0 || run->observers.at_step || run->columns.elements;
 }
 
-static tvi_status schedule_in_steps(const tvi_run_of_one *run, tvi_schedule *schedule)
+static tvi_status schedule_in_steps(const tvi_single_run *run, tvi_schedule *schedule)
 {
     const long steps = run->plan->steps, at_once = is_observed(run) || steps == 0 ? 1 : steps;
     if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
@@ -49,7 +49,7 @@ static tvi_status schedule_in_steps(const tvi_run_of_one *run, tvi_schedule *sch
     return TVI_OK;
 }
 
-static tvi_status schedule_at_times(const tvi_integrator *it, const tvi_run_of_one *run, double t, const double q[],
+static tvi_status schedule_at_times(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
                                     const double p[], tvi_schedule *schedule)
 {
     const int count = run->plan->time_count;
@@ -65,11 +65,11 @@ static tvi_status schedule_at_times(const tvi_integrator *it, const tvi_run_of_o
 }
 
 /* Checks the arguments of the run's mode, and sets the schedule. */
-static tvi_status set_schedule(const tvi_integrator *it, const tvi_run_of_one *run, double t, const double q[],
+static tvi_status set_schedule(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
                                const double p[], tvi_schedule *schedule)
 {
     const double h = run->plan->h;
-    if (!tvi_events_fit(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
+    if (!tvi_events_match_system(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
     if (run->mode == TVI_RUN_TO_TOLERANCE) return tvi_schedule_to_tolerance(it, run->plan, t, schedule);
     if (h == 0 || !isfinite(h)) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, h}, "");
     if (run->mode == TVI_RUN_TO_TIME) return tvi_schedule_to_time(it, run->plan, t, is_observed(run), schedule);
@@ -82,7 +82,7 @@ static tvi_status set_schedule(const tvi_integrator *it, const tvi_run_of_one *r
 /* A run that has begun. */
 typedef struct {
     tvi_integrator *it;
-    const tvi_run_of_one *run;
+    const tvi_single_run *run;
     tvi_schedule schedule;
     tvi_times *times;     /* NULL: no times */
     tvi_locator *locator; /* NULL: no events */
@@ -94,7 +94,7 @@ static tvi_status make_step(const running *r, double *t, double q[], double p[],
     const long before = r->it->stats.steps;
     tvi_status status = r->schedule.step(r->it, &r->schedule, t, q, p, is_last);
     if (status != TVI_OK || r->it->stats.steps == before) return status;
-    status = tvi_columns_step(r->it, &r->run->columns);
+    status = tvi_columns_move_by_last_step(r->it, &r->run->columns);
     if (status != TVI_OK) tvi_integrator_undo(r->it, t, q, p);
     return status;
 }
@@ -103,13 +103,13 @@ static tvi_status make_step(const running *r, double *t, double q[], double p[],
 static tvi_status report_step(const running *r, long step, double *t, double q[], double p[])
 {
     const tvi_observers *observers = &r->run->observers;
-    tvi_status status = r->times ? tvi_times_set_parameters(r->times) : TVI_OK;
-    if (status == TVI_OK && r->locator) status = tvi_locator_report(r->locator, r->times, t, q, p);
-    if (status == TVI_OK && r->times) status = tvi_times_report(r->times, *t);
+    tvi_status status = r->times ? tvi_times_update_parameters(r->times) : TVI_OK;
+    if (status == TVI_OK && r->locator) status = tvi_locator_report_events(r->locator, r->times, t, q, p);
+    if (status == TVI_OK && r->times) status = tvi_times_report_until(r->times, *t);
     if (status != TVI_OK) return status;
     const bool stops =
         tvi_call_observer(r->it, observers->at_step, r->run->steps_reported + step, *t, q, p, observers->ctx) != 0;
-    return stops || (r->times && r->times->is_stopped) ? TVI_ESTOPPED : TVI_OK;
+    return stops || (r->times && r->times->is_stopped_by_observer) ? TVI_ESTOPPED : TVI_OK;
 }
 
 static tvi_status make_steps_of(running *r, double *t, double q[], double p[])
@@ -140,16 +140,16 @@ static tvi_status run_at_times(running *r, double *t, double q[], double p[])
     return status;
 }
 
-tvi_status tvi_run_one(tvi_integrator *it, const tvi_run_of_one *run, double *t, double q[], double p[])
+tvi_status tvi_run_one(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
     if (!it || !t || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "");
     running r = {.it = it, .run = run};
     tvi_status status = set_schedule(it, run, *t, q, p, &r.schedule);
-    if (status == TVI_OK && run->columns.D) status = tvi_columns_check(it, &run->columns);
-    if (status == TVI_OK && run->columns.D) status = tvi_integrator_provide_tangent(it, run->columns.columns);
+    if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
+    if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangent(it, run->columns.count);
     if (status == TVI_OK && (r.schedule.begins || it->is_in_observer)) status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
-    tvi_columns_begin(it, &run->columns);
+    tvi_columns_begin_run(it, &run->columns);
     return run->mode == TVI_RUN_AT_TIMES ? run_at_times(&r, t, q, p) : make_steps_of(&r, t, q, p);
 }
 
@@ -159,7 +159,7 @@ tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const 
 {
     const tvi_run_plan plan = {.h = h, .steps = steps, .events = events, .event_count = count};
     const tvi_observers observers = {.at_step = observer, .on_event = on_event, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.mode = TVI_RUN_STEPS, .plan = &plan, .observers = observers}, t, q, p);
+    return tvi_run_one(it, &(tvi_single_run){.mode = TVI_RUN_STEPS, .plan = &plan, .observers = observers}, t, q, p);
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

@@ -17,11 +17,11 @@ typedef struct {
 typedef enum { TVI_RUN_STEPS, TVI_RUN_TO_TIME, TVI_RUN_AT_TIMES, TVI_RUN_TO_TOLERANCE } tvi_run_mode;
 
 /* A run of one integrator. Only these observers are called, not those of the plan. */
-struct tvi_run_of_one {
+struct tvi_single_run {
     tvi_run_mode mode;
     const tvi_run_plan *plan; /* steps, sizes, ends, times, events */
     tvi_observers observers;
-    tvi_columns columns;
+    tvi_tangent_columns columns;
     long steps_reported; /* in earlier pieces of the run */
 };
 
@@ -42,7 +42,7 @@ struct tvi_schedule {
 
 /* Runs the integrator. Returns TVI_ESTOPPED if an observer or an event ends the run, otherwise the status of the
  * failure or of the argument that is refused. */
-TVI_NODISCARD tvi_status tvi_run_one(tvi_integrator *integrator, const tvi_run_of_one *run, double *t, double q[],
+TVI_NODISCARD tvi_status tvi_run_one(tvi_integrator *integrator, const tvi_single_run *run, double *t, double q[],
                                      double p[]);
 
 /* Check the arguments of their modes, and set the schedule. Steps of size h that no observer sees are made at once. */

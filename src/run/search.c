@@ -17,49 +17,49 @@ static const double EDGE = 0x1p-20;
 static const double FLAT = 0.1;
 /* g is not smooth if a high difference is larger than this part of the largest first one. */
 static const double KINKED = 0.05;
-/* The most roots of one event in a step; each dip has two. */
-enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
 /* The secant method ends at this distance, in parts of the step. */
 static const double LEAST_SECANT = 1e-4;
 enum { MOST_SECANTS = 6 };
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
-static bool have_one_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
+static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
 
-tvi_status tvi_search_state(tvi_search *s, double theta, double x[])
+tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double x[])
 {
-    const int n = s->it->system->n;
-    return tvi_state_at(s->it, theta, &x[2 * n], x, x + n);
+    const int n = search->integrator->system->n;
+    return tvi_state_at(search->integrator, theta, &x[2 * n], x, x + n);
 }
 
-static tvi_status refuse_event(int which, tvi_status status)
+static tvi_status add_event_to_error(int event_index, tvi_status status)
 {
-    return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", which, jet_refusal());
+    return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", event_index, jet_refusal());
 }
 
-tvi_status tvi_search_value(tvi_search *s, int which, const double x[], double *g)
+tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double x[], double *g)
 {
-    return refuse_event(which, tvi_event_value(s->watch[which].event, s->watch[which].block, x, g));
+    return add_event_to_error(event_index, tvi_event_value(search->watched_events[event_index].event,
+                                                           search->watched_events[event_index].tape_block, x, g));
 }
 
-static tvi_status on_curve(tvi_search *s, int which, double theta, double *g)
+static tvi_status evaluate_event_on_curve(tvi_event_search *search, int event_index, double theta, double *g)
 {
-    const tvi_status status = tvi_search_state(s, theta, s->state);
-    return status == TVI_OK ? tvi_search_value(s, which, s->state, g) : status;
+    const tvi_status status = tvi_search_compute_curve_state(search, theta, search->scratch_state);
+    return status == TVI_OK ? tvi_search_evaluate_event(search, event_index, search->scratch_state, g) : status;
 }
 
 /* A zero between a and b of the polynomial through the samples of g, by the secant method. The polynomial has Newton's
  * form, with differences divided by factorials. */
-static double guess_zero(const double g[], double a, double ga, double b, double gb)
+static double guess_root_by_interpolation(const double g_samples[], double left, double g_left, double right,
+                                          double g_right)
 {
     static const double part[] = {0, 1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8};
-    double c[TVI_SAMPLES + 1], now = ga, before = gb, at = a, last = b;
-    memcpy(c, g, sizeof c);
+    double c[TVI_SAMPLES + 1], now = g_left, before = g_right, at = left, last = right;
+    memcpy(c, g_samples, sizeof c);
     for (int k = 1; k <= TVI_SAMPLES; k++)
         for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) * part[k];
     for (int k = 0; k < MOST_SECANTS && now != before && fabs(at - last) > LEAST_SECANT; k++) {
-        const double next = fmin(fmax(at - now * (at - last) / (now - before), a), b), x = TVI_SAMPLES * next;
+        const double next = fmin(fmax(at - now * (at - last) / (now - before), left), right), x = TVI_SAMPLES * next;
         double p = c[TVI_SAMPLES];
         for (int i = TVI_SAMPLES; i-- > 0;) p = c[i] + (x - i) * p;
         last = at, before = now;
@@ -69,94 +69,101 @@ static double guess_zero(const double g[], double a, double ga, double b, double
 }
 
 typedef struct {
-    tvi_search *search;
-    int which;
-} one_event;
+    tvi_event_search *search;
+    int event_index;
+} searched_event;
 
-static tvi_status of_one(void *ctx, double theta, double *g)
+static tvi_status evaluate_searched_event(void *ctx, double theta, double *g)
 {
-    const one_event *one = ctx;
-    return on_curve(one->search, one->which, theta, g);
+    const searched_event *one = ctx;
+    return evaluate_event_on_curve(one->search, one->event_index, theta, g);
 }
 
-tvi_status tvi_search_zero(tvi_search *s, const tvi_root *r, double *theta)
+tvi_status tvi_search_find_curve_root(tvi_event_search *search, const tvi_event_root *root, double *theta)
 {
-    tvi_bracket z = {r->a, r->ga, r->b, r->gb};
-    const tvi_status status = tvi_narrow(&z, DBL_EPSILON / 2, of_one, &(one_event){s, r->which});
-    *theta = z.ga == 0 ? z.a : z.b;
+    tvi_sign_bracket bracket = {root->bracket.left, root->bracket.g_left, root->bracket.right, root->bracket.g_right};
+    const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, evaluate_searched_event,
+                                                 &(searched_event){search, root->event_index});
+    *theta = bracket.g_left == 0 ? bracket.left : bracket.right;
     return status;
 }
 
 /* Adds a root between a and b with the sign `after` behind it, if this direction is wanted. */
-static tvi_root *add_root(tvi_search *s, int which, int after, tvi_dip_point a, tvi_dip_point b)
+static tvi_event_root *add_root(tvi_event_search *search, int event_index, int sign_after, tvi_event_sample left,
+                                tvi_event_sample right)
 {
-    const tvi_direction direction = s->watch[which].event->direction;
-    if (direction != TVI_EITHER && (int)direction != after) return NULL;
-    tvi_root *added = &s->roots[s->found];
-    *added = (tvi_root){.which = which,
-                        .number = s->found,
-                        .sign_after = after,
-                        .a = a.at,
-                        .ga = a.g,
-                        .b = b.at,
-                        .gb = b.g,
-                        .is_return = a.at == 0 && s->watch[which].leaves,
-                        .guess = NAN};
-    s->found++;
+    const tvi_direction direction = search->watched_events[event_index].event->direction;
+    if (direction != TVI_EITHER && (int)direction != sign_after) return NULL;
+    tvi_event_root *added = &search->roots[search->root_count];
+    *added =
+        (tvi_event_root){.event_index = event_index,
+                         .found_index = search->root_count,
+                         .g_sign_after = sign_after,
+                         .bracket = {left.theta, left.g, right.theta, right.g},
+                         .is_return_to_event = left.theta == 0 && search->watched_events[event_index].leaves_at_start,
+                         .theta_guess = NAN};
+    search->root_count++;
     return added;
 }
 
 /* Sets *near to the point beside a sample with g = 0, at the distance `way`. */
-static tvi_status beside(tvi_search *s, int which, double at, double way, tvi_dip_point *near)
+static tvi_status sample_beside(tvi_event_search *search, int event_index, double theta, double distance,
+                                tvi_event_sample *sample)
 {
-    near->at = at + way;
-    return on_curve(s, which, near->at, &near->g);
+    sample->theta = theta + distance;
+    return evaluate_event_on_curve(search, event_index, sample->theta, &sample->g);
 }
 
 /* Adds the roots beside a point where g has another sign than at a and b, or is 0. If g is 0 there, it may have the
  * other sign before the point or after it, or only touch 0. */
-static tvi_status add_pair(tvi_search *s, int which, tvi_dip_point a, tvi_dip_point at, tvi_dip_point b)
+static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_event_sample left,
+                                tvi_event_sample middle, tvi_event_sample right)
 {
-    const int sign = sign_of(a.g);
-    tvi_dip_point near = at;
+    const int sign = sign_of(left.g);
+    tvi_event_sample near = middle;
     tvi_status status = TVI_OK;
-    if (at.g == 0) status = beside(s, which, at.at, -fmin(EDGE, (at.at - a.at) / 2), &near);
-    if (at.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
-        status = beside(s, which, at.at, fmin(EDGE, (b.at - at.at) / 2), &near);
+    if (middle.g == 0)
+        status = sample_beside(search, event_index, middle.theta, -fmin(EDGE, (middle.theta - left.theta) / 2), &near);
+    if (middle.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
+        status = sample_beside(search, event_index, middle.theta, fmin(EDGE, (right.theta - middle.theta) / 2), &near);
     if (status != TVI_OK) return status;
     const bool crosses = sign_of(near.g) == -sign;
-    (void)add_root(s, which, -sign, a, crosses ? near : at);
-    if (crosses) (void)add_root(s, which, sign, near, b);
+    (void)add_root(search, event_index, -sign, left, crosses ? near : middle);
+    if (crosses) (void)add_root(search, event_index, sign, near, right);
     return TVI_OK;
 }
 
 /* Searches a dip of |g| in the middle of the five points for another sign of g, until g has it, or cannot have it. */
-static tvi_status search_dip(tvi_search *s, int which, const tvi_dip_point from[TVI_DIP])
+static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index,
+                                       const tvi_event_sample dip[TVI_DIP_SAMPLES])
 {
-    tvi_dip_point x[TVI_DIP], new;
-    memcpy(x, from, sizeof x);
-    for (int looks = 0; tvi_dip_next(x, looks, &new.at); looks++) {
-        const tvi_status status = on_curve(s, which, new.at, &new.g);
+    tvi_event_sample x[TVI_DIP_SAMPLES], new;
+    memcpy(x, dip, sizeof x);
+    for (int sample_count = 0; tvi_dip_choose_theta(x, sample_count, &new.theta); sample_count++) {
+        const tvi_status status = evaluate_event_on_curve(search, event_index, new.theta, &new.g);
         if (status != TVI_OK) return status;
-        if (sign_of(new.g) != sign_of(x[2].g)) return add_pair(s, which, from[1], new, from[3]);
-        tvi_dip_insert(x, new);
+        if (sign_of(new.g) != sign_of(x[2].g)) return add_root_pair(search, event_index, dip[1], new, dip[3]);
+        tvi_dip_insert_sample(x, new);
     }
     return TVI_OK;
 }
 
 /* Tells whether |g| has a dip at the sample g[0]. */
-static bool is_dip(const double g[]) { return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1])); }
+static bool is_local_minimum_of_size(const double g[])
+{
+    return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
+}
 
 /* Tells whether |g| falls or is flat at the start of the step, by the slope of the polynomial through five samples.
  * With stride -1 the samples are read from the end of the step. */
-static bool falls(const double g[], int stride, double rise)
+static bool is_not_rising_at_boundary(const double g[], int stride, double rise)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
     return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * rise;
 }
 
 /* The largest change from a sample to the next one. */
-static double largest_change(const double g[])
+static double largest_sample_change(const double g[])
 {
     double change = 0;
     for (int j = 0; j < TVI_SAMPLES; j++) change = tvi_larger(fabs(g[j + 1] - g[j]), change);
@@ -165,22 +172,23 @@ static double largest_change(const double g[])
 
 /* Tells whether |g| has a kink or a peak near the start of the step, or with stride -1 near the end. Such a g may
  * change its sign there, unseen by the polynomial. Its fourth difference there, or its eighth, is large. */
-static bool is_kinked(const double g[], int stride)
+static bool has_kink_at_boundary(const double g[], int stride)
 {
     const double fourth = g[0] - 4 * g[stride] + 6 * g[2 * stride] - 4 * g[3 * stride] + g[4 * stride];
     const double *first = stride > 0 ? g : g - TVI_SAMPLES, noise = 256 * DBL_EPSILON * fabs(g[0]);
     const double eighth = (first[0] + first[8]) - 8 * (first[1] + first[7]) + 28 * (first[2] + first[6]) -
                           56 * (first[3] + first[5]) + 70 * first[4];
     const double size = tvi_larger(fabs(fourth), fabs(eighth));
-    return (size > noise) & ((size >= KINKED * largest_change(first)) | (size >= fabs(g[0])));
+    return (size > noise) & ((size >= KINKED * largest_sample_change(first)) | (size >= fabs(g[0])));
 }
 
 /* Tells whether |g| may have a dip in the first part of the step, or with stride -1 in the last one. */
-static bool may_dip_at_end(const double g[], int stride)
+static bool may_have_dip_at_boundary(const double g[], int stride)
 {
     const double rise = fabs(g[stride]) - fabs(g[0]);
     const bool rises = stride > 0 ? rise >= 0 : rise > 0; /* equal values at the end are a dip there */
-    return have_one_sign(g[0], g[stride]) && rises && (falls(g, stride, rise) || is_kinked(g, stride));
+    return have_same_nonzero_sign(g[0], g[stride]) && rises &&
+           (is_not_rising_at_boundary(g, stride, rise) || has_kink_at_boundary(g, stride));
 }
 
 /* The result of comparing two jet_v2. */
@@ -188,7 +196,7 @@ typedef long long long_v2 JET_VECTOR(long long, 2);
 
 /* Tells whether g has no root: it is finite, of one sign, without a dip. Most steps end here, so the samples are
  * compared in pairs and without branches. */
-static bool has_no_root(const double g[])
+static bool has_certainly_no_root(const double g[])
 {
     double size[TVI_SAMPLES + 2];
     for (int j = 0; j <= TVI_SAMPLES; j++) size[j] = fabs(g[j]);
@@ -196,199 +204,132 @@ static bool has_no_root(const double g[])
     long_v2 found = {0, 0};
     for (int j = 0; j < TVI_SAMPLES; j += 2) {
         const jet_v2 now = *(const jet_v2 *)(size + j), next = *(const jet_v2 *)(size + j + 1);
-        const jet_v2 after = *(const jet_v2 *)(size + j + 2), signs = *(const jet_v2 *)(g + j);
+        const jet_v2 sign_after = *(const jet_v2 *)(size + j + 2), signs = *(const jet_v2 *)(g + j);
         found |= ~(signs * *(const jet_v2 *)(g + j + 1) > 0) | ~(next <= DBL_MAX);
-        found |= (next < now) & (next <= after);
+        found |= (next < now) & (next <= sign_after);
     }
-    return !(found[0] | found[1] || may_dip_at_end(g, 1) || may_dip_at_end(g + TVI_SAMPLES, -1));
+    return !(found[0] | found[1] || may_have_dip_at_boundary(g, 1) || may_have_dip_at_boundary(g + TVI_SAMPLES, -1));
 }
 
 /* Searches a dip in the first or the last part of the step. The value next to the end distinguishes a dip inside from
  * one in the next step. */
-static tvi_status search_end(tvi_search *s, int which, bool is_last)
+static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_index, bool is_last)
 {
-    const double *g = s->watch[which].g, part = 1.0 / TVI_SAMPLES;
-    const tvi_dip_point nowhere = {NAN, NAN};
-    tvi_dip_point x[TVI_DIP] = {nowhere, {0, g[0]}, {EDGE, 0}, {part, g[1]}, {2 * part, g[2]}};
-    const tvi_dip_point last[TVI_DIP] = {{1 - 2 * part, g[6]}, {1 - part, g[7]}, {1 - EDGE, 0}, {1, g[8]}, nowhere};
+    const double *g = search->watched_events[event_index].g_samples, part = 1.0 / TVI_SAMPLES;
+    const tvi_event_sample nowhere = {NAN, NAN};
+    tvi_event_sample x[TVI_DIP_SAMPLES] = {nowhere, {0, g[0]}, {EDGE, 0}, {part, g[1]}, {2 * part, g[2]}};
+    const tvi_event_sample last[TVI_DIP_SAMPLES] = {
+        {1 - 2 * part, g[6]}, {1 - part, g[7]}, {1 - EDGE, 0}, {1, g[8]}, nowhere};
     if (is_last) memcpy(x, last, sizeof x);
-    const tvi_status status = on_curve(s, which, x[2].at, &x[2].g);
+    const tvi_status status = evaluate_event_on_curve(search, event_index, x[2].theta, &x[2].g);
     if (status != TVI_OK) return status;
-    if (sign_of(x[2].g) != sign_of(x[1].g)) return add_pair(s, which, x[1], x[2], x[3]);
-    if (fabs(x[2].g) < fabs(x[is_last ? 3 : 1].g)) return search_dip(s, which, x);
+    if (sign_of(x[2].g) != sign_of(x[1].g)) return add_root_pair(search, event_index, x[1], x[2], x[3]);
+    if (fabs(x[2].g) < fabs(x[is_last ? 3 : 1].g)) return search_dip_for_roots(search, event_index, x);
     return TVI_OK;
 }
 
 /* Adds the roots between the samples a and b that the signs show, b included. If g is 0 at a sample, its sign is taken
  * beside it: another root may be hidden there. */
-static tvi_status search_between(tvi_search *s, int which, tvi_dip_point a, tvi_dip_point b, bool has_neighbours)
+static tvi_status search_between_samples(tvi_event_search *search, int event_index, tvi_event_sample left,
+                                         tvi_event_sample right, bool may_interpolate)
 {
-    const tvi_dip_point at_b = b;
+    const tvi_event_sample at_right = right;
     tvi_status status = TVI_OK;
-    if (a.g == 0) status = beside(s, which, a.at, EDGE, &a);
-    if (status == TVI_OK && b.g == 0) status = beside(s, which, b.at, -EDGE, &b);
+    if (left.g == 0) status = sample_beside(search, event_index, left.theta, EDGE, &left);
+    if (status == TVI_OK && right.g == 0) status = sample_beside(search, event_index, right.theta, -EDGE, &right);
     if (status != TVI_OK) return status;
-    if (a.g != 0 && b.g != 0 && sign_of(a.g) != sign_of(b.g)) {
-        tvi_root *r = add_root(s, which, sign_of(b.g), a, b);
-        if (r && has_neighbours && !r->is_return) r->guess = guess_zero(s->watch[which].g, r->a, r->ga, r->b, r->gb);
+    if (left.g != 0 && right.g != 0 && sign_of(left.g) != sign_of(right.g)) {
+        tvi_event_root *root = add_root(search, event_index, sign_of(right.g), left, right);
+        if (root && may_interpolate && !root->is_return_to_event)
+            root->theta_guess =
+                guess_root_by_interpolation(search->watched_events[event_index].g_samples, root->bracket.left,
+                                            root->bracket.g_left, root->bracket.right, root->bracket.g_right);
     }
-    const tvi_dip_point before = b.g != 0 ? b : a;
-    if (at_b.g == 0 && before.g != 0) (void)add_root(s, which, -sign_of(before.g), before, at_b);
+    const tvi_event_sample before = right.g != 0 ? right : left;
+    if (at_right.g == 0 && before.g != 0) (void)add_root(search, event_index, -sign_of(before.g), before, at_right);
     return TVI_OK;
 }
 
 /* Drops the roots of an event whose g is only roundoff. g is tested if it changes from sample to sample by as much as
  * its size. */
-static tvi_status drop_noise(tvi_search *s, int which, int before)
+static tvi_status drop_roots_of_roundoff(tvi_event_search *search, int event_index, int first_root)
 {
-    const double *g = s->watch[which].g;
-    bool is_noise = false;
-    if (2 * largest_change(g) < tvi_largest(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
-    const tvi_status status = tvi_start_is_noise(s, which, &is_noise);
-    if (is_noise) s->found = before;
+    const double *g = search->watched_events[event_index].g_samples;
+    bool is_roundoff = false;
+    if (2 * largest_sample_change(g) < tvi_largest(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
+    const tvi_status status = tvi_start_is_g_roundoff(search, event_index, &is_roundoff);
+    if (is_roundoff) search->root_count = first_root;
     return status;
 }
 
 /* Adds all roots of one event in the step: the points where g loses its sign. */
-static tvi_status search_event(tvi_search *s, int which)
+static tvi_status search_event_for_roots(tvi_event_search *search, int event_index)
 {
-    const double *g = s->watch[which].g;
-    const int before = s->found;
-    if (has_no_root(g)) return TVI_OK;
+    const double *g = search->watched_events[event_index].g_samples;
+    const int before = search->root_count;
+    if (has_certainly_no_root(g)) return TVI_OK;
     if (!tvi_all_finite(TVI_SAMPLES, g + 1))
-        return refuse_event(which, tvi_refuse_as("event function", TVI_ENONFINITE));
-    tvi_dip_point all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1; /* one more beyond each end */
-    for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_dip_point){tvi_sample_theta[j - 1], g[j]};
+        return add_event_to_error(event_index, tvi_refuse_as("event function", TVI_ENONFINITE));
+    tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x =
+                                                                             all + 1; /* one more beyond each end */
+    for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
     x[TVI_SAMPLES + 1] = all[0];
-    const bool may_return = !s->watch[which].leaves && may_dip_at_end(g, 1);
-    tvi_status status = may_return ? search_end(s, which, false) : TVI_OK;
+    const bool may_return = !search->watched_events[event_index].leaves_at_start && may_have_dip_at_boundary(g, 1);
+    tvi_status status = may_return ? search_dip_at_boundary(search, event_index, false) : TVI_OK;
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
-        if (!have_one_sign(g[j - 1], g[j]))
-            status = search_between(s, which, x[j - 1], x[j], g[j - 1] != 0 && g[j] != 0);
-        else if (j < TVI_SAMPLES && have_one_sign(g[j], g[j + 1]) && is_dip(g + j))
-            status = search_dip(s, which, x + j - 2);
+        if (!have_same_nonzero_sign(g[j - 1], g[j]))
+            status = search_between_samples(search, event_index, x[j - 1], x[j], g[j - 1] != 0 && g[j] != 0);
+        else if (j < TVI_SAMPLES && have_same_nonzero_sign(g[j], g[j + 1]) && is_local_minimum_of_size(g + j))
+            status = search_dip_for_roots(search, event_index, x + j - 2);
     }
-    if (status == TVI_OK && may_dip_at_end(g + TVI_SAMPLES, -1)) status = search_end(s, which, true);
-    return status == TVI_OK && s->found > before ? drop_noise(s, which, before) : status;
+    if (status == TVI_OK && may_have_dip_at_boundary(g + TVI_SAMPLES, -1))
+        status = search_dip_at_boundary(search, event_index, true);
+    return status == TVI_OK && search->root_count > before ? drop_roots_of_roundoff(search, event_index, before)
+                                                           : status;
 }
 
 /* Finds the event, and the operation in its own recording, that made the tape of all events fail at a sample. */
-static tvi_status refuse_samples(tvi_search *s)
+static tvi_status refuse_failing_event(tvi_event_search *search)
 {
     double g;
-    for (int which = 0; which < s->count; which++)
+    for (int event_index = 0; event_index < search->event_count; event_index++)
         for (int j = 0; j < TVI_SAMPLES; j++)
-            if (on_curve(s, which, tvi_sample_theta[j], &g) == TVI_EDOMAIN) return TVI_EDOMAIN;
+            if (evaluate_event_on_curve(search, event_index, tvi_sample_theta[j], &g) == TVI_EDOMAIN)
+                return TVI_EDOMAIN;
     return tvi_refuse_as("event function", TVI_EDOMAIN);
 }
 
 /* Samples g of all events. If the step continues the last one that was searched, its first sample is the last one of
  * that step. */
-static tvi_status sample_events(tvi_search *s)
+static tvi_status sample_all_events(tvi_event_search *search)
 {
-    const long step = s->it->stats.steps;
-    const bool continues = s->step > 0 && *s->it->continued && step == s->step + 1;
-    for (int which = 0; which < s->count; which++) s->watch[which].g[0] = s->watch[which].g[TVI_SAMPLES];
-    tvi_status status = continues ? TVI_OK : tvi_start_search(s);
+    const long step = search->integrator->stats.steps;
+    const bool continues =
+        search->searched_step > 0 && *search->integrator->continued && step == search->searched_step + 1;
+    for (int event_index = 0; event_index < search->event_count; event_index++)
+        search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
+    tvi_status status = continues ? TVI_OK : tvi_start_evaluate_events(search);
     if (status != TVI_OK) return status;
-    tvi_sample(s->it, s->used, s->samples);
-    if (!jet_sweep_values(s->tape, s->samples, TVI_SAMPLES)) status = refuse_samples(s);
-    for (int which = 0; which < s->count && status == TVI_OK; which++) {
-        tvi_watch *w = &s->watch[which];
-        memcpy(w->g + 1, s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES, TVI_SAMPLES * sizeof *w->g);
-        w->leaves = false;
-        if (w->g[0] == 0) status = tvi_start_leave(s, which);
-        w->was_reported = false;
+    tvi_sample(search->integrator, search->used_components, search->tape_samples);
+    if (!jet_sweep_values(search->joint_tape, search->tape_samples, TVI_SAMPLES)) status = refuse_failing_event(search);
+    for (int event_index = 0; event_index < search->event_count && status == TVI_OK; event_index++) {
+        tvi_watched_event *w = &search->watched_events[event_index];
+        memcpy(w->g_samples + 1, search->tape_samples + (size_t)search->joint_tape->output[event_index] * TVI_SAMPLES,
+               TVI_SAMPLES * sizeof *w->g_samples);
+        w->leaves_at_start = false;
+        if (w->g_samples[0] == 0) status = tvi_start_find_leaving_sign(search, event_index);
+        w->was_reported_at_stop = false;
     }
-    s->start_kind = TVI_FROM_ANY; /* an observer may change the state */
-    s->step = step;
+    search->start_kind = TVI_FROM_ANY; /* an observer may change the state */
+    search->searched_step = step;
     return status;
 }
 
-tvi_status tvi_search_step(tvi_search *s)
+tvi_status tvi_search_last_step(tvi_event_search *search)
 {
-    tvi_status status = sample_events(s);
-    s->found = 0;
-    for (int which = 0; which < s->count && status == TVI_OK; which++) status = search_event(s, which);
+    tvi_status status = sample_all_events(search);
+    search->root_count = 0;
+    for (int event_index = 0; event_index < search->event_count && status == TVI_OK; event_index++)
+        status = search_event_for_roots(search, event_index);
     return status;
-}
-
-/* Allocates the block of a tape, prepared for its inputs. */
-static double *make_block(const jet_tape *tape, int lanes)
-{
-    double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare(tape, block, 1, lanes);
-    return block;
-}
-
-void tvi_search_set_parameters(tvi_search *s)
-{
-    const int count = tvi_system_parameters(s->it->system);
-    const double *value = s->it->parameters;
-    for (int which = 0; which < s->count; which++) {
-        const tvi_watch *w = &s->watch[which];
-        jet_tape_set_parameters(w->event->tape, w->block, 1, count, 1, value);
-        jet_tape_set_parameters(w->event->series, w->near.x, 1, count, 1, value);
-    }
-    jet_tape_set_parameters(s->tape, s->samples, TVI_SAMPLES, count, 1, value);
-}
-
-/* The range from the first component that is used to the last one. */
-static tvi_range used_range(const bool used[], int n)
-{
-    tvi_range range = {0, n};
-    while (range.end > 0 && !used[range.end - 1]) range.end--;
-    while (range.first < range.end && !used[range.first]) range.first++;
-    return range;
-}
-
-/* Creates the tape of all events, and finds the components of the state that it uses. */
-static tvi_status join_events(tvi_search *s, const tvi_event *const events[])
-{
-    bool used[2 * TVI_MAX_DIMENSION + 1];
-    const int n = s->it->system->n;
-    const tvi_status status = tvi_event_join(&s->tape, events, s->count, used);
-    if (status != TVI_OK) return status;
-    s->used[0] = used_range(used, n);
-    s->used[1] = used_range(used + n, n);
-    return TVI_OK;
-}
-
-tvi_status tvi_search_open(tvi_search *s, tvi_between *between, const tvi_event *const events[], int count, double t,
-                           const double *const state[2])
-{
-    const size_t some = (size_t)count;
-    tvi_integrator *it = between->integrator;
-    const size_t size = 2 * (size_t)it->system->n + 1;
-    *s = (tvi_search){
-        .it = it, .between = between, .count = count, .start_kind = tvi_start_of(it, t, state[0], state[1])};
-    s->watch = calloc(some, sizeof *s->watch);
-    s->roots = calloc(some * MOST_ROOTS, sizeof *s->roots);
-    s->state = calloc(2 * size, sizeof *s->state);
-    if (!s->watch || !s->roots || !s->state) return TVI_ENOMEM;
-    s->move = s->state + size;
-    for (int which = 0; which < count; which++) {
-        tvi_watch *w = &s->watch[which];
-        *w = (tvi_watch){.event = events[which], .block = make_block(events[which]->tape, 1)};
-        if (!w->block || tvi_event_near_open(&w->near, w->event) != TVI_OK) return TVI_ENOMEM;
-    }
-    const tvi_status status = join_events(s, events);
-    if (status != TVI_OK) return status;
-    s->samples = make_block(s->tape, TVI_SAMPLES);
-    if (!s->samples) return TVI_ENOMEM;
-    tvi_search_set_parameters(s);
-    return TVI_OK;
-}
-
-void tvi_search_close(tvi_search *s)
-{
-    for (int which = 0; s->watch && which < s->count; which++) {
-        free(s->watch[which].block);
-        tvi_event_near_close(&s->watch[which].near);
-    }
-    free(s->watch);
-    free(s->samples);
-    jet_tape_free(s->tape);
-    free(s->roots);
-    free(s->state);
 }

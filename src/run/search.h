@@ -1,76 +1,84 @@
-/* search.h - Finds roots of events along the curve of the last step (tvi_dense), to the accuracy of that curve.
- * locate.c calls it after each step. */
+/* search.h - Finds the roots of event functions g(q, p, t) along the curve of the last step (tvi_dense), to the
+ * accuracy of that curve. locate.c calls it after each step of a run with events. theta = 0 ... 1 is the position in
+ * the step. */
 #ifndef TVI_SRC_RUN_SEARCH_H
 #define TVI_SRC_RUN_SEARCH_H
 
 #include "system/event.h"
-#include "run/between.h"
+#include "run/partial_step.h"
 #include "run/narrow.h"
 
-/* A sign change of an event. */
+/* A root of an event function: a point where it changes its sign. */
 typedef struct {
-    int which;           /* index of the event */
-    int number;          /* in the order in which roots were found, from 0 */
-    int sign_after;      /* the sign of g after the root */
-    double a, ga, b, gb; /* the bracket; g has the sign `sign_after`, or 0, at b */
-    double guess;        /* an estimate of the root, or NAN */
-    /* The step begins on the event, and g has left 0 at a with the sign of ga (start.h). */
-    bool is_return;
-    bool is_none; /* the method's own solution does not have it (finder.h) */
-    double theta; /* the abscissa that the finder sets */
-} tvi_root;
+    int event_index;          /* index of the event among those of the run */
+    int found_index;          /* how many roots of this step were found before this one */
+    int g_sign_after;         /* the sign of g just after the root: +1 or -1 */
+    tvi_sign_bracket bracket; /* an interval of theta that contains the root; at `right` g has g_sign_after or is 0 */
+    double theta_guess;       /* an estimate of the root's theta; NAN if there is none */
+    /* True if the step begins on the event, and g first leaves 0 with the sign of bracket.g_left and then returns to 0
+     * at this root. */
+    bool is_return_to_event;
+    bool is_only_on_curve; /* true if only the curve has the root; the more accurate partial steps (finder.c) lack it */
+    double theta;          /* the final position of the root, which finder.c sets */
+} tvi_event_root;
 
-/* An event, and its samples in the step. */
+/* An event function that a search watches, and its values in the current step. */
 typedef struct {
     const tvi_event *event;
-    double *block; /* of the event's tape */
-    tvi_event_near near;
-    double g[1 + TVI_SAMPLES]; /* at the start of the step, and at the samples */
-    /* The event was reported at the stop that the run goes on from. */
-    bool was_reported;
-    /* The step begins on the event. g[0] then has the sign with which g leaves 0, and no meaningful size. */
-    bool leaves;
-    double left_at; /* theta from which on g has the sign with which it leaves 0 */
-} tvi_watch;
+    double *tape_block;                /* memory in which the tape of the event is evaluated */
+    tvi_event_near local_series;       /* memory for the Taylor series of g near one state */
+    double g_samples[1 + TVI_SAMPLES]; /* values of g: at the start of the step, then at tvi_sample_theta */
+    /* True if the run goes on from a state where it was stopped, and this event was reported at that stop. */
+    bool was_reported_at_stop;
+    /* True if the step begins on the event. g_samples[0] then has the sign with which g leaves 0, but no meaningful
+     * size. */
+    bool leaves_at_start;
+    double leaving_theta; /* from this theta on g has the sign with which it leaves 0 */
+} tvi_watched_event;
 
-/* The state that a run begins with: the integrator's own, that of its last stop except for p, or any other. */
-typedef enum { TVI_FROM_OWN, TVI_FROM_STOP, TVI_FROM_ANY } tvi_search_from;
+/* The state that a run begins with: the end of the integrator's last step (OWN), the state of its last stop with any
+ * momentum p (STOP), or any other state. */
+typedef enum { TVI_FROM_OWN, TVI_FROM_STOP, TVI_FROM_ANY } tvi_run_start_kind;
 
-/* The work of a search. */
+/* The memory of a search. */
 typedef struct {
-    tvi_integrator *it;
-    tvi_between *between;
-    int count;
-    tvi_watch *watch; /* [count] */
-    /* The state that the next search begins with. */
-    tvi_search_from start_kind;
-    bool has_new_momentum; /* the run begins at a stop, with another p */
-    bool rests;            /* g returns to 0 before the time moves */
-    long step;             /* number of the last step searched; 0: none */
-    jet_tape *tape;        /* of all events */
-    /* The block of `tape`, which begins with the inputs [2n + 1][TVI_SAMPLES]. */
-    double *samples;
-    tvi_range used[2];    /* the components of q and of p that `tape` uses */
-    double *state, *move; /* [2n + 1] each */
-    tvi_root *roots;      /* [found] of the current step */
-    int found;
-} tvi_search;
+    tvi_integrator *integrator;     /* its last step is searched */
+    tvi_partial_step *partial_step; /* computes accurate states inside that step */
+    int event_count;
+    tvi_watched_event *watched_events; /* [event_count] the events of the run */
+    /* The kind of state at which the next step to be searched begins. */
+    tvi_run_start_kind start_kind;
+    bool is_momentum_changed_at_stop; /* the run begins at the state of its last stop, but the user has changed p */
+    bool returns_before_time_moves;   /* g returns to 0 before the time changes, as for a ball at rest on the floor */
+    long searched_step;               /* the number of the last step that was searched; 0 if there is none */
+    jet_tape *joint_tape;             /* a tape that evaluates the functions of all events together */
+    /* Memory in which joint_tape is evaluated. It begins with the inputs [2n + 1][TVI_SAMPLES]. */
+    double *tape_samples;
+    tvi_range used_components[2];              /* the components of q and of p that joint_tape depends on */
+    double *scratch_state, *scratch_increment; /* [2n + 1] each, in the order q, p, t */
+    tvi_event_root *roots;                     /* [root_count] the roots in the current step */
+    int root_count;
+} tvi_event_search;
 
-/* Opens a search for a run that begins at time t with state[2], q and p. */
-TVI_NODISCARD tvi_status tvi_search_open(tvi_search *search, tvi_between *between, const tvi_event *const events[],
-                                         int count, double t, const double *const state[2]);
-void tvi_search_close(tvi_search *search); /* may also be called if tvi_search_open failed */
-/* Sets the events' parameters to the integrator's. */
-void tvi_search_set_parameters(tvi_search *search);
+/* Opens a search for a run that begins at the time t with q = start_state[0] and p = start_state[1]. */
+TVI_NODISCARD tvi_status tvi_search_open(tvi_event_search *search, tvi_partial_step *partial_step,
+                                         const tvi_event *const events[], int event_count, double t,
+                                         const double *const start_state[2]);
+void tvi_search_close(tvi_event_search *search); /* may also be called if tvi_search_open has failed */
+/* Copies the integrator's parameters to the tapes of all events. */
+void tvi_search_set_parameters(tvi_event_search *search);
 
-/* Finds the roots of all events in the last step, event by event. TVI_ENOCONV: an event returns before the time
- * moves. */
-TVI_NODISCARD tvi_status tvi_search_step(tvi_search *search);
-/* Compute the state x [2n + 1] of q, p and t on the curve, and g of an event at such a state. */
-TVI_NODISCARD tvi_status tvi_search_state(tvi_search *search, double theta, double x[]);
-TVI_NODISCARD tvi_status tvi_search_value(tvi_search *search, int which, const double x[], double *g);
+/* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if an event returns
+ * before the time moves. */
+TVI_NODISCARD tvi_status tvi_search_last_step(tvi_event_search *search);
+/* Computes the state x [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
+TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double x[]);
+/* Computes the value *g of one event function at the state x [2n + 1]. */
+TVI_NODISCARD tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double x[],
+                                                   double *g);
 
-/* Finds the root on the curve to roundoff. */
-TVI_NODISCARD tvi_status tvi_search_zero(tvi_search *search, const tvi_root *root, double *theta);
+/* Computes the theta of a root on the curve to roundoff, from its bracket. */
+TVI_NODISCARD tvi_status tvi_search_find_curve_root(tvi_event_search *search, const tvi_event_root *root,
+                                                    double *theta);
 
 #endif

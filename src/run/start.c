@@ -24,27 +24,30 @@ static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FAR
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
-static bool same_bits(int n, const double a[], const double b[]) { return memcmp(a, b, (size_t)n * sizeof *a) == 0; }
+static bool are_bitwise_equal(int n, const double a[], const double b[])
+{
+    return memcmp(a, b, (size_t)n * sizeof *a) == 0;
+}
 
-tvi_search_from tvi_start_of(const tvi_integrator *it, double t, const double q[], const double p[])
+tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *it, double t, const double q[], const double p[])
 {
     const int n = it->system->n;
     const double *stop = it->stop->state;
     if (*it->continues && tvi_integrator_has_state(it, t, q, p)) return TVI_FROM_OWN;
-    const bool is_stop = it->stop->is_set && same_bits(n, q, stop) && same_bits(1, &t, &stop[2 * n]);
+    const bool is_stop = it->stop->is_set && are_bitwise_equal(n, q, stop) && are_bitwise_equal(1, &t, &stop[2 * n]);
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
 
-static void copy_start(const tvi_search *s, double x[])
+static void copy_step_start(const tvi_event_search *search, double x[])
 {
-    const tvi_integrator *it = s->it;
+    const tvi_integrator *it = search->integrator;
     const size_t n = (size_t)it->system->n;
     memcpy(x, it->start.q, n * sizeof *x);
     memcpy(x + n, it->start.p, n * sizeof *x);
     x[2 * n] = it->start.q[n];
 }
 
-bool tvi_start_is_among(const tvi_stop *stop, const tvi_event *event)
+bool tvi_stop_has_event(const tvi_stop *stop, const tvi_event *event)
 {
     for (int64_t i = 0; i < stop->count; i++)
         if (stop->events[i] == event->hash) return true;
@@ -52,52 +55,54 @@ bool tvi_start_is_among(const tvi_stop *stop, const tvi_event *event)
 }
 
 /* Computes g at the state x, with the momentum of the stop in place of its own. */
-static tvi_status value_at_stop(tvi_search *s, int which, const double x[], double *g)
+static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int event_index, const double x[], double *g)
 {
-    const size_t n = (size_t)s->it->system->n;
-    memcpy(s->move, x, (2 * n + 1) * sizeof *x);
-    memcpy(s->move + n, s->it->stop->state + n, n * sizeof *x);
-    return tvi_search_value(s, which, s->move, g);
+    const size_t n = (size_t)search->integrator->system->n;
+    memcpy(search->scratch_increment, x, (2 * n + 1) * sizeof *x);
+    memcpy(search->scratch_increment + n, search->integrator->stop->state + n, n * sizeof *x);
+    return tvi_search_evaluate_event(search, event_index, search->scratch_increment, g);
 }
 
 /* Sets g[0] = 0 if the state x is on the event. */
-static tvi_status judge(tvi_search *s, int which, const double x[])
+static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, const double x[])
 {
-    tvi_watch *w = &s->watch[which];
+    tvi_watched_event *w = &search->watched_events[event_index];
     double before = 0, here = 0, roundoff;
     tvi_status status;
-    w->was_reported = s->start_kind == TVI_FROM_STOP && tvi_start_is_among(s->it->stop, w->event);
-    if (w->was_reported) w->g[0] = 0;
-    if (w->g[0] == 0 || s->start_kind == TVI_FROM_OWN) return TVI_OK;
+    w->was_reported_at_stop =
+        search->start_kind == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
+    if (w->was_reported_at_stop) w->g_samples[0] = 0;
+    if (w->g_samples[0] == 0 || search->start_kind == TVI_FROM_OWN) return TVI_OK;
     /* an event that does not depend on the new p stays as it is */
-    if (s->start_kind == TVI_FROM_STOP && s->it->stop->count < TVI_STOP_EVENTS) {
-        status = value_at_stop(s, which, x, &before);
-        if (status == TVI_OK) status = tvi_search_value(s, which, x, &here);
+    if (search->start_kind == TVI_FROM_STOP && search->integrator->stop->count < TVI_STOP_EVENTS) {
+        status = evaluate_with_stop_momentum(search, event_index, x, &before);
+        if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, x, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
     }
-    for (int i = 0; i < 2 * s->it->system->n + 1; i++) s->move[i] = fabs(x[i]);
-    status = tvi_event_roundoff(w->event, &w->near, x, s->move, &roundoff);
-    if (status == TVI_OK && fabs(w->g[0]) <= roundoff) w->g[0] = 0;
+    for (int i = 0; i < 2 * search->integrator->system->n + 1; i++) search->scratch_increment[i] = fabs(x[i]);
+    status = tvi_event_roundoff(w->event, &w->local_series, x, search->scratch_increment, &roundoff);
+    if (status == TVI_OK && fabs(w->g_samples[0]) <= roundoff) w->g_samples[0] = 0;
     return status;
 }
 
-tvi_status tvi_start_search(tvi_search *s)
+tvi_status tvi_start_evaluate_events(tvi_event_search *search)
 {
-    const int inputs = 2 * s->it->system->n + 1;
-    const double *g = s->samples;
-    double *x = s->state;
-    copy_start(s, x);
-    s->has_new_momentum =
-        s->start_kind == TVI_FROM_STOP && !same_bits(inputs / 2, x + inputs / 2, s->it->stop->state + inputs / 2);
+    const int inputs = 2 * search->integrator->system->n + 1;
+    const double *g = search->tape_samples;
+    double *x = search->scratch_state;
+    copy_step_start(search, x);
+    search->is_momentum_changed_at_stop =
+        search->start_kind == TVI_FROM_STOP &&
+        !are_bitwise_equal(inputs / 2, x + inputs / 2, search->integrator->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
-        for (int k = 0; k < TVI_SAMPLES; k++) s->samples[i * TVI_SAMPLES + k] = x[i];
-    const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);
-    for (int which = 0; which < s->count; which++) {
-        double *first = &s->watch[which].g[0];
-        *first = g[(size_t)s->tape->output[which] * TVI_SAMPLES];
+        for (int k = 0; k < TVI_SAMPLES; k++) search->tape_samples[i * TVI_SAMPLES + k] = x[i];
+    const bool inside = jet_sweep_values(search->joint_tape, search->tape_samples, TVI_SAMPLES);
+    for (int event_index = 0; event_index < search->event_count; event_index++) {
+        double *first = &search->watched_events[event_index].g_samples[0];
+        *first = g[(size_t)search->joint_tape->output[event_index] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
-        if (!inside || !isfinite(*first)) status = tvi_search_value(s, which, x, first);
-        if (status == TVI_OK) status = judge(s, which, x);
+        if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, x, first);
+        if (status == TVI_OK) status = zero_g_if_on_event(search, event_index, x);
         if (status != TVI_OK) return status;
     }
     return TVI_OK;
@@ -107,102 +112,107 @@ tvi_status tvi_start_search(tvi_search *s)
 
 /* Sets d to the increments of q and p over the part theta of the step, as accurately as they are known, and that of the
  * time. */
-static tvi_status movement(tvi_search *s, double theta, double d[])
+static tvi_status compute_increment_to(tvi_event_search *search, double theta, double increment[])
 {
-    const int n = s->it->system->n;
-    const tvi_increments *increments = &s->between->partial_integrator->increments;
-    const tvi_run_state *start = &s->it->start, *state = &s->it->state;
-    const tvi_status status = tvi_between_state(s->between, theta * s->it->h);
+    const int n = search->integrator->system->n;
+    const tvi_increments *increments = &search->partial_step->partial_step_integrator->increments;
+    const tvi_run_state *start = &search->integrator->start, *state = &search->integrator->state;
+    const tvi_status status = tvi_partial_step_compute_state(search->partial_step, theta * search->integrator->h);
     if (status != TVI_OK) return status;
     if (theta == 1) { /* the step itself */
         for (int i = 0; i < n; i++) {
-            d[i] = state->q[i] - start->q[i];
-            d[n + i] = state->p[i] - start->p[i];
+            increment[i] = state->q[i] - start->q[i];
+            increment[n + i] = state->p[i] - start->p[i];
         }
-        d[2 * n] = state->q[n] - start->q[n];
+        increment[2 * n] = state->q[n] - start->q[n];
         return TVI_OK;
     }
     for (int i = 0; i < n; i++) {
-        d[i] = increments->dq[i] + increments->dq_low[i];
-        d[n + i] = increments->dp[i] + increments->dp_low[i];
+        increment[i] = increments->dq[i] + increments->dq_low[i];
+        increment[n + i] = increments->dp[i] + increments->dp_low[i];
     }
-    d[2 * n] = increments->dq[n];
+    increment[2 * n] = increments->dq[n];
     return TVI_OK;
 }
 
-tvi_status tvi_start_rise(tvi_search *s, int which, double theta, double *rise, bool *known)
+tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, double theta, double *rise,
+                                  bool *is_sign_certain)
 {
-    const tvi_watch *w = &s->watch[which];
+    const tvi_watched_event *w = &search->watched_events[event_index];
     double scale;
     bool is_exact;
-    tvi_status status = movement(s, theta, s->move);
-    copy_start(s, s->state);
-    if (status == TVI_OK) status = tvi_event_rise(w->event, &w->near, s->state, s->move, rise, &scale, &is_exact);
+    tvi_status status = compute_increment_to(search, theta, search->scratch_increment);
+    copy_step_start(search, search->scratch_state);
+    if (status == TVI_OK)
+        status = tvi_event_rise(w->event, &w->local_series, search->scratch_state, search->scratch_increment, rise,
+                                &scale, &is_exact);
     if (status != TVI_OK) return status;
-    *known = fabs(*rise) > UNITS * DBL_EPSILON * scale;
+    *is_sign_certain = fabs(*rise) > UNITS * DBL_EPSILON * scale;
     if (is_exact) return TVI_OK;
-    tvi_between_copy(s->between, s->state);
-    return tvi_search_value(s, which, s->state, rise);
+    tvi_partial_step_copy_state(search->partial_step, search->scratch_state);
+    return tvi_search_evaluate_event(search, event_index, search->scratch_state, rise);
 }
 
 /* Sets *sign to the sign of the rise of g at theta; 0 if it is not known. */
-static tvi_status sign_at(tvi_search *s, int which, double theta, int *sign)
+static tvi_status find_sign_of_rise(tvi_event_search *search, int event_index, double theta, int *sign)
 {
     double rise = 0;
-    bool known = false;
-    const tvi_status status = tvi_start_rise(s, which, theta, &rise, &known);
-    *sign = known ? sign_of(rise) : 0;
+    bool is_sign_certain = false;
+    const tvi_status status = tvi_start_compute_rise(search, event_index, theta, &rise, &is_sign_certain);
+    *sign = is_sign_certain ? sign_of(rise) : 0;
     return status;
 }
 
 /* The theta at which the time has moved by its resolution. search->move holds the increments at the first theta. */
-static double first_resolved(const tvi_search *s, double first)
+static double first_theta_that_moves_time(const tvi_event_search *search, double first)
 {
-    const int n = s->it->system->n;
-    const double resolution = DBL_EPSILON * fmax(fabs(s->it->start.q[n]), fabs(s->it->state.q[n]));
-    const double theta = resolution * first / fabs(s->move[2 * n]);
+    const int n = search->integrator->system->n;
+    const double resolution =
+        DBL_EPSILON * fmax(fabs(search->integrator->start.q[n]), fabs(search->integrator->state.q[n]));
+    const double theta = resolution * first / fabs(search->scratch_increment[2 * n]);
     return theta > LEAST && theta < tvi_sample_theta[0] ? theta : LEAST;
 }
 
-tvi_status tvi_start_leave(tvi_search *s, int which)
+tvi_status tvi_start_find_leaving_sign(tvi_event_search *search, int event_index)
 {
-    tvi_watch *w = &s->watch[which];
+    tvi_watched_event *w = &search->watched_events[event_index];
     int first, sign;
-    const double at_first = tvi_is_rescaled(s->it) ? FIRST_IN_S : FIRST;
-    tvi_status status = sign_at(s, which, at_first, &first);
+    const double at_first = tvi_is_rescaled(search->integrator) ? FIRST_IN_S : FIRST;
+    tvi_status status = find_sign_of_rise(search, event_index, at_first, &first);
     if (status != TVI_OK) return status;
-    double theta = first_resolved(s, at_first);
-    status = sign_at(s, which, theta, &sign);
+    double theta = first_theta_that_moves_time(search, at_first);
+    status = find_sign_of_rise(search, event_index, theta, &sign);
     const bool is_wanted = w->event->direction == TVI_EITHER || (int)w->event->direction == sign;
-    s->rests = status == TVI_OK && w->was_reported && s->has_new_momentum && is_wanted && first * sign < 0;
-    if (s->rests)
+    search->returns_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
+                                        search->is_momentum_changed_at_stop && is_wanted && first * sign < 0;
+    if (search->returns_before_time_moves)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
-                          which);
+                          event_index);
     while (status == TVI_OK && sign == 0 && theta * FARTHER < tvi_sample_theta[0])
-        status = sign_at(s, which, theta *= FARTHER, &sign);
-    w->leaves = sign != 0;
-    w->left_at = theta;
-    w->g[0] = sign != 0 ? copysign(DBL_MIN, sign) : w->g[1];
+        status = find_sign_of_rise(search, event_index, theta *= FARTHER, &sign);
+    w->leaves_at_start = sign != 0;
+    w->leaving_theta = theta;
+    w->g_samples[0] = sign != 0 ? copysign(DBL_MIN, sign) : w->g_samples[1];
     return status;
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-tvi_status tvi_start_is_noise(tvi_search *s, int which, bool *is_noise)
+tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_noise)
 {
-    const tvi_watch *w = &s->watch[which];
-    const tvi_integrator *it = s->it;
+    const tvi_watched_event *w = &search->watched_events[event_index];
+    const tvi_integrator *it = search->integrator;
     const size_t n = (size_t)it->system->n;
-    double at_start = 0, at_end = 0, *size = s->move;
+    double at_start = 0, at_end = 0, *size = search->scratch_increment;
     for (size_t i = 0; i < n; i++) {
         size[i] = fabs(it->start.q[i]) + fabs(it->state.q[i] - it->start.q[i]);
         size[n + i] = fabs(it->start.p[i]) + fabs(it->state.p[i] - it->start.p[i]);
     }
     size[2 * n] = fmax(fabs(it->start.q[n]), fabs(it->state.q[n]));
-    copy_start(s, s->state);
-    tvi_status status = tvi_event_roundoff(w->event, &w->near, s->state, size, &at_start);
-    tvi_integrator_copy_state(it, &s->state[2 * n], s->state, s->state + n);
-    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->near, s->state, size, &at_end);
-    *is_noise = tvi_largest(TVI_SAMPLES, w->g + 1, 1) <= OF_STEPS * (at_start + at_end);
+    copy_step_start(search, search->scratch_state);
+    tvi_status status = tvi_event_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_start);
+    tvi_integrator_copy_state(it, &search->scratch_state[2 * n], search->scratch_state, search->scratch_state + n);
+    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_end);
+    *is_noise = tvi_largest(TVI_SAMPLES, w->g_samples + 1, 1) <= OF_STEPS * (at_start + at_end);
     return status;
 }

@@ -1,48 +1,55 @@
-/* tangent.h - Multiplies tangent vectors by the Jacobian matrix of a step. tvi_step_tangent and runs with columns call
- * it. */
+/* tangent.h - Multiplies tangent vectors by the Jacobian matrix of a step (docs/method.md section 10). tvi_step_tangent
+ * and runs with tangent vectors (columns.c) call it. The method makes a step of the lifted system, whose state is the
+ * orbit's state together with one tangent vector. */
 #ifndef TVI_SRC_RUN_TANGENT_H
 #define TVI_SRC_RUN_TANGENT_H
 
 #include "run/integrator.h"
 
-/* A step of size h: the state that it starts from, and the parameters that it is made with. */
+/* A step whose Jacobian matrix is wanted: the state at its start, the parameters that it is made with, and its size. */
 typedef struct {
     const tvi_run_state *start;
     const double *parameters;
     double h;
 } tvi_lifted_step;
 
-/* Tangent vectors D[2n + parameters][columns], whose numbers stand `spacing` apart. */
+/* Tangent vectors, the columns of a matrix [2n + parameters][count], whose rows belong to q, p and the parameters. Two
+ * neighbouring elements of a row are element_spacing numbers apart in memory. */
 typedef struct {
-    double *D;
-    int columns;
-    size_t spacing;
-} tvi_columns;
+    double *elements;
+    int count;
+    size_t element_spacing;
+} tvi_tangent_columns;
 
+/* The memory of an integrator for tangent vectors. n is the number of coordinates of the system that is stepped. */
 struct tvi_tangent {
-    int n;       /* of the system that steps are made of */
-    bool paired; /* the momenta of (q, dq) are (dp, p), otherwise (p, dp) */
-    tvi_system *system;
-    tvi_integrator *integrator;
-    double *Q, *P;    /* [2n] the lifted state */
-    double *column;   /* [2n + parameters] one vector */
-    double *gradient; /* [2n] K_q, K_p */
-    double *flow;     /* block of the field's tape, of a rescaled system; NULL otherwise */
-    double *change;   /* block of the lift's energy, the change of K along a column */
-    /* [2 parameters] of the lifted system: the integrator's values, and their rates. */
-    double *values;
-    /* [2 n of the user + parameters][columns] before the last step, and after it. */
+    int n;                     /* coordinates of the stepped system: one more than the user's if it is rescaled */
+    bool are_momenta_swapped;  /* the lifted system's coordinates (q, dq) have the momenta (dp, p), otherwise (p, dp) */
+    tvi_system *lifted_system; /* its coordinates are q and a tangent vector dq */
+    tvi_integrator *lifted_integrator; /* makes steps of the lifted system */
+    double *lifted_q, *lifted_p;       /* [2n] each, the state of the lifted system */
+    double *column;                    /* [2n + parameters] the tangent vector that is being multiplied */
+    double *gradient;                  /* [2n] the derivatives K_q and K_p of a rescaled system's Hamiltonian K */
+    double *field_block;  /* memory in which the tape of K_q and K_p is evaluated; NULL if the system is not rescaled */
+    double *energy_block; /* memory in which the lifted energy is evaluated, the change of K along a tangent vector */
+    /* [2 parameters] The parameters of the lifted system: the integrator's values, then their components of the tangent
+     * vector. */
+    double *parameters_and_rates;
+    /* Matrices [2n + parameters][columns] of a run's tangent vectors, before and after the last step. Their n is
+     * that of the user's system. */
     double *start, *end;
-    int columns; /* capacity of `start` and `end` */
-    long step;   /* number of the last step of a run that moved them; 0: none */
-    int moved;   /* how many columns that step moved */
+    int column_capacity;    /* the number of columns for which `start` and `end` have memory */
+    long step_number;       /* the number of the step to which `start` and `end` belong; 0 if there is none */
+    int moved_column_count; /* the number of columns that this step has moved */
 };
 
-/* Refuses vectors that are not finite. */
-TVI_NODISCARD tvi_status tvi_columns_check(const tvi_integrator *integrator, const tvi_columns *columns);
-/* Sets out = M columns, with M the Jacobian of the step. The rows of the parameters in `out` are not written. The
- * tangent has to be provided before (tvi_integrator_provide_tangent). On failure `out` is undefined. */
-TVI_NODISCARD tvi_status tvi_columns_move(const tvi_integrator *integrator, const tvi_lifted_step *step,
-                                          const tvi_columns *columns, const tvi_columns *out);
+/* Refuses tangent vectors that have an element which is not finite. */
+TVI_NODISCARD tvi_status tvi_columns_check_finite(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Computes product = M columns, where M is the Jacobian matrix of the step. Rows of the parameters are not written.
+ * The caller has allocated the integrator's memory by tvi_integrator_allocate_tangent. On failure `product` is
+ * undefined. */
+TVI_NODISCARD tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *integrator, const tvi_lifted_step *step,
+                                                          const tvi_tangent_columns *columns,
+                                                          const tvi_tangent_columns *product);
 
 #endif

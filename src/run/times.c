@@ -24,81 +24,94 @@ static bool last_step_ends_here(const tvi_integrator *it, double h, double t, co
     return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has_state(it, t, q, p);
 }
 
-tvi_status tvi_times_check(const tvi_integrator *it, const tvi_run_of_one *run, double t, const double q[],
-                           const double p[], bool *has_step)
+tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
+                           const double p[], bool *has_last_step)
 {
     const int n = it->system->n, count = run->plan->time_count;
     const double h = run->plan->h, *times = run->plan->times;
     if (count < 0) return jet_refuse(TVI_EINVAL, "count is negative");
     if (count > 0 && !times) return jet_refuse(TVI_EINVAL, "times is NULL");
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
-    *has_step = last_step_ends_here(it, h, t, q, p) && tvi_columns_have_last_step(it, &run->columns);
-    const int first = first_out_of_order(h, *has_step ? it->start.q[n] : t, times, count);
+    *has_last_step = last_step_ends_here(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
+    const int first = first_out_of_order(h, *has_last_step ? it->start.q[n] : t, times, count);
     return first == count
                ? TVI_OK
                : jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
 }
 
 /* Reports the next time, with its state. */
-static void report_next(tvi_times *s, const double q[], const double p[])
+static void report_next_time(tvi_times *times_progress, const double q[], const double p[])
 {
-    const tvi_observers *observers = &s->run->observers;
-    const int which = s->next++;
-    const double time = s->run->plan->times[which];
-    if (tvi_call_observer(s->it, observers->at_time, which + 1, time, q, p, observers->ctx) != 0) s->is_stopped = true;
+    const tvi_observers *observers = &times_progress->run->observers;
+    const int which = times_progress->next_time_index++;
+    const double time = times_progress->run->plan->times[which];
+    if (tvi_call_observer(times_progress->integrator, observers->at_time, which + 1, time, q, p, observers->ctx) != 0)
+        times_progress->is_stopped_by_observer = true;
 }
 
 /* Reports the next time, which is in the last step. */
-static tvi_status report_inside(tvi_times *s)
+static tvi_status report_time_inside_step(tvi_times *times_progress)
 {
-    const tvi_between *between = &s->between;
-    tvi_status status = tvi_between_time(&s->between, s->run->plan->times[s->next]);
-    if (status == TVI_OK && s->run->observers.at_time)
-        status = tvi_columns_show(s->it, &s->run->columns, between->part, between->partial_integrator->parameters);
-    if (status == TVI_OK) report_next(s, between->q, between->p);
+    const tvi_partial_step *partial_step = &times_progress->partial_step;
+    tvi_status status = tvi_partial_step_compute_state_at_time(
+        &times_progress->partial_step, times_progress->run->plan->times[times_progress->next_time_index]);
+    if (status == TVI_OK && times_progress->run->observers.at_time)
+        status = tvi_columns_move_to_offset(times_progress->integrator, &times_progress->run->columns,
+                                            partial_step->offset, partial_step->partial_step_integrator->parameters);
+    if (status == TVI_OK) report_next_time(times_progress, partial_step->q, partial_step->p);
     return status;
 }
 
 /* Reports the times up to `until`: all of them, or until the observer stops the run. */
-static tvi_status report_until(tvi_times *s, double until, bool all)
+static tvi_status report_times_until(tvi_times *times_progress, double last_time, bool all)
 {
-    const tvi_run_plan *plan = s->run->plan;
-    const double way = plan->h > 0 ? 1 : -1;
-    const int first = s->next;
+    const tvi_run_plan *plan = times_progress->run->plan;
+    const double direction = plan->h > 0 ? 1 : -1;
+    const int first = times_progress->next_time_index;
     tvi_status status = TVI_OK;
-    while (status == TVI_OK && !tvi_times_are_reported(s) && way * (plan->times[s->next] - until) <= 0 &&
-           (all || !s->is_stopped))
-        status = report_inside(s);
-    if (s->next > first) tvi_columns_to_end(s->it, &s->run->columns);
+    while (status == TVI_OK && !tvi_times_are_reported(times_progress) &&
+           direction * (plan->times[times_progress->next_time_index] - last_time) <= 0 &&
+           (all || !times_progress->is_stopped_by_observer))
+        status = report_time_inside_step(times_progress);
+    if (times_progress->next_time_index > first)
+        tvi_columns_restore_step_end(times_progress->integrator, &times_progress->run->columns);
     return status;
 }
 
-tvi_status tvi_times_report(tvi_times *s, double until)
+tvi_status tvi_times_report_until(tvi_times *times_progress, double last_time)
 {
-    return report_until(s, until, s->run->plan->event_count > 0);
+    return report_times_until(times_progress, last_time, times_progress->run->plan->event_count > 0);
 }
 
-bool tvi_times_are_reported(const tvi_times *s) { return s->next == s->run->plan->time_count; }
-
-tvi_status tvi_times_set_parameters(tvi_times *s) { return tvi_between_set_parameters(&s->between); }
-
-tvi_status tvi_times_open(tvi_times *s, tvi_integrator *it, const tvi_run_of_one *run, bool has_step, double t,
-                          const double q[], const double p[])
+bool tvi_times_are_reported(const tvi_times *times_progress)
 {
-    *s = (tvi_times){.it = it, .run = run};
-    while (!has_step && !s->is_stopped && !tvi_times_are_reported(s) && run->plan->times[s->next] == t) {
-        report_next(s, q, p);
-        tvi_columns_to_end(it, &run->columns);
+    return times_progress->next_time_index == times_progress->run->plan->time_count;
+}
+
+tvi_status tvi_times_update_parameters(tvi_times *times_progress)
+{
+    return tvi_partial_step_update_parameters(&times_progress->partial_step);
+}
+
+tvi_status tvi_times_open(tvi_times *times_progress, tvi_integrator *it, const tvi_single_run *run, bool has_last_step,
+                          double t, const double q[], const double p[])
+{
+    *times_progress = (tvi_times){.integrator = it, .run = run};
+    while (!has_last_step && !times_progress->is_stopped_by_observer && !tvi_times_are_reported(times_progress) &&
+           run->plan->times[times_progress->next_time_index] == t) {
+        report_next_time(times_progress, q, p);
+        tvi_columns_restore_step_end(it, &run->columns);
     }
-    if (s->is_stopped || tvi_times_are_reported(s)) return s->is_stopped ? TVI_ESTOPPED : TVI_OK;
-    tvi_status status = tvi_between_open(&s->between, it, false);
-    if (status == TVI_OK && has_step) status = report_until(s, t, false);
-    return status == TVI_OK && s->is_stopped ? TVI_ESTOPPED : status;
+    if (times_progress->is_stopped_by_observer || tvi_times_are_reported(times_progress))
+        return times_progress->is_stopped_by_observer ? TVI_ESTOPPED : TVI_OK;
+    tvi_status status = tvi_partial_step_open(&times_progress->partial_step, it, false);
+    if (status == TVI_OK && has_last_step) status = report_times_until(times_progress, t, false);
+    return status == TVI_OK && times_progress->is_stopped_by_observer ? TVI_ESTOPPED : status;
 }
 
-void tvi_times_close(tvi_times *s)
+void tvi_times_close(tvi_times *times_progress)
 {
-    if (s->between.integrator) tvi_between_close(&s->between);
+    if (times_progress->partial_step.full_step_integrator) tvi_partial_step_close(&times_progress->partial_step);
 }
 
 tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
@@ -106,5 +119,5 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
 {
     const tvi_run_plan plan = {.h = h, .times = times, .time_count = count};
     const tvi_observers observers = {.at_time = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t, q, p);
+    return tvi_run_one(it, &(tvi_single_run){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t, q, p);
 }

@@ -1,32 +1,34 @@
-/* times.h - Reports the results at given times of a run. run.c calls it after each step. */
+/* times.h - Reports the states at the times that the user has given for a run. run.c calls it after each step. */
 #ifndef TVI_SRC_RUN_TIMES_H
 #define TVI_SRC_RUN_TIMES_H
 
-#include "run/between.h"
+#include "run/partial_step.h"
 #include "run/run.h"
 
+/* The progress of a run along its given times. */
 typedef struct tvi_times {
-    tvi_integrator *it;
-    const tvi_run_of_one *run; /* its plan has the times */
-    int next;                  /* the first time that is not reported */
-    tvi_between between;
-    bool is_stopped; /* by the observer */
+    tvi_integrator *integrator;
+    const tvi_single_run *run;     /* run->plan->times are the given times */
+    int next_time_index;           /* index of the first time that has not been reported */
+    tvi_partial_step partial_step; /* computes the states at times inside the last step */
+    bool is_stopped_by_observer;
 } tvi_times;
 
-/* Refuses times that are not finite, or not in the order of h from the state on. *has_step: the state is the end of the
- * integrator's last step, in which times may lie, too. */
-TVI_NODISCARD tvi_status tvi_times_check(const tvi_integrator *integrator, const tvi_run_of_one *run, double t,
-                                         const double q[], const double p[], bool *has_step);
-/* Reports the times at the start of the run or in the step that ended there, and prepares for the steps. */
-TVI_NODISCARD tvi_status tvi_times_open(tvi_times *times, tvi_integrator *integrator, const tvi_run_of_one *run,
-                                        bool has_step, double t, const double q[], const double p[]);
+/* Refuses times that are not finite, or that do not follow the state and one another in the direction of h. Sets
+ * *has_last_step if the state is the end of the integrator's last step; then times may also lie in that step. */
+TVI_NODISCARD tvi_status tvi_times_check(const tvi_integrator *integrator, const tvi_single_run *run, double t,
+                                         const double q[], const double p[], bool *has_last_step);
+/* Prepares `times` for the steps of a run. It reports the times that equal the start of the run, or with has_last_step
+ * those in the step that ended there. */
+TVI_NODISCARD tvi_status tvi_times_open(tvi_times *times, tvi_integrator *integrator, const tvi_single_run *run,
+                                        bool has_last_step, double t, const double q[], const double p[]);
 void tvi_times_close(tvi_times *times);
-/* Copies the parameters of the step that was just made. */
-TVI_NODISCARD tvi_status tvi_times_set_parameters(tvi_times *times);
-/* Reports the times of the last step up to `until`. After an observer has stopped the run, no other time is reported,
- * unless the run has events, whose states may follow. */
-TVI_NODISCARD tvi_status tvi_times_report(tvi_times *times, double until);
-/* Tells whether all times are reported. */
+/* Copies the parameters that the last step was made with, if they have changed since the step before. */
+TVI_NODISCARD tvi_status tvi_times_update_parameters(tvi_times *times);
+/* Reports the times of the last step up to `last_time`. After an observer has stopped the run, it reports no further
+ * time, except in a run with events, where an event may come later in the same step. */
+TVI_NODISCARD tvi_status tvi_times_report_until(tvi_times *times, double last_time);
+/* Tells whether all given times have been reported. */
 bool tvi_times_are_reported(const tvi_times *times);
 
 #endif

@@ -202,16 +202,16 @@ START_TEST(dips_are_decided)
         /* a peak is below 0 over its depth to the square, which is to be more than the 1e-8 that are looked at */
         const double above = (k / SHAPES % 3 - 1) * pow(10, (which == PEAK ? -1 : -4) * number_of(&bits) - 2.5);
         const double base = k / SHAPES % 3 == 1 ? 10 : above; /* the lowest value: below 0, far above or near */
-        tvi_dip_point x[TVI_DIP];
-        for (int i = 0; i < TVI_DIP; i++) x[i] = (tvi_dip_point){i, unit * (base + shape(which, i - at))};
+        tvi_event_sample x[TVI_DIP_SAMPLES];
+        for (int i = 0; i < TVI_DIP_SAMPLES; i++) x[i] = (tvi_event_sample){i, unit * (base + shape(which, i - at))};
         if (!(x[2].g <= x[1].g && x[2].g <= x[3].g && x[2].g > 0)) continue;
-        tvi_dip_point next;
+        tvi_event_sample next;
         bool is_below = false;
         int looks = 0;
-        for (; !is_below && tvi_dip_next(x, looks, &next.at); looks++) {
-            next.g = unit * (base + shape(which, next.at - at));
+        for (; !is_below && tvi_dip_choose_theta(x, looks, &next.theta); looks++) {
+            next.g = unit * (base + shape(which, next.theta - at));
             is_below = next.g <= 0;
-            if (!is_below) tvi_dip_insert(x, next);
+            if (!is_below) tvi_dip_insert_sample(x, next);
         }
         ck_assert_msg(is_below == (base < 0), "shape %d, %g above 0 at %g", which, base, at);
         const bool is_rounded = which == 1; /* flat flanks are convex but for roundoff */

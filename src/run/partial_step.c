@@ -1,0 +1,177 @@
+/* between.c - Computes states inside the last step, at a part of the step or at a given time. */
+#include "run/partial_step.h"
+#include "run/narrow.h"
+#include "algebra/sizes.h"
+#include "system/refuse.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Two parts of a step that differ by less than this part of h have nearly the same nodes. */
+static const double NEAR = 1e-3;
+enum { MOST_CORRECTIONS = 12 };
+
+tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
+                                 bool uses_history_at_end)
+{
+    const size_t n = (size_t)full_step_integrator->system->n, wide = 2 * (n + 1) + 1;
+    *partial_step = (tvi_partial_step){.full_step_integrator = full_step_integrator,
+                                       .uses_history_at_end = uses_history_at_end,
+                                       .parameter_version = full_step_integrator->parameter_version};
+    partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
+    if (!partial_step->q) return jet_refuse_memory(TVI_ENOMEM);
+    partial_step->p = partial_step->q + n;
+    partial_step->rates_input = partial_step->p + n;
+    partial_step->rates_output = partial_step->rates_input + wide;
+    tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator, 1);
+    if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
+        status = tvi_rates_open(&partial_step->field_rates, full_step_integrator->system->stepped,
+                                full_step_integrator->parameters);
+    if (status != TVI_OK) tvi_partial_step_close(partial_step);
+    return jet_refuse_memory(status);
+}
+
+void tvi_partial_step_close(tvi_partial_step *partial_step)
+{
+    tvi_integrator_free(partial_step->partial_step_integrator);
+    tvi_rates_close(&partial_step->field_rates);
+    free(partial_step->q);
+    *partial_step = (tvi_partial_step){0};
+}
+
+tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
+{
+    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
+    if (partial_step->parameter_version == full_step_integrator->parameter_version) return TVI_OK;
+    partial_step->parameter_version = full_step_integrator->parameter_version;
+    partial_step->step_number = 0;
+    if (partial_step->field_rates.block)
+        tvi_rates_set_parameters(&partial_step->field_rates, full_step_integrator->parameters);
+    return tvi_integrator_set_parameters(partial_step->partial_step_integrator, full_step_integrator->parameters);
+}
+
+/* Sets the history that the partial integrator begins with: the low-order parts of the state at the start of the step,
+ * and the stepper's history at that start. With `knows_step` the stepper's history is that at the end of the step, or
+ * that of a partial step which ended near `part`. */
+static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
+{
+    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
+    const size_t state =
+        partial_step->uses_history_at_end ? full_step_integrator->state_bytes : full_step_integrator->marked_bytes;
+    const bool is_near = partial_step->uses_history_at_end &&
+                         partial_step->step_number == full_step_integrator->stats.steps &&
+                         partial_step->offset != full_step_integrator->h && partial_step->offset != 0 &&
+                         fabs(offset - partial_step->offset) < NEAR * fabs(full_step_integrator->h);
+    tvi_arena_copy(partial_step->partial_step_integrator->history, full_step_integrator->history_before, state);
+    if (!is_near)
+        tvi_arena_copy(partial_step->partial_step_integrator->history + state, full_step_integrator->history + state,
+                       full_step_integrator->history_bytes - state);
+}
+
+tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
+{
+    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
+    const size_t bytes = (size_t)full_step_integrator->system->n * sizeof *partial_step->q;
+    const bool is_end = offset == full_step_integrator->h;
+    if (partial_step->step_number == full_step_integrator->stats.steps && partial_step->offset == offset) return TVI_OK;
+    const tvi_run_state *state = is_end ? &full_step_integrator->state : &full_step_integrator->start;
+    partial_step->t = state->q[full_step_integrator->system->n];
+    memcpy(partial_step->q, state->q, bytes);
+    memcpy(partial_step->p, state->p, bytes);
+    if (!is_end && offset != 0) {
+        set_partial_step_history(partial_step, offset);
+        partial_step->step_number = 0;
+        const tvi_status status =
+            tvi_step(partial_step->partial_step_integrator, offset, &partial_step->t, partial_step->q, partial_step->p);
+        if (status != TVI_OK) return status;
+    }
+    partial_step->step_number = full_step_integrator->stats.steps;
+    partial_step->offset = offset;
+    return TVI_OK;
+}
+
+void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double x[])
+{
+    const size_t n = (size_t)partial_step->full_step_integrator->system->n;
+    memcpy(x, partial_step->q, n * sizeof *x);
+    memcpy(x + n, partial_step->p, n * sizeof *x);
+    x[2 * n] = partial_step->t;
+}
+
+/* ---- Given times ------------------------------------------------------------------------------------------------- */
+
+/* A time inside a step in s, measured from the start of the step. */
+typedef struct {
+    tvi_partial_step *partial_step;
+    double time_from_start;
+} time_target;
+
+/* Sets *g to the time on the step's curve at theta, less the wanted time. */
+static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
+{
+    const time_target *target = ctx;
+    const tvi_integrator *full_step_integrator = target->partial_step->full_step_integrator;
+    const tvi_increments *increments = &full_step_integrator->increments;
+    full_step_integrator->stepper->dense(full_step_integrator->work, theta, increments->dq, increments->dp);
+    *g = increments->dq[full_step_integrator->system->n] - target->time_from_start;
+    return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
+}
+
+/* Sets *rate to dt/ds at the end of the last partial step, which is g of the rescaled system. */
+static tvi_status compute_time_rate(tvi_partial_step *partial_step, double *rate)
+{
+    const tvi_integrator *partial = partial_step->partial_step_integrator;
+    const size_t n = (size_t)partial->stepped->n;
+    memcpy(partial_step->rates_input, partial->state.q, n * sizeof *partial_step->rates_input);
+    memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
+    partial_step->rates_input[2 * n] = partial->state.q[n];
+    const tvi_status status =
+        tvi_rates_at(&partial_step->field_rates, partial_step->rates_input, partial_step->rates_output);
+    *rate = partial_step->rates_output[partial->system->n];
+    return status;
+}
+
+/* Corrects the place on the curve to that of the method's own solution by Newton's method, and keeps the state whose
+ * time is nearest to the wanted one. The time that a part covers is an increment, which is more accurate than the
+ * rounded time. */
+static tvi_status correct_offset(tvi_partial_step *partial_step, double time, double way, double offset)
+{
+    const tvi_integrator *partial = partial_step->partial_step_integrator;
+    const double h = partial_step->full_step_integrator->h;
+    double rate, best = offset, least = INFINITY;
+    tvi_status status = TVI_OK;
+    for (int count = 0; count < MOST_CORRECTIONS && offset != 0 && offset != h; count++) {
+        status = tvi_partial_step_compute_state(partial_step, offset);
+        if (status != TVI_OK) return status;
+        const double rest = way - partial->covered;
+        if (!(fabs(rest) < least)) break;
+        best = offset;
+        least = fabs(rest);
+        if (least <= DBL_EPSILON / 4 * fabs(time)) break;
+        status = compute_time_rate(partial_step, &rate);
+        if (status != TVI_OK) return status;
+        offset = fmax(fmin(offset + rest / rate, fmax(h, 0)), fmin(h, 0));
+    }
+    return tvi_partial_step_compute_state(partial_step, least < INFINITY ? best : offset);
+}
+
+tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step, double time)
+{
+    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
+    const int n = full_step_integrator->system->n;
+    const double h = full_step_integrator->h,
+                 way = (time - full_step_integrator->start.q[n]) - full_step_integrator->start.q_low[n];
+    const double offset = fmax(fmin(way * (h / full_step_integrator->covered), fmax(h, 0)), fmin(h, 0));
+    tvi_sign_bracket bracket = {0, -way, 1, full_step_integrator->covered - way};
+    if (time == full_step_integrator->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
+    /* the independent variable of the steps is the time */
+    if (!tvi_is_rescaled(full_step_integrator)) return tvi_partial_step_compute_state(partial_step, offset);
+    partial_step->step_number = 0;
+    const tvi_status status =
+        tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target, &(time_target){partial_step, way});
+    return status == TVI_OK
+               ? correct_offset(partial_step, time, way, (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
+               : status;
+}

@@ -1,0 +1,47 @@
+/* partial_step.h - Computes a state inside the last step of an integrator, by a shorter step of the same method from
+ * the start of that step. Runs call it for results at given times (times.c) and for events (locate.c). The computed
+ * states are as accurate as those at the ends of steps; the curve of tvi_dense is less accurate. */
+#ifndef TVI_SRC_RUN_PARTIAL_STEP_H
+#define TVI_SRC_RUN_PARTIAL_STEP_H
+
+#include "run/integrator.h"
+#include "system/rates.h"
+
+/* The two integrators of a partial step, and the state that was computed last. */
+typedef struct {
+    tvi_integrator *full_step_integrator; /* the integrator of the run, which has made a step of size h */
+    /* The integrator that makes the partial steps. It starts from the state and the history at the start of the last
+     * full step. */
+    tvi_integrator *partial_step_integrator;
+    /* If true, partial steps use the corrector's history from the end of the full step. This saves corrector passes,
+     * but changes the roundoff of the results. */
+    bool uses_history_at_end;
+    double t, *q, *p;                   /* the state (t, q[n], p[n]) that was computed last */
+    tvi_rates field_rates;              /* computes dq/ds and dp/ds of a rescaled system; unused otherwise */
+    double *rates_input, *rates_output; /* scratch memory of field_rates: a state [2(n+1)+1] and its rates [2(n+1)] */
+    long parameter_version;             /* full_step_integrator->parameter_version when the parameters were copied */
+    long step_number;                   /* the number of the full step that the state lies in; 0 if there is no state */
+    double offset;                      /* the state lies at this distance from the start of the full step, 0 to h */
+} tvi_partial_step;
+
+/* Creates the integrator for the partial steps, and allocates the memory. */
+TVI_NODISCARD tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
+                                               bool uses_history_at_end);
+void tvi_partial_step_close(tvi_partial_step *partial_step);
+
+/* Copies the parameters of the last full step to the integrator of the partial steps, if an observer has set new
+ * ones. */
+TVI_NODISCARD tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step);
+
+/* Computes the state at the given offset from the start of the last full step of size h, 0 <= offset / h <= 1. At
+ * offsets 0 and h it returns the state of the full step itself, bit for bit. It fails with the statuses of tvi_step. */
+TVI_NODISCARD tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset);
+
+/* Copies the state that was computed last to one vector x [2n + 1], in the order q, p, t. */
+void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double x[]);
+
+/* Computes the state at the given time, which must lie in the last full step. The time of the state agrees with it to
+ * roundoff. */
+TVI_NODISCARD tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step, double time);
+
+#endif
