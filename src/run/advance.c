@@ -2,15 +2,16 @@
 #include "run/advance.h"
 #include "rule.h"
 
-static void find_overflows(int rows, int width, const double *x, const double *low, const double *dx, double *overflows)
+static void find_overflows(int components, int width, const double *x, const double *x_low, const double *dx,
+                           double *overflows)
 {
-    tvi_find_overflows(rows, width, x, low, dx, overflows);
+    tvi_find_overflows(components, width, x, x_low, dx, overflows);
 }
 
-static void advance(int rows, int width, double *x, double *low, const double *dx, const double *dx_low,
-                    const tvi_status *status)
+static void add_increments(int components, int width, double *x, double *x_low, const double *dx, const double *dx_low,
+                           const tvi_status *status)
 {
-    tvi_advance(rows, width, x, low, dx, dx_low, status);
+    tvi_add_increments(components, width, x, x_low, dx, dx_low, status);
 }
 
-const tvi_advance_loops JET_FOR_ISA(tvi_advance_loops) = {find_overflows, advance};
+const tvi_state_update_loops JET_FOR_ISA(tvi_state_update_loops) = {find_overflows, add_increments};

@@ -1,43 +1,47 @@
 /* advance.h - Adds the increments of a step to the states of all members by compensated summation. step.c calls it.
- * Arrays are [rows][width], the member fastest. */
+ * Arrays of members have the shape [components][width]: the values of one component for all `width` members are
+ * adjacent. A number in two parts is x + x_low, with the rounded value x and the low-order part x_low. */
 #ifndef TVI_SRC_RUN_ADVANCE_H
 #define TVI_SRC_RUN_ADVANCE_H
 
 #include "method/origin.h"
 #include "tvi.h"
 
-/* overflows[member] becomes different from 0 if the sum x + (low + dx) is not finite in some row. */
-static inline void tvi_find_overflows(int rows, int width, const double *restrict x, const double *restrict low,
+/* Sets overflows[member] to a number different from 0 if the sum x + (x_low + dx) of a component is not finite, and
+ * leaves it as it is otherwise. */
+static inline void tvi_find_overflows(int components, int width, const double *restrict x, const double *restrict x_low,
                                       const double *restrict dx, double *restrict overflows)
 {
-    for (int row = 0; row < rows; row++, x += width, low += width, dx += width)
+    for (int i = 0; i < components; i++, x += width, x_low += width, dx += width)
         for (int m = 0; m < width; m++) {
-            const double sum = x[m] + (low[m] + dx[m]);
+            const double sum = x[m] + (x_low[m] + dx[m]);
             overflows[m] += sum - sum;
         }
 }
 
-/* (x, low) <- x + low + dx + dx_low of the members whose status is TVI_OK. */
-static inline void tvi_advance(int rows, int width, double *restrict x, double *restrict low, const double *restrict dx,
-                               const double *restrict dx_low, const tvi_status *restrict status)
+/* Computes (x, x_low) <- x + x_low + dx + dx_low for the members whose status is TVI_OK. */
+static inline void tvi_add_increments(int components, int width, double *restrict x, double *restrict x_low,
+                                      const double *restrict dx, const double *restrict dx_low,
+                                      const tvi_status *restrict status)
 {
-    for (int row = 0; row < rows; row++, x += width, low += width, dx += width, dx_low += width)
+    for (int i = 0; i < components; i++, x += width, x_low += width, dx += width, dx_low += width)
         for (int m = 0; m < width; m++) {
-            double rest = low[m];
+            double rest = x_low[m];
             const double sum = tvi_add_compensated(x[m], &rest, dx[m], dx_low[m]);
             x[m] = status[m] == TVI_OK ? sum : x[m];
-            low[m] = status[m] == TVI_OK ? rest : low[m];
+            x_low[m] = status[m] == TVI_OK ? rest : x_low[m];
         }
 }
 
-/* The two functions for several members, compiled once for each instruction set (ad/vector.h). */
+/* Pointers to the two functions above for several members, compiled once for each instruction set (ad/vector.h). */
 typedef struct {
-    void (*find_overflows)(int rows, int width, const double *x, const double *low, const double *dx,
+    void (*find_overflows)(int components, int width, const double *x, const double *x_low, const double *dx,
                            double *overflows);
-    void (*advance)(int rows, int width, double *x, double *low, const double *dx, const double *dx_low,
-                    const tvi_status *status);
-} tvi_advance_loops;
+    void (*add_increments)(int components, int width, double *x, double *x_low, const double *dx, const double *dx_low,
+                           const tvi_status *status);
+} tvi_state_update_loops;
 
-extern const tvi_advance_loops tvi_advance_loops_base, tvi_advance_loops_avx2, tvi_advance_loops_avx512;
+extern const tvi_state_update_loops tvi_state_update_loops_base, tvi_state_update_loops_avx2,
+    tvi_state_update_loops_avx512;
 
 #endif

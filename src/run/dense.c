@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[], double p[])
+tvi_status tvi_compute_dense_state(tvi_integrator *it, double theta, double *t, double q[], double p[])
 {
     const int n = it->system->n;
     if (theta == 1) { /* this state has the low-order parts */
@@ -32,7 +32,7 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     if (!it || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, 1}, "");
     if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
     if (!it->has_dense) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
-    return tvi_state_at(it, theta, &t, q, p);
+    return tvi_compute_dense_state(it, theta, &t, q, p);
 }
 
 /* ---- Samples ----------------------------------------------------------------------------------------------------- */
@@ -40,7 +40,7 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
 /* Evaluates the samples one after the other. */
-static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
+static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
@@ -54,7 +54,7 @@ static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
     }
 }
 
-void tvi_sample(tvi_integrator *it, const tvi_range used[2], double *x)
+void tvi_sample_dense_output(tvi_integrator *it, const tvi_range used[2], double *x)
 {
     const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
@@ -62,7 +62,7 @@ void tvi_sample(tvi_integrator *it, const tvi_range used[2], double *x)
         it->stepper->sample(it->work, used, it->start.q, it->start.p, q, p);
         for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_theta[k] * it->h);
     } else {
-        sample_by_dense(it, q, p, t);
+        sample_dense_output_one_by_one(it, q, p, t);
     }
     for (int i = used[0].first; i < used[0].end; i++) q[i * TVI_SAMPLES + end] = it->state.q[i];
     for (int i = used[1].first; i < used[1].end; i++) p[i * TVI_SAMPLES + end] = it->state.p[i];

@@ -1,4 +1,5 @@
-/* ensemble.h - Declares what an ensemble holds between runs, and how a thread loads and stores its members. */
+/* ensemble.h - Declares the memory of an ensemble between its runs, and the functions by which a thread loads and
+ * stores the members of a batch. ensemble.c, ensemble_run.c and travel.c include it. */
 #ifndef TVI_SRC_RUN_ENSEMBLE_H
 #define TVI_SRC_RUN_ENSEMBLE_H
 
@@ -7,51 +8,55 @@
 
 #include <pthread.h>
 
-/* The memory of one thread: an integrator for a batch of members, and one for a single member. */
+/* The memory of one thread: an integrator that steps a batch of members together, and one that steps a single
+ * member. */
 typedef struct {
-    tvi_integrator *batch;  /* [width] members */
-    tvi_integrator *single; /* one member; the same integrator as `batch` if the width is 1 */
-    double *q, *p;          /* [n] state of the single member */
-} tvi_worker;
+    tvi_integrator *batch_integrator;
+    tvi_integrator *single_integrator; /* the same integrator as batch_integrator if batches have one member */
+    double *member_q, *member_p;       /* [n] each, the state of the member that single_integrator steps */
+} tvi_ensemble_worker;
 
 struct tvi_ensemble {
     const tvi_system *system;
-    int n, members, threads;
-    /* Members of a batch, and the number of batches; the last batch may have fewer members. */
+    int n, members, threads; /* n is the number of coordinates of one member */
+    /* The number of members in a batch, and the number of batches. The last batch may have fewer members. */
     int width, batches;
-    tvi_worker *worker;            /* [threads] */
-    char *memory;                  /* [batches][history_bytes] the history of each batch */
-    size_t history_bytes;          /* bytes of one history, a multiple of the arena's alignment */
-    double *parameters;            /* [tvi_system_parameters][members] */
-    char *stops;                   /* [members][tvi_stop_bytes] */
-    tvi_status *failed;            /* [members] TVI_OK: the member can go on */
-    bool has_run;                  /* since it was created or reset: the histories hold states */
-    bool is_running;               /* the workers have the members: observers may neither read nor change these */
-    tvi_stats loaded;              /* counts that were loaded with a saved state */
-    pthread_mutex_t observer_lock; /* held while an observer of a member is called */
+    tvi_ensemble_worker *worker;   /* [threads] the memory of each thread */
+    char *memory;                  /* [batches][history_bytes] the integrator's history of each batch between runs */
+    size_t history_bytes;          /* the size of one history in bytes, a multiple of the arena's alignment */
+    double *parameters;            /* [tvi_system_parameters][members] the values of each member's parameters */
+    char *stops;                   /* [members][tvi_stop_bytes] a tvi_stop of each member, where events stopped it */
+    tvi_status *failed;            /* [members] TVI_OK if the member can go on, otherwise the status of its failure */
+    bool has_run;                  /* true if the ensemble has run since it was created or reset */
+    bool is_running;               /* true during a run, in which observers may neither read nor change the members */
+    tvi_stats loaded;              /* the counts of steps that were loaded with a saved state */
+    pthread_mutex_t observer_lock; /* a thread holds this lock while it calls an observer of a member */
 };
 
-/* The first member of a batch, and how many members it has. */
-static inline int tvi_first_member(const tvi_ensemble *e, int batch) { return batch * e->width; }
-static inline int tvi_members_of(const tvi_ensemble *e, int batch)
+/* The index of the first member of a batch. */
+static inline int tvi_first_member_of_batch(const tvi_ensemble *ensemble, int batch) { return batch * ensemble->width; }
+/* The number of members of a batch. */
+static inline int tvi_count_members_of_batch(const tvi_ensemble *ensemble, int batch)
 {
-    const int rest = e->members - batch * e->width;
-    return rest < e->width ? rest : e->width;
+    const int rest = ensemble->members - batch * ensemble->width;
+    return rest < ensemble->width ? rest : ensemble->width;
 }
 
-/* Refuses a call from an observer of a member, during which the workers hold the members. */
-static inline tvi_status tvi_ensemble_check_idle(const tvi_ensemble *e)
+/* Refuses a call from an observer of a running ensemble, whose threads are using the members. */
+static inline tvi_status tvi_ensemble_refuse_if_running(const tvi_ensemble *ensemble)
 {
-    if (!e->is_running) return TVI_OK;
+    if (!ensemble->is_running) return TVI_OK;
     return jet_refuse(TVI_EINVAL, "the ensemble is in a run, whose observer may not run, read or change its members");
 }
 
-/* Copy the history and the parameters of a batch to the worker, and its history back to the ensemble. */
-void tvi_worker_load(tvi_worker *worker, const tvi_ensemble *ensemble, int batch);
-void tvi_worker_store(const tvi_worker *worker, tvi_ensemble *ensemble, int batch);
+/* Copies the history and the parameters of a batch from the ensemble to the worker's batch integrator. */
+void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch);
+/* Copies the history of the batch from the worker's batch integrator to the ensemble. */
+void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int batch);
 
-/* Copy a member of the loaded batch to the worker's integrator for one member, and back. */
-void tvi_worker_load_member(tvi_worker *worker, const tvi_ensemble *ensemble, int member);
-void tvi_worker_store_member(tvi_worker *worker, const tvi_ensemble *ensemble, int member);
+/* Copies one member of the loaded batch to the worker's integrator for a single member. */
+void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member);
+/* Copies the member from the integrator for a single member back to the loaded batch. */
+void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member);
 
 #endif

@@ -17,7 +17,7 @@ double tvi_time_left(const tvi_integrator *it, double t_end)
     return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-tvi_status tvi_run_goes_on(const tvi_integrator *it, double t_end, int *slow)
+tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *slow)
 {
     const double left = tvi_time_left(it, t_end);
     *slow = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow + 1 : 0;

@@ -197,11 +197,12 @@ void tvi_end_at(tvi_integrator *integrator, double t_end, double *t);
 void tvi_integrator_undo(tvi_integrator *integrator, double *t, double q[], double p[]);
 
 /* Computes the state of tvi_dense, and its time. */
-TVI_NODISCARD tvi_status tvi_state_at(tvi_integrator *integrator, double theta, double *t, double q[], double p[]);
+TVI_NODISCARD tvi_status tvi_compute_dense_state(tvi_integrator *integrator, double theta, double *t, double q[],
+                                                 double p[]);
 
 /* Computes the states at the sample points of the last step (stepper.h), in the layout of a tape with a lane for each:
  * q, p and t in x [2n + 1][TVI_SAMPLES]. Only the components used[0] of q and used[1] of p, and t, are set; the others
  * may be overwritten. The last sample is the step's own end. The states may not be finite. */
-void tvi_sample(tvi_integrator *integrator, const tvi_range used[2], double *x);
+void tvi_sample_dense_output(tvi_integrator *integrator, const tvi_range used[2], double *x);
 
 #endif

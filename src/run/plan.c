@@ -9,19 +9,19 @@
 /* ---- Plans that are none ----------------------------------------------------------------------------------------- */
 
 typedef struct {
-    bool is_so;
-    const char *reason;
+    bool is_found;
+    const char *message;
 } contradiction;
 
-static const char *first_of(size_t count, const contradiction list[])
+static const char *first_contradiction(size_t count, const contradiction list[])
 {
     for (size_t i = 0; i < count; i++)
-        if (list[i].is_so) return list[i].reason;
+        if (list[i].is_found) return list[i].message;
     return NULL;
 }
 
 /* The reason why the plan has no mode, or NULL. */
-static const char *conflict_of_modes(const tvi_run_plan *plan)
+static const char *find_conflict_of_modes(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
     const contradiction list[] = {
@@ -40,11 +40,11 @@ static const char *conflict_of_modes(const tvi_run_plan *plan)
         {!by_tolerance && plan->largest_step != 0, "largest_step is given without tolerance"},
         {!(plan->largest_step >= 0 && isfinite(plan->largest_step)), "largest_step is negative or not finite"},
     };
-    return first_of(sizeof list / sizeof *list, list);
+    return first_contradiction(sizeof list / sizeof *list, list);
 }
 
 /* The reason why what the plan reports does not go with its mode, or NULL. */
-static const char *misfit_of_members(const tvi_run_plan *plan)
+static const char *find_misfit_with_mode(const tvi_run_plan *plan)
 {
     const contradiction list[] = {
         {plan->columns > 0 && !plan->D, "columns is given, and D is NULL"},
@@ -55,13 +55,13 @@ static const char *misfit_of_members(const tvi_run_plan *plan)
         {plan->event_count > 0 && !plan->events, "event_count is given, and events is NULL"},
         {plan->observer && plan->steps == 0, "observer is given without steps: it goes with steps alone"},
     };
-    return first_of(sizeof list / sizeof *list, list);
+    return first_contradiction(sizeof list / sizeof *list, list);
 }
 
 tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
 {
-    const char *reason = plan ? conflict_of_modes(plan) : "plan is NULL";
-    if (!reason) reason = misfit_of_members(plan);
+    const char *reason = plan ? find_conflict_of_modes(plan) : "plan is NULL";
+    if (!reason) reason = find_misfit_with_mode(plan);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!tvi_events_match_system(it, plan->events, plan->event_count)) return TVI_EINVAL;
     return plan->tolerance != 0 ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
@@ -76,48 +76,52 @@ tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan)
 
 /* ---- Its observers ----------------------------------------------------------------------------------------------- */
 
-static int tell(const tvi_member_run *to, tvi_member_observer *observer, long which, double t, const double q[],
-                const double p[])
+static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long which, double t,
+                                const double q[], const double p[])
 {
     if (!observer) return 0;
-    if (to->lock) (void)pthread_mutex_lock(to->lock);
-    const int stop = observer(to->member, which < INT_MAX ? (int)which : INT_MAX, t, q, p, to->plan->ctx);
-    if (to->lock) (void)pthread_mutex_unlock(to->lock);
+    if (member_run->observer_lock) (void)pthread_mutex_lock(member_run->observer_lock);
+    const int stop =
+        observer(member_run->member_index, which < INT_MAX ? (int)which : INT_MAX, t, q, p, member_run->plan->ctx);
+    if (member_run->observer_lock) (void)pthread_mutex_unlock(member_run->observer_lock);
     return stop;
 }
 
-static int tell_event(int which, double t, const double q[], const double p[], void *ctx)
+static int call_event_observer(int which, double t, const double q[], const double p[], void *ctx)
 {
-    const tvi_member_run *to = ctx;
-    return tell(to, to->plan->on_event, which, t, q, p);
+    const tvi_member_run *member_run = ctx;
+    return call_member_observer(member_run, member_run->plan->on_event, which, t, q, p);
 }
 
-static int tell_time(long which, double t, const double q[], const double p[], void *ctx)
+static int call_time_observer(long which, double t, const double q[], const double p[], void *ctx)
 {
-    const tvi_member_run *to = ctx;
-    return tell(to, to->plan->at_time, which, t, q, p);
+    const tvi_member_run *member_run = ctx;
+    return call_member_observer(member_run, member_run->plan->at_time, which, t, q, p);
 }
 
-static int report_step(long step, double t, const double q[], const double p[], void *ctx)
+static int call_step_observers(long step, double t, const double q[], const double p[], void *ctx)
 {
-    const tvi_member_run *to = ctx;
-    const int stop = tell(to, to->plan->at_step, step, t, q, p);
+    const tvi_member_run *member_run = ctx;
+    const int stop = call_member_observer(member_run, member_run->plan->at_step, step, t, q, p);
     const tvi_status status = stop ? TVI_ESTOPPED : TVI_OK;
-    return to->observer && to->observer(step, 1, &t, q, p, &status, to->plan->ctx) != 0 ? 1 : stop;
+    return member_run->ensemble_observer &&
+                   member_run->ensemble_observer(step, 1, &t, q, p, &status, member_run->plan->ctx) != 0
+               ? 1
+               : stop;
 }
 
 tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, double *t, double q[], double p[])
 {
     const tvi_run_plan *plan = member->plan;
     const tvi_single_run run = {
-        .mode = member->mode,
+        .mode = member->run_mode,
         .plan = plan,
-        .observers = {.at_step = plan->at_step || member->observer ? report_step : NULL,
-                      .at_time = plan->at_time ? tell_time : NULL,
-                      .on_event = plan->on_event ? tell_event : NULL,
+        .observers = {.at_step = plan->at_step || member->ensemble_observer ? call_step_observers : NULL,
+                      .at_time = plan->at_time ? call_time_observer : NULL,
+                      .on_event = plan->on_event ? call_event_observer : NULL,
                       .ctx = (void *)member},
-        .columns = {plan->D ? plan->D + member->member : NULL, plan->columns, (size_t)member->members},
-        .steps_reported = member->steps_reported,
+        .columns = {plan->D ? plan->D + member->member_index : NULL, plan->columns, (size_t)member->member_count},
+        .steps_before_segment = member->steps_before_segment,
     };
     return tvi_run_one(it, &run, t, q, p);
 }
@@ -127,6 +131,7 @@ tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, doub
     if (!it || !t || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
-    const tvi_member_run all = {.plan = plan, .mode = tvi_plan_mode(plan), .members = 1, .observer = plan->observer};
+    const tvi_member_run all = {
+        .plan = plan, .run_mode = tvi_plan_mode(plan), .member_count = 1, .ensemble_observer = plan->observer};
     return tvi_run_member(it, &all, t, q, p);
 }

@@ -1,4 +1,5 @@
-/* plan.h - Runs one member by a plan. tvi_run and the members of an ensemble call it. */
+/* plan.h - Checks a plan of a run (tvi_run_plan), and runs one integrator by it. tvi_run and the members of an ensemble
+ * (ensemble_run.c) call it. */
 #ifndef TVI_SRC_RUN_PLAN_H
 #define TVI_SRC_RUN_PLAN_H
 
@@ -6,24 +7,25 @@
 
 #include <pthread.h>
 
-/* Refuses a plan that contradicts itself, or that the integrator cannot serve. */
+/* Refuses a plan whose members contradict one another, and a plan that the integrator's method cannot carry out. */
 TVI_NODISCARD tvi_status tvi_plan_check(const tvi_integrator *integrator, const tvi_run_plan *plan);
-/* The mode of a plan that was checked. */
+/* Returns the mode of a plan that tvi_plan_check has accepted. */
 tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan);
 
-/* A member that runs by a plan. */
+/* A run of one member by a plan. A single integrator counts as an ensemble of one member. */
 typedef struct {
     const tvi_run_plan *plan;
-    tvi_run_mode mode;
-    int member, members;
-    /* Steps before this piece of the run; plan->steps are those of the piece. */
-    long steps_reported;
-    /* The observer that is called after at_step; NULL if the ensemble itself calls the plan's. */
-    tvi_ensemble_observer *observer;
-    pthread_mutex_t *lock; /* held while an observer is called; NULL if there is one thread */
+    tvi_run_mode run_mode;
+    int member_index, member_count;
+    /* An ensemble may run a plan in several segments. This is the number of steps in earlier segments; plan->steps
+     * is the number of steps in this one. */
+    long steps_before_segment;
+    /* The observer that is called after plan->at_step; NULL if the ensemble itself calls the observer of the plan. */
+    tvi_ensemble_observer *ensemble_observer;
+    pthread_mutex_t *observer_lock; /* held while an observer is called; NULL if there is only one thread */
 } tvi_member_run;
-/* Runs a member whose state the integrator holds (tvi_worker_load_member). */
-TVI_NODISCARD tvi_status tvi_run_member(tvi_integrator *integrator, const tvi_member_run *member, double *t, double q[],
-                                        double p[]);
+/* Runs the member whose state the integrator holds (tvi_worker_load_member). */
+TVI_NODISCARD tvi_status tvi_run_member(tvi_integrator *integrator, const tvi_member_run *member_run, double *t,
+                                        double q[], double p[]);
 
 #endif

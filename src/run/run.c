@@ -107,8 +107,8 @@ static tvi_status report_step(const running *r, long step, double *t, double q[]
     if (status == TVI_OK && r->locator) status = tvi_locator_report_events(r->locator, r->times, t, q, p);
     if (status == TVI_OK && r->times) status = tvi_times_report_until(r->times, *t);
     if (status != TVI_OK) return status;
-    const bool stops =
-        tvi_call_observer(r->it, observers->at_step, r->run->steps_reported + step, *t, q, p, observers->ctx) != 0;
+    const bool stops = tvi_call_observer(r->it, observers->at_step, r->run->steps_before_segment + step, *t, q, p,
+                                         observers->ctx) != 0;
     return stops || (r->times && r->times->is_stopped_by_observer) ? TVI_ESTOPPED : TVI_OK;
 }
 
@@ -124,7 +124,7 @@ static tvi_status make_steps_of(running *r, double *t, double q[], double p[])
         if (status == TVI_OK) status = report_step(r, step, t, q, p);
         is_last = is_last || (r->times && tvi_times_are_reported(r->times));
         if (status == TVI_OK && r->schedule.is_to_time && !is_last)
-            status = tvi_run_goes_on(r->it, r->schedule.t_end, &slow);
+            status = tvi_run_check_progress(r->it, r->schedule.t_end, &slow);
     }
     tvi_locator_close(r->locator);
     return status;

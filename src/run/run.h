@@ -1,61 +1,65 @@
-/* run.h - Runs an integrator step by step. After each step it reports the times and the events in it, and then the
- * step. The mode of the run decides how the next step is made, and how large it is. */
+/* run.h - Runs an integrator step by step: makes a step, reports the given times and the events in it, and then reports
+ * the step itself. The mode of the run decides how large the steps are and where the run ends. plan.c and the functions
+ * tvi_integrate... call it. */
 #ifndef TVI_SRC_RUN_RUN_H
 #define TVI_SRC_RUN_RUN_H
 
 #include "run/columns.h"
 #include "run/locate.h"
 
-/* The observers of a run's steps, times and events. Each may be NULL. */
+/* The functions that a run calls after each step, at each given time, and at each event. Each may be NULL. */
 typedef struct {
     tvi_observer *at_step, *at_time;
     tvi_event_observer *on_event;
-    void *ctx;
+    void *ctx; /* the user's data, which every observer gets as its last argument */
 } tvi_observers;
 
-/* The modes of a run: a number of steps, to a time, at given times, or by a tolerance. */
+/* The modes of a run: it makes a number of steps, or ends at a given time, or reports the states at given times, or
+ * ends at a given time with steps that serve a tolerance. */
 typedef enum { TVI_RUN_STEPS, TVI_RUN_TO_TIME, TVI_RUN_AT_TIMES, TVI_RUN_TO_TOLERANCE } tvi_run_mode;
 
-/* A run of one integrator. Only these observers are called, not those of the plan. */
+/* A run of one integrator. */
 struct tvi_single_run {
     tvi_run_mode mode;
-    const tvi_run_plan *plan; /* steps, sizes, ends, times, events */
-    tvi_observers observers;
-    tvi_tangent_columns columns;
-    long steps_reported; /* in earlier pieces of the run */
+    const tvi_run_plan *plan;    /* the step size, the end, the times and the events; its observers are not called */
+    tvi_observers observers;     /* the observers that are called */
+    tvi_tangent_columns columns; /* the tangent vectors that the run moves; elements = NULL if there are none */
+    long steps_before_segment;   /* the number of steps in earlier segments of an ensemble's run */
 };
 
-/* The steps of a run, as its mode schedules them. */
+/* The sequence of steps of a run, which depends on its mode. */
 typedef struct tvi_schedule tvi_schedule;
 struct tvi_schedule {
-    /* Makes the next step. *is_last: the run ends with it. */
+    /* Makes the next step or steps. It sets *is_last if the run ends with them. */
     tvi_status (*step)(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
                        bool *is_last);
     const tvi_run_plan *plan;
-    /* The number of calls of `step` at most, and how many steps each call makes. */
+    /* The largest number of calls of `step`, and the number of steps that each call may make. */
     long steps, at_once;
-    bool begins;     /* the state is loaded before the first step */
-    bool has_step;   /* the first times are in the step before the run */
-    bool is_to_time; /* the run ends at t_end */
+    bool begins;     /* true if the user's state is loaded into the integrator before the first step */
+    bool has_step;   /* true if the first of the given times lie in the step that was made before the run */
+    bool is_to_time; /* true if the run ends at t_end */
     double t_end;
 };
 
-/* Runs the integrator. Returns TVI_ESTOPPED if an observer or an event ends the run, otherwise the status of the
- * failure or of the argument that is refused. */
+/* Runs the integrator. It returns TVI_ESTOPPED if an observer or an event ends the run, and otherwise the status of the
+ * step that fails or of the argument that is refused. */
 TVI_NODISCARD tvi_status tvi_run_one(tvi_integrator *integrator, const tvi_single_run *run, double *t, double q[],
                                      double p[]);
 
-/* Check the arguments of their modes, and set the schedule. Steps of size h that no observer sees are made at once. */
+/* Checks the plan of a run to a given time by steps of size h, and sets its schedule. If no observer sees each step,
+ * the schedule makes several steps in one call. */
 TVI_NODISCARD tvi_status tvi_schedule_to_time(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
                                               bool is_observed, tvi_schedule *schedule);
+/* Checks the plan of a run to a given time by steps that serve a tolerance, and sets its schedule. */
 TVI_NODISCARD tvi_status tvi_schedule_to_tolerance(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
                                                    tvi_schedule *schedule);
 
-/* Tells whether a run to a time goes on after the last step. Returns TVI_ENOCONV after 2^16 steps in a row, which *slow
- * counts, that each covered less than a 2^53rd of what was left. */
-TVI_NODISCARD tvi_status tvi_run_goes_on(const tvi_integrator *integrator, double t_end, int *slow);
-/* Checks that the tolerance is one for double precision, and that the integrator's method chooses steps by a tolerance.
- * Otherwise TVI_EINVAL or TVI_EUNSUPPORTED. */
+/* Tells whether a run to t_end still advances after the last step. *slow_steps counts the last consecutive steps that
+ * each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
+TVI_NODISCARD tvi_status tvi_run_check_progress(const tvi_integrator *integrator, double t_end, int *slow_steps);
+/* Refuses a tolerance that is not one for double precision (TVI_EINVAL), and any tolerance if the integrator's method
+ * cannot choose its steps by one (TVI_EUNSUPPORTED). */
 TVI_NODISCARD tvi_status tvi_check_tolerance(const tvi_integrator *integrator, double tolerance);
 
 #endif

@@ -28,7 +28,7 @@ static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : 
 tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double x[])
 {
     const int n = search->integrator->system->n;
-    return tvi_state_at(search->integrator, theta, &x[2 * n], x, x + n);
+    return tvi_compute_dense_state(search->integrator, theta, &x[2 * n], x, x + n);
 }
 
 static tvi_status add_event_to_error(int event_index, tvi_status status)
@@ -310,7 +310,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
         search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
     tvi_status status = continues ? TVI_OK : tvi_start_evaluate_events(search);
     if (status != TVI_OK) return status;
-    tvi_sample(search->integrator, search->used_components, search->tape_samples);
+    tvi_sample_dense_output(search->integrator, search->used_components, search->tape_samples);
     if (!jet_sweep_values(search->joint_tape, search->tape_samples, TVI_SAMPLES)) status = refuse_failing_event(search);
     for (int event_index = 0; event_index < search->event_count && status == TVI_OK; event_index++) {
         tvi_watched_event *w = &search->watched_events[event_index];

@@ -15,7 +15,7 @@
 /* Indices of the pieces. */
 enum { TIME, COORDINATES, MOMENTA, COUNTS, PARAMETERS, STOP, HISTORY };
 
-static void list_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_pieces *pieces)
+static void list_saved_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_pieces *pieces)
 {
     const size_t n = (size_t)it->system->n, number = sizeof(double);
     pieces->count = 0;
@@ -33,7 +33,7 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     if (!it || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "size" : "integrator");
     tvi_stats stats = it->stats;
     tvi_pieces pieces;
-    list_pieces(it, &stats, &pieces);
+    list_saved_pieces(it, &stats, &pieces);
     const tvi_identity own = tvi_identity_of(it, tvi_saved_size(&pieces));
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
@@ -58,7 +58,7 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
         return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     tvi_stats stats = it->stats;
     tvi_pieces pieces;
-    list_pieces(it, &stats, &pieces);
+    list_saved_pieces(it, &stats, &pieces);
     const tvi_identity own = tvi_identity_of(it, tvi_saved_size(&pieces));
     const char *const misfit = tvi_saved_misfit(&own, buffer, size);
     if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);

@@ -11,18 +11,18 @@
 #include <math.h>
 #include <string.h>
 
-static const tvi_advance_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_advance_loops_base,
+static const tvi_state_update_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_state_update_loops_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_advance_loops_avx2,
-    [jet_isa_avx512] = &tvi_advance_loops_avx512,
+    [jet_isa_avx2] = &tvi_state_update_loops_avx2,
+    [jet_isa_avx512] = &tvi_state_update_loops_avx512,
 #endif
 };
 
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
     if (!integrator) return;
-    for (int m = 0; m < integrator->width; m++) integrator->continues[m] = false;
+    for (int member = 0; member < integrator->width; member++) integrator->continues[member] = false;
     integrator->stats.largest_tail = 0;
 }
 
@@ -33,7 +33,7 @@ void tvi_integrator_reset(tvi_integrator *integrator)
 
 /* Computes the increments of one member by the stepper's own step. With a tolerance the step chooses its size, at most
  * *h. */
-static void find_increments_single(tvi_integrator *it, double tolerance, double *h)
+static void compute_increments_of_one_member(tvi_integrator *it, double tolerance, double *h)
 {
     const tvi_stepper *stepper = it->stepper;
     const tvi_run_state *state = &it->state;
@@ -52,7 +52,7 @@ static void find_increments_single(tvi_integrator *it, double tolerance, double 
 }
 
 /* Computes the increments of all members that are stepped. Their statuses are those of the stepper. */
-JET_INLINE void find_increments(tvi_integrator *it, int width, double tolerance, double *h)
+JET_INLINE void compute_increments(tvi_integrator *it, int width, double tolerance, double *h)
 {
     const tvi_run_state *state = &it->state;
     const int time = it->stepped->n * width;
@@ -62,24 +62,24 @@ JET_INLINE void find_increments(tvi_integrator *it, int width, double tolerance,
         const tvi_batch_end end = {it->increments, it->status, it->tail, it->passes};
         it->stepper->batch->step(it->work, *h, &origin, &end, &it->stats);
     } else {
-        find_increments_single(it, tolerance, h);
+        compute_increments_of_one_member(it, tolerance, h);
     }
-    for (int m = 0; m < width; m++) it->increments.dq[time + m] = *h;
+    for (int member = 0; member < width; member++) it->increments.dq[time + member] = *h;
 }
 
 /* ---- Whether they are to be added -------------------------------------------------------------------------------- */
 
 /* Tells whether the field has finite values at the start of the member's step; for a Lagrangian, at rest there. */
-static bool starts_finite(tvi_integrator *it, int m)
+static bool is_field_finite_at_start(tvi_integrator *it, int member)
 {
     const tvi_system *system = it->stepped;
     const jet_tape *tape = system->field_values;
     const int n = system->n;
-    const double t = it->state.q[n * it->width + m];
-    tvi_member_load_parameters(it, m);
-    tvi_gather(n, it->width, it->state.q, m, it->field);
+    const double t = it->state.q[n * it->width + member];
+    tvi_member_load_parameters(it, member);
+    tvi_gather(n, it->width, it->state.q, member, it->field);
     for (int i = n; i < system->inputs; i++) it->field[i] = 0;
-    if (system->form == TVI_HAMILTONIAN) tvi_gather(n, it->width, it->state.p, m, it->field + n);
+    if (system->form == TVI_HAMILTONIAN) tvi_gather(n, it->width, it->state.p, member, it->field + n);
     tvi_system_set_time(system, it->field, 1, &t);
     bool is_finite = tape->interpreted->values(tape, it->field, 1);
     for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output[i]]);
@@ -87,38 +87,38 @@ static bool starts_finite(tvi_integrator *it, int m)
 }
 
 /* The status of a step that overflows: the step is too large, unless the field is not finite at its start. */
-static tvi_status overflow_status(tvi_integrator *it, int m)
+static tvi_status status_of_overflow(tvi_integrator *it, int member)
 {
-    return starts_finite(it, m) ? TVI_ETOOLARGE : TVI_ENONFINITE;
+    return is_field_finite_at_start(it, member) ? TVI_ETOOLARGE : TVI_ENONFINITE;
 }
 
 /* Explains why the stepper's step has failed. */
-static tvi_status explain_failure(tvi_integrator *it, int m)
+static tvi_status explain_stepper_failure(tvi_integrator *it, int member)
 {
-    const tvi_status status = it->status[m];
-    if (status == TVI_ENONFINITE && overflow_status(it, m) == TVI_ETOOLARGE)
+    const tvi_status status = it->status[member];
+    if (status == TVI_ENONFINITE && status_of_overflow(it, member) == TVI_ETOOLARGE)
         return jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
     return tvi_refuse_as("its equations", status);
 }
 
 /* Names the component of the member's new state that is not finite. */
-static tvi_status refuse_overflow(tvi_integrator *it, int m)
+static tvi_status refuse_overflowing_component(tvi_integrator *it, int member)
 {
     const int width = it->width, rows = it->stepped->n;
-    const tvi_status status = overflow_status(it, m);
-    for (int i = 0, at = m; i <= rows; i++, at += width)
+    const tvi_status status = status_of_overflow(it, member);
+    for (int i = 0, at = member; i <= rows; i++, at += width)
         if (!isfinite(it->state.q[at] + (it->state.q_low[at] + it->increments.dq[at])))
             return jet_refuse(status, "q[%d] overflows", i);
-    for (int i = 0, at = m; i < rows; i++, at += width)
+    for (int i = 0, at = member; i < rows; i++, at += width)
         if (!isfinite(it->state.p[at] + (it->state.p_low[at] + it->increments.dp[at])))
             return jet_refuse(status, "p[%d] overflows", i);
     return TVI_OK;
 }
 
 /* Checks the time, which is a coordinate of a rescaled system. It must move in the direction of h. */
-static tvi_status check_time(const tvi_integrator *it, int m, double h)
+static tvi_status check_time_moves_with_h(const tvi_integrator *it, int member, double h)
 {
-    const int time = it->system->n * it->width + m;
+    const int time = it->system->n * it->width + member;
     const double dt = it->increments.dq[time], t = it->state.q[time];
     if (fabs(dt) <= tvi_least_time(t)) return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
@@ -129,27 +129,27 @@ JET_INLINE void find_overflows(tvi_integrator *it, int width)
     const tvi_run_state *state = &it->state;
     const tvi_increments *increments = &it->increments;
     const int rows = it->stepped->n;
-    for (int m = 0; m < width; m++) it->overflows[m] = 0;
+    for (int member = 0; member < width; member++) it->overflows[member] = 0;
     if (width == 1) {
         tvi_find_overflows(rows + 1, 1, state->q, state->q_low, increments->dq, it->overflows);
         tvi_find_overflows(rows, 1, state->p, state->p_low, increments->dp, it->overflows);
     } else {
-        const tvi_advance_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        const tvi_state_update_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
         loops->find_overflows(rows + 1, width, state->q, state->q_low, increments->dq, it->overflows);
         loops->find_overflows(rows, width, state->p, state->p_low, increments->dp, it->overflows);
     }
 }
 
 /* Sets the status of the members whose step of size h is refused. */
-JET_INLINE void check_members(tvi_integrator *it, int width, double h, bool used_series)
+JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool used_series)
 {
     find_overflows(it, width);
-    for (int m = 0; m < width; m++) {
-        if (!it->is_stepped[m]) continue;
-        tvi_status *status = &it->status[m];
-        if (*status != TVI_OK) *status = explain_failure(it, m);
-        else if (it->overflows[m] != 0) *status = refuse_overflow(it, m);
-        else if (tvi_is_rescaled(it)) *status = check_time(it, m, h);
+    for (int member = 0; member < width; member++) {
+        if (!it->is_stepped[member]) continue;
+        tvi_status *status = &it->status[member];
+        if (*status != TVI_OK) *status = explain_stepper_failure(it, member);
+        else if (it->overflows[member] != 0) *status = refuse_overflowing_component(it, member);
+        else if (tvi_is_rescaled(it)) *status = check_time_moves_with_h(it, member, h);
     }
     tvi_guard_step(it, used_series);
 }
@@ -157,18 +157,18 @@ JET_INLINE void check_members(tvi_integrator *it, int width, double h, bool used
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 /* Adds the increments to the states of the members whose step is accepted. */
-JET_INLINE void advance(tvi_integrator *it, int width)
+JET_INLINE void add_increments(tvi_integrator *it, int width)
 {
     const tvi_run_state *state = &it->state;
     const tvi_increments *increments = &it->increments;
     const int rows = it->stepped->n;
     if (width == 1 && it->status[0] == TVI_OK) {
-        tvi_advance(rows + 1, 1, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
-        tvi_advance(rows, 1, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
+        tvi_add_increments(rows + 1, 1, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
+        tvi_add_increments(rows, 1, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
     } else if (width > 1) {
-        const tvi_advance_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
-        loops->advance(rows + 1, width, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
-        loops->advance(rows, width, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
+        const tvi_state_update_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        loops->add_increments(rows + 1, width, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
+        loops->add_increments(rows, width, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
     }
 }
 
@@ -179,14 +179,14 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     const long expansions = it->stats.expansions;
     int made = 0;
     it->has_dense = false;
-    for (int m = 0; m < width; m++) it->is_stepped[m] = it->status[m] == TVI_OK;
+    for (int member = 0; member < width; member++) it->is_stepped[member] = it->status[member] == TVI_OK;
     tvi_arena_copy(it->history_before, it->history, it->marked_bytes);
-    find_increments(it, width, tolerance, &h);
-    check_members(it, width, h, it->stats.expansions != expansions);
-    advance(it, width);
-    for (int m = 0; m < width; m++) {
-        if (it->status[m] != TVI_OK) continue;
-        it->continues[m] = true;
+    compute_increments(it, width, tolerance, &h);
+    check_new_states(it, width, h, it->stats.expansions != expansions);
+    add_increments(it, width);
+    for (int member = 0; member < width; member++) {
+        if (it->status[member] != TVI_OK) continue;
+        it->continues[member] = true;
         made++;
     }
     if (made == 0) tvi_arena_copy(it->history, it->history_before, it->marked_bytes);
@@ -197,18 +197,18 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     return made;
 }
 
-static int step(tvi_integrator *it, double tolerance, double h)
+static int step_all_members(tvi_integrator *it, double tolerance, double h)
 {
     return it->width == 1 ? step_members(it, 1, tolerance, h) : step_members(it, it->width, tolerance, h);
 }
 
 void tvi_members_step(tvi_integrator *it, long steps, double h)
 {
-    for (long k = 0, made = 1; k < steps && made > 0; k++) made = step(it, 0, h);
+    for (long k = 0, made = 1; k < steps && made > 0; k++) made = step_all_members(it, 0, h);
 }
 
 /* Makes steps without checks between them, all but the last one of a run. Returns how many were made. */
-static long make_step_run(tvi_integrator *it, long steps, double h, double t_end)
+static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
 {
     const int n = it->system->n;
     const tvi_skip_limits skip_limits = tvi_guard_skip_limits(it);
@@ -222,7 +222,7 @@ static long make_step_run(tvi_integrator *it, long steps, double h, double t_end
 }
 
 /* Refuses an integrator's step that failed, with its size and its time. */
-static tvi_status refuse_step(const tvi_integrator *it)
+static tvi_status add_step_to_error(const tvi_integrator *it)
 {
     const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
     return jet_refuse(it->status[0], "step of %g%s from t = %g: %s", it->h, of, it->state.q[it->system->n],
@@ -242,9 +242,9 @@ static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, d
     const bool in_rows = tolerance == 0;
     const double *state = &it->state.q[it->system->n], way = copysign(1, h);
     for (long k = 0; status == TVI_OK && k < steps && (k == 0 || way * (t_end - *state) > 0); k++) {
-        if (in_rows) k += make_step_run(it, steps - 1 - k, h, t_end);
+        if (in_rows) k += make_unchecked_steps(it, steps - 1 - k, h, t_end);
         it->status[0] = TVI_OK;
-        if (step(it, tolerance, h) == 0) status = refuse_step(it);
+        if (step_all_members(it, tolerance, h) == 0) status = add_step_to_error(it);
     }
     tvi_integrator_copy_state(it, t, q, p);
     return status;

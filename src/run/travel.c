@@ -138,63 +138,64 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
 
 /* ---- Of a member of an ensemble ---------------------------------------------------------------------------------- */
 
-static tvi_status check_member(const tvi_ensemble *e, int member, const void *const pointer[4], const char *last)
+static tvi_status check_member(const tvi_ensemble *ensemble, int member, const void *const pointer[4], const char *last)
 {
-    const void *const all[] = {e, pointer[0], pointer[1], pointer[2], pointer[3]};
+    const void *const all[] = {ensemble, pointer[0], pointer[1], pointer[2], pointer[3]};
     for (int i = 0; i < 5; i++)
         if (!all[i]) return tvi_refuse_null(5, all, (const char *const[]){"ensemble", "t", "q", "p", last});
-    if (member < 0 || member >= e->members)
-        return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, e->members - 1);
-    return tvi_ensemble_check_idle(e);
+    if (member < 0 || member >= ensemble->members)
+        return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->members - 1);
+    return tvi_ensemble_refuse_if_running(ensemble);
 }
 
-tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *e, int member, const double t[], const double q[],
+tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[], const double q[],
                                        const double p[], char *text, size_t *size)
 {
-    const tvi_status status = check_member(e, member, (const void *const[]){t, q, p, size}, "size");
+    const tvi_status status = check_member(ensemble, member, (const void *const[]){t, q, p, size}, "size");
     if (status != TVI_OK) return status;
     tvi_state_text x;
-    const int parameters = tvi_system_parameters(e->system);
-    const size_t members = (size_t)e->members;
-    if (!tvi_state_text_open(&x, e->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
-    for (int i = 0; i < parameters; i++) x.value[i] = e->parameters[(size_t)i * members + (size_t)member];
-    tvi_worker_load(e->worker, e, member / e->width);
+    const int parameters = tvi_system_parameters(ensemble->system);
+    const size_t members = (size_t)ensemble->members;
+    if (!tvi_state_text_open(&x, ensemble->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    for (int i = 0; i < parameters; i++) x.value[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
+    tvi_worker_load_batch(ensemble->worker, ensemble, member / ensemble->width);
     const tvi_given_state given = {q + member, p + member, members, t[member]};
-    fill_in(&x, e->worker->batch, member % e->width, &given);
+    fill_in(&x, ensemble->worker->batch_integrator, member % ensemble->width, &given);
     const tvi_status written = write_text(&x, text, size);
     free(x.value);
     return written;
 }
 
 /* The values of the member's parameters and those of the text change places. */
-static void exchange_parameters(tvi_ensemble *e, int member, const tvi_state_text *x)
+static void exchange_parameters(tvi_ensemble *ensemble, int member, const tvi_state_text *x)
 {
     for (int i = 0; i < x->parameters; i++) {
-        double *own = &e->parameters[(size_t)i * (size_t)e->members + (size_t)member];
+        double *own = &ensemble->parameters[(size_t)i * (size_t)ensemble->members + (size_t)member];
         const double kept = *own;
         *own = x->value[i], x->value[i] = kept;
     }
 }
 
-tvi_status tvi_ensemble_member_from_text(tvi_ensemble *e, int member, const char *text, size_t size, double t[],
+tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],
                                          double q[], double p[])
 {
-    tvi_status status = check_member(e, member, (const void *const[]){t, q, p, text}, "text");
+    tvi_status status = check_member(ensemble, member, (const void *const[]){t, q, p, text}, "text");
     tvi_state_text x;
-    if (status == TVI_OK) status = read_text(&x, e->system, text, size);
+    if (status == TVI_OK) status = read_text(&x, ensemble->system, text, size);
     if (status != TVI_OK) return status;
-    const int batch = member / e->width, m = member % e->width;
-    tvi_worker *w = e->worker;
-    exchange_parameters(e, member, &x);
-    tvi_worker_load(w, e, batch);
-    status = adopt(w->batch, m, &x);
+    const int batch = member / ensemble->width, m = member % ensemble->width;
+    tvi_ensemble_worker *worker = ensemble->worker;
+    exchange_parameters(ensemble, member, &x);
+    tvi_worker_load_batch(worker, ensemble, batch);
+    status = adopt(worker->batch_integrator, m, &x);
     if (status == TVI_OK) {
-        tvi_worker_store(w, e, batch);
-        memset(e->stops + (size_t)member * tvi_stop_bytes(e->n), 0, tvi_stop_bytes(e->n));
-        e->failed[member] = TVI_OK;
-        tvi_member_copy_state(w->batch, m, &t[member], q + member, p + member, (size_t)e->members);
+        tvi_worker_store_batch(worker, ensemble, batch);
+        memset(ensemble->stops + (size_t)member * tvi_stop_bytes(ensemble->n), 0, tvi_stop_bytes(ensemble->n));
+        ensemble->failed[member] = TVI_OK;
+        tvi_member_copy_state(worker->batch_integrator, m, &t[member], q + member, p + member,
+                              (size_t)ensemble->members);
     } else {
-        exchange_parameters(e, member, &x);
+        exchange_parameters(ensemble, member, &x);
     }
     free(x.value);
     return status;

@@ -65,8 +65,8 @@ START_TEST(samples_are_the_curve)
         memcpy(start, r.x.q, (size_t)n * sizeof *start);
         memcpy(start + n, r.x.p, (size_t)n * sizeof *start);
         ck_assert_int_eq(run_steps(&r, h, 1), TVI_OK);
-        tvi_sample(r.integrator, all, sample[0]);
-        tvi_sample(r.integrator, last, part[0]);
+        tvi_sample_dense_output(r.integrator, all, sample[0]);
+        tvi_sample_dense_output(r.integrator, last, part[0]);
         for (int i = n - 1; i < 2 * n; i += n) ck_assert_mem_eq(part[i], sample[i], sizeof *part);
         ck_assert_mem_eq(part[2 * n], sample[2 * n], sizeof *part);
         for (int k = 0; k < TVI_SAMPLES; k++) {
