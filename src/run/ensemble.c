@@ -29,7 +29,7 @@ static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const t
     worker->member_q = calloc(2 * (size_t)ensemble->n, sizeof *worker->member_q);
     if (!worker->member_q) return TVI_ENOMEM;
     worker->member_p = worker->member_q + ensemble->n;
-    const int width = tvi_integrator_width(worker->single_integrator);
+    const int width = tvi_integrator_best_batch_width(worker->single_integrator);
     worker->batch_integrator = worker->single_integrator;
     return width > 1 ? tvi_integrator_create_like(&worker->batch_integrator, worker->single_integrator, width) : TVI_OK;
 }
@@ -42,7 +42,7 @@ static tvi_status allocate_member_memory(tvi_ensemble *ensemble)
     ensemble->history_bytes = batch->history_bytes;
     ensemble->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)ensemble->batches * ensemble->history_bytes);
     ensemble->parameters = calloc(count_parameters_of_all_members(ensemble) + 1, sizeof *ensemble->parameters);
-    ensemble->stops = calloc((size_t)ensemble->members, tvi_stop_bytes(ensemble->n));
+    ensemble->stops = calloc((size_t)ensemble->members, tvi_size_of_stop_in_bytes(ensemble->n));
     ensemble->failed = calloc((size_t)ensemble->members, sizeof *ensemble->failed);
     if (!ensemble->memory || !ensemble->parameters || !ensemble->stops || !ensemble->failed) return TVI_ENOMEM;
     memset(ensemble->memory, 0, (size_t)ensemble->batches * ensemble->history_bytes);
@@ -112,7 +112,7 @@ static char *history_of_batch(const tvi_ensemble *ensemble, int batch)
 
 static char *stop_of_member(const tvi_ensemble *ensemble, int member)
 {
-    return ensemble->stops + (size_t)member * tvi_stop_bytes(ensemble->n);
+    return ensemble->stops + (size_t)member * tvi_size_of_stop_in_bytes(ensemble->n);
 }
 
 void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
@@ -132,18 +132,20 @@ void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ens
 void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
 {
     if (worker->batch_integrator != worker->single_integrator) {
-        tvi_member_copy(worker->single_integrator, 0, worker->batch_integrator, member % ensemble->width);
+        tvi_member_copy_between_integrators(worker->single_integrator, 0, worker->batch_integrator,
+                                            member % ensemble->width);
         tvi_integrator_load_parameters(worker->single_integrator, ensemble->parameters + member,
                                        (size_t)ensemble->members, 1);
     }
-    memcpy(worker->single_integrator->stop, stop_of_member(ensemble, member), tvi_stop_bytes(ensemble->n));
+    memcpy(worker->single_integrator->stop, stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
 }
 
 void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
 {
     if (worker->batch_integrator != worker->single_integrator)
-        tvi_member_copy(worker->batch_integrator, member % ensemble->width, worker->single_integrator, 0);
-    memcpy(stop_of_member(ensemble, member), worker->single_integrator->stop, tvi_stop_bytes(ensemble->n));
+        tvi_member_copy_between_integrators(worker->batch_integrator, member % ensemble->width,
+                                            worker->single_integrator, 0);
+    memcpy(stop_of_member(ensemble, member), worker->single_integrator->stop, tvi_size_of_stop_in_bytes(ensemble->n));
 }
 
 /* ---- What is asked of all ---------------------------------------------------------------------------------------- */
@@ -158,7 +160,7 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
     if (idle != TVI_OK) return idle;
     memmove(ensemble->parameters, value, count_parameters_of_all_members(ensemble) * sizeof *value);
     /* the events had other parameters */
-    memset(ensemble->stops, 0, (size_t)ensemble->members * tvi_stop_bytes(ensemble->n));
+    memset(ensemble->stops, 0, (size_t)ensemble->members * tvi_size_of_stop_in_bytes(ensemble->n));
     tvi_ensemble_reset(ensemble);
     return TVI_OK;
 }
@@ -194,7 +196,7 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     *stats = ensemble->loaded;
     stats->bytes = sizeof *ensemble + (size_t)ensemble->batches * ensemble->history_bytes +
                    count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
-                   (size_t)ensemble->members * (sizeof *ensemble->failed + tvi_stop_bytes(ensemble->n));
+                   (size_t)ensemble->members * (sizeof *ensemble->failed + tvi_size_of_stop_in_bytes(ensemble->n));
     for (int i = 0; i < ensemble->threads; i++) {
         add_step_counts(stats, &ensemble->worker[i].single_integrator->stats);
         if (ensemble->worker[i].batch_integrator != ensemble->worker[i].single_integrator)
@@ -209,21 +211,22 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
 /* The bytes of a saved ensemble: identity | counts | statuses | parameters | stops | histories | checksum. */
 enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
 
-static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tvi_pieces *pieces)
+static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tvi_saved_pieces *pieces)
 {
     const size_t members = (size_t)ensemble->members;
     pieces->count = 0;
-    tvi_pieces_add(pieces, stats, sizeof *stats);
-    tvi_pieces_add(pieces, ensemble->failed, members * sizeof *ensemble->failed);
-    tvi_pieces_add(pieces, ensemble->parameters,
-                   count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters);
-    tvi_pieces_add(pieces, ensemble->stops, members * tvi_stop_bytes(ensemble->n));
-    tvi_pieces_add(pieces, ensemble->memory, (size_t)ensemble->batches * ensemble->history_bytes);
+    tvi_saved_pieces_add(pieces, stats, sizeof *stats);
+    tvi_saved_pieces_add(pieces, ensemble->failed, members * sizeof *ensemble->failed);
+    tvi_saved_pieces_add(pieces, ensemble->parameters,
+                         count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters);
+    tvi_saved_pieces_add(pieces, ensemble->stops, members * tvi_size_of_stop_in_bytes(ensemble->n));
+    tvi_saved_pieces_add(pieces, ensemble->memory, (size_t)ensemble->batches * ensemble->history_bytes);
 }
 
-static tvi_identity compute_ensemble_identity(const tvi_ensemble *ensemble, const tvi_pieces *pieces)
+static tvi_saved_identity compute_ensemble_identity(const tvi_ensemble *ensemble, const tvi_saved_pieces *pieces)
 {
-    tvi_identity who = tvi_identity_of(ensemble->worker->single_integrator, tvi_saved_size(pieces));
+    tvi_saved_identity who =
+        tvi_saved_identity_of_integrator(ensemble->worker->single_integrator, tvi_saved_size_in_bytes(pieces));
     who.has_stepped = ensemble->has_run;
     who.members = ensemble->members;
     who.width = ensemble->width;
@@ -234,32 +237,32 @@ tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t 
 {
     if (!ensemble || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", ensemble ? "size" : "ensemble");
     tvi_stats stats;
-    tvi_pieces pieces;
+    tvi_saved_pieces pieces;
     tvi_status status = tvi_ensemble_refuse_if_running(ensemble);
     if (status == TVI_OK) status = tvi_ensemble_stats(ensemble, &stats);
     if (status != TVI_OK) return status;
     list_saved_pieces(ensemble, &stats, &pieces);
-    const tvi_identity own = compute_ensemble_identity(ensemble, &pieces);
+    const tvi_saved_identity own = compute_ensemble_identity(ensemble, &pieces);
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
 /* Tells whether a run can go on from the contents of the pieces. */
-static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_pieces *pieces, const void *buffer)
+static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_pieces *pieces, const void *buffer)
 {
-    const char *histories = tvi_saved_piece(pieces, HISTORIES, buffer);
+    const char *histories = tvi_saved_piece_address(pieces, HISTORIES, buffer);
     tvi_integrator *it = ensemble->worker->batch_integrator;
-    if (!tvi_stats_are_sound(tvi_saved_piece(pieces, COUNTS, buffer)) ||
-        !tvi_stops_are_sound(tvi_saved_piece(pieces, STOPS, buffer), ensemble->n, ensemble->members) ||
-        !tvi_numbers_are_finite(tvi_saved_piece(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
+    if (!tvi_saved_stats_are_valid(tvi_saved_piece_address(pieces, COUNTS, buffer)) ||
+        !tvi_saved_stops_are_valid(tvi_saved_piece_address(pieces, STOPS, buffer), ensemble->n, ensemble->members) ||
+        !tvi_numbers_are_finite(tvi_saved_piece_address(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
         return false;
     for (int m = 0; m < ensemble->members; m++) {
         tvi_status status;
-        memcpy(&status, tvi_saved_piece(pieces, STATUSES, buffer) + (size_t)m * sizeof status, sizeof status);
-        if (status != TVI_OK && !tvi_status_is_of_member(status)) return false;
+        memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + (size_t)m * sizeof status, sizeof status);
+        if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
     }
     for (int batch = 0; batch < ensemble->batches; batch++) {
         tvi_arena_copy(it->history, histories + (size_t)batch * ensemble->history_bytes, ensemble->history_bytes);
-        if (!tvi_history_is_sound(it)) return false;
+        if (!tvi_loaded_history_is_valid(it)) return false;
     }
     return true;
 }
@@ -268,17 +271,17 @@ tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t 
 {
     if (!ensemble || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", ensemble ? "buffer" : "ensemble");
     tvi_stats stats;
-    tvi_pieces pieces;
-    tvi_identity who;
+    tvi_saved_pieces pieces;
+    tvi_saved_identity who;
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     list_saved_pieces(ensemble, &stats, &pieces);
-    const tvi_identity own = compute_ensemble_identity(ensemble, &pieces);
-    const char *const misfit = tvi_saved_misfit(&own, buffer, size);
+    const tvi_saved_identity own = compute_ensemble_identity(ensemble, &pieces);
+    const char *const misfit = tvi_saved_find_misfit(&own, buffer, size);
     if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
     if (!are_saved_pieces_valid(ensemble, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
     memcpy(&who, buffer, sizeof who);
-    for (int i = 0; i < pieces.count; i++) tvi_saved_read(&pieces, i, buffer);
+    for (int i = 0; i < pieces.count; i++) tvi_saved_load_piece(&pieces, i, buffer);
     ensemble->loaded = stats;
     for (int i = 0; i < ensemble->threads; i++) {
         tvi_stats *const all[] = {&ensemble->worker[i].single_integrator->stats,

@@ -21,11 +21,12 @@ struct tvi_ensemble {
     int n, members, threads; /* n is the number of coordinates of one member */
     /* The number of members in a batch, and the number of batches. The last batch may have fewer members. */
     int width, batches;
-    tvi_ensemble_worker *worker;   /* [threads] the memory of each thread */
-    char *memory;                  /* [batches][history_bytes] the integrator's history of each batch between runs */
-    size_t history_bytes;          /* the size of one history in bytes, a multiple of the arena's alignment */
-    double *parameters;            /* [tvi_system_parameters][members] the values of each member's parameters */
-    char *stops;                   /* [members][tvi_stop_bytes] a tvi_stop of each member, where events stopped it */
+    tvi_ensemble_worker *worker; /* [threads] the memory of each thread */
+    char *memory;                /* [batches][history_bytes] the integrator's history of each batch between runs */
+    size_t history_bytes;        /* the size of one history in bytes, a multiple of the arena's alignment */
+    double *parameters;          /* [tvi_system_parameters][members] the values of each member's parameters */
+    /* [members][tvi_size_of_stop_in_bytes] a tvi_stop of each member, where events stopped it */
+    char *stops;
     tvi_status *failed;            /* [members] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;                  /* true if the ensemble has run since it was created or reset */
     bool is_running;               /* true during a run, in which observers may neither read nor change the members */

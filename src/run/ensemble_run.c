@@ -26,7 +26,7 @@ typedef struct {
 static void set_member_status(const run_segment *segment, int member, tvi_status status)
 {
     segment->member_status[member] = status;
-    segment->ensemble->failed[member] = tvi_status_is_of_member(status) ? status : TVI_OK;
+    segment->ensemble->failed[member] = tvi_is_failure_of_member(status) ? status : TVI_OK;
 }
 
 static void run_single_member(const run_segment *segment, tvi_ensemble_worker *worker, int member)
@@ -61,11 +61,11 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
 /* Loads the user's state into the member, and returns the status that says whether the member is stepped. */
 static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int m, int member)
 {
-    const tvi_given_state given = {segment->q + member, segment->p + member, (size_t)segment->ensemble->members,
-                                   segment->t[member]};
+    const tvi_user_state given = {segment->q + member, segment->p + member, (size_t)segment->ensemble->members,
+                                  segment->t[member]};
     const tvi_status failed = segment->ensemble->failed[member];
     if (failed != TVI_OK && tvi_member_has_state(it, m, &given)) return failed;
-    return tvi_member_begin(it, m, &given);
+    return tvi_member_begin_step(it, m, &given);
 }
 
 /* Fills a lane that has no member with the first lane's state. Such a lane is not stepped. */
@@ -82,7 +82,7 @@ static void step_batch_together(const run_segment *segment, tvi_integrator *it, 
     tvi_status *begun = segment->member_status + first;
     for (int m = 0; m < count; m++) begun[m] = it->status[m] = load_member_state(segment, it, m, first + m);
     for (int m = count; m < it->width; m++) fill_unused_lane(it, m);
-    tvi_members_step(it, segment->plan.steps, segment->plan.h);
+    tvi_step_batch(it, segment->plan.steps, segment->plan.h);
     for (int m = 0; m < count; m++) {
         const int at = first + m;
         if (begun[m] == TVI_OK)

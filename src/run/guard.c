@@ -37,7 +37,7 @@ static bool conserves_energy(const tvi_integrator *it)
 static double energy_of(tvi_integrator *it, int m, const double *q, const double *p)
 {
     double H;
-    const tvi_status status = tvi_member_energy(it, m, q, p, &H);
+    const tvi_status status = tvi_member_compute_energy(it, m, q, p, &H);
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
@@ -128,7 +128,7 @@ static bool knows_change(const tvi_integrator *it) { return it->stepper->most_ch
 /* Sets energy_change to bounds that the stepper knows of the change of each member's energy; otherwise to infinity. */
 static void find_changes(tvi_integrator *it)
 {
-    const tvi_batch_stepper *batch = tvi_batch_of(it);
+    const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     if (!batch) it->energy_change[0] = it->stepper->most_change(it->work);
     else if (batch->most_change) batch->most_change(it->work, it->energy_change);
     else

@@ -11,7 +11,7 @@
 /* The most steps at once before the run is asked whether its time moves. */
 enum { AT_ONCE = 64 };
 
-double tvi_time_left(const tvi_integrator *it, double t_end)
+double tvi_remaining_time(const tvi_integrator *it, double t_end)
 {
     const int n = it->system->n;
     return (t_end - it->state.q[n]) - it->state.q_low[n];
@@ -19,7 +19,7 @@ double tvi_time_left(const tvi_integrator *it, double t_end)
 
 tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *slow)
 {
-    const double left = tvi_time_left(it, t_end);
+    const double left = tvi_remaining_time(it, t_end);
     *slow = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow + 1 : 0;
     return *slow < 1 << 16
                ? TVI_OK
@@ -27,18 +27,18 @@ tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *s
 }
 
 /* Replaces a step that went past t_end by the part of it that ends there. */
-static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[], double p[])
+static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, double *t, double q[], double p[])
 {
     tvi_partial_step partial_step;
     const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
     tvi_status status = opened == TVI_OK ? tvi_partial_step_compute_state_at_time(&partial_step, t_end) : opened;
-    tvi_integrator_undo(it, t, q, p);
+    tvi_integrator_undo_step(it, t, q, p);
     if (status == TVI_OK && partial_step.offset != 0) status = tvi_step(it, partial_step.offset, t, q, p);
     if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
     return status;
 }
 
-void tvi_end_at(tvi_integrator *it, double t_end, double *t)
+void tvi_set_time_to_end(tvi_integrator *it, double t_end, double *t)
 {
     const int n = it->system->n;
     it->state.q_low[n] += it->state.q[n] - t_end;
@@ -47,7 +47,7 @@ void tvi_end_at(tvi_integrator *it, double t_end, double *t)
 
 /* The number of steps of size h that are made at once, since no observer sees them. If the steps' variable is the time,
  * it leaves out the last steps: roundoff decides whether there is one more. */
-static long steps_at_once(const tvi_integrator *it, const tvi_schedule *schedule, double rest)
+static long count_steps_without_checks(const tvi_integrator *it, const tvi_schedule *schedule, double rest)
 {
     const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / schedule->plan->h)) - 1;
     return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
@@ -55,19 +55,20 @@ static long steps_at_once(const tvi_integrator *it, const tvi_schedule *schedule
 
 /* Makes steps of size h, or the last one. If the steps' variable is the time, the size of the last step is what is
  * left. */
-static tvi_status step_to(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
-                          bool *is_last)
+static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
+                                         double p[], bool *is_last)
 {
-    const double h = schedule->plan->h, t_end = schedule->t_end, rest = tvi_time_left(it, t_end);
+    const double h = schedule->plan->h, t_end = schedule->t_end, rest = tvi_remaining_time(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
     const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(h) + roundoff;
     const double before_end = t_end - copysign(roundoff, h);
     tvi_status status =
-        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, schedule, rest), h, before_end, t, q, p);
-    const double left = ends ? 0 : tvi_time_left(it, t_end);
+        ends ? tvi_step(it, rest, t, q, p)
+             : tvi_make_steps(it, count_steps_without_checks(it, schedule, rest), h, before_end, t, q, p);
+    const double left = ends ? 0 : tvi_remaining_time(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
-    if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten(it, t_end, t, q, p);
-    if (status == TVI_OK && *is_last) tvi_end_at(it, t_end, t);
+    if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
+    if (status == TVI_OK && *is_last) tvi_set_time_to_end(it, t_end, t);
     return status;
 }
 
@@ -77,7 +78,7 @@ tvi_status tvi_schedule_to_time(const tvi_integrator *it, const tvi_run_plan *pl
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
     if (plan->h > 0 ? plan->t_end < t : plan->t_end > t)
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
-    *schedule = (tvi_schedule){.step = step_to,
+    *schedule = (tvi_schedule){.step = make_steps_towards_end,
                                .plan = plan,
                                .steps = t == plan->t_end ? 0 : LONG_MAX,
                                .at_once = is_observed || !it->stats.is_compiled ? 1 : AT_ONCE,
@@ -92,5 +93,6 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
 {
     const tvi_run_plan plan = {.h = h, .t_end = t_end};
     const tvi_observers observers = {.at_step = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_single_run){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t, q, p);
+    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t, q,
+                          p);
 }

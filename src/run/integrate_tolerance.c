@@ -23,16 +23,16 @@ int tvi_taylor_order(double tolerance)
 
 /* Makes a step to t_end at most. A step that ends there up to roundoff ends at t_end, so that no step of the size of
  * roundoff follows. */
-static tvi_status step_within(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
-                              bool *is_last)
+static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
+                                         double p[], bool *is_last)
 {
-    const double rest = tvi_time_left(it, schedule->t_end), largest = schedule->plan->largest_step;
+    const double rest = tvi_remaining_time(it, schedule->t_end), largest = schedule->plan->largest_step;
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(schedule->t_end), fabs(*t));
     const bool is_limited = largest > 0 && fabs(rest) > largest + roundoff;
     const double farthest = is_limited ? copysign(largest, rest) : rest;
-    const tvi_status status = tvi_step_within(it, schedule->plan->tolerance, farthest, t, q, p);
+    const tvi_status status = tvi_step_by_tolerance(it, schedule->plan->tolerance, farthest, t, q, p);
     *is_last = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
-    if (*is_last) tvi_end_at(it, schedule->t_end, t);
+    if (*is_last) tvi_set_time_to_end(it, schedule->t_end, t);
     return status;
 }
 
@@ -40,7 +40,7 @@ tvi_status tvi_schedule_to_tolerance(const tvi_integrator *it, const tvi_run_pla
                                      tvi_schedule *schedule)
 {
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
-    *schedule = (tvi_schedule){.step = step_within,
+    *schedule = (tvi_schedule){.step = make_step_by_tolerance,
                                .plan = plan,
                                .steps = t == plan->t_end ? 0 : LONG_MAX,
                                .begins = true,
@@ -55,8 +55,8 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
 {
     const tvi_run_plan plan = {.tolerance = tolerance, .t_end = t_end, .events = events, .event_count = count};
     const tvi_observers observers = {.at_step = observer, .on_event = on_event, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_single_run){.mode = TVI_RUN_TO_TOLERANCE, .plan = &plan, .observers = observers}, t, q,
-                       p);
+    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_TO_TOLERANCE, .plan = &plan, .observers = observers}, t,
+                          q, p);
 }
 
 tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],

@@ -8,30 +8,30 @@
 #include <string.h>
 
 /* The place in `history_before` that corresponds to a place in the history. */
-static void *before(const tvi_integrator *it, const void *in_history)
+static void *corresponding_address_before_step(const tvi_integrator *it, const void *in_history)
 {
     return it->history_before + ((const char *)in_history - it->history);
 }
 
 /* Takes the four arrays of a state or of increments in a system of this dimension. */
-static void take_rows(tvi_arena *arena, void *(*take)(tvi_arena *, size_t), int dimension, int width,
-                      double **const rows[4])
+static void allocate_state_arrays(tvi_arena *arena, void *(*take)(tvi_arena *, size_t), int dimension, int width,
+                                  double **const arrays[4])
 {
     for (size_t i = 0; i < 4; i++) /* p, q, p_low, q_low; the arrays of q have one row more */
-        *rows[i] = take(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
+        *arrays[i] = take(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
 }
 
 /* Takes all memory of the members except the stepper's work. */
-static void take_members(tvi_integrator *laid, tvi_arena *arena)
+static void allocate_member_arrays(tvi_integrator *laid, tvi_arena *arena)
 {
     const int n = laid->system->n, dimension = laid->stepped->n, width = laid->width;
     const size_t members = (size_t)width, row = members * sizeof(double);
     tvi_run_state *state = &laid->state, *end = &laid->end, *member_state = &laid->member_state;
     tvi_increments *increments = &laid->increments;
-    take_rows(arena, tvi_arena_take, dimension, width,
-              (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    take_rows(arena, tvi_arena_history, dimension, width,
-              (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
+    allocate_state_arrays(arena, tvi_arena_take, dimension, width,
+                          (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
+    allocate_state_arrays(arena, tvi_arena_history, dimension, width,
+                          (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
     laid->continues = tvi_arena_history(arena, members * sizeof *laid->continues);
     laid->run_start = tvi_arena_ring(arena, (2 * (size_t)n + 1) * row);
     laid->reference = tvi_arena_history(arena, members * sizeof *laid->reference);
@@ -48,11 +48,11 @@ static void take_members(tvi_integrator *laid, tvi_arena *arena)
     member_state->p = tvi_arena_doubles(arena, (size_t)dimension);
     laid->parameters = tvi_arena_take(arena, (size_t)tvi_system_parameters(laid->system) * row);
     laid->one_lane_parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(laid->system));
-    laid->stop = tvi_arena_take(arena, tvi_stop_bytes(n));
+    laid->stop = tvi_arena_take(arena, tvi_size_of_stop_in_bytes(n));
 }
 
 /* Takes the blocks of one lane, and the block for the energies of all members. */
-static void take_energies(tvi_integrator *laid, tvi_arena *arena)
+static void allocate_energy_memory(tvi_integrator *laid, tvi_arena *arena)
 {
     const tvi_system *system = laid->system;
     const bool uses_energy = system->energy && (tvi_is_rescaled(laid) || laid->options.max_tail >= 0);
@@ -66,15 +66,16 @@ static void take_energies(tvi_integrator *laid, tvi_arena *arena)
 }
 
 /* Lays out an integrator of `width` members with all its memory, in one piece. */
-static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                                          int width)
 {
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
     const tvi_stepper *stepper = tvi_method_stepper(options);
     tvi_integrator laid = {.width = width, .system = system, .options = *options, .stepper = stepper};
     laid.stepped = tvi_compiled_system(arena, system->stepped, options->compiled);
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
-    take_members(&laid, arena);
-    take_energies(&laid, arena);
+    allocate_member_arrays(&laid, arena);
+    allocate_energy_memory(&laid, arena);
     laid.state_bytes = arena->marked;
     laid.work = width > 1 ? stepper->batch->take(arena, laid.stepped, options, width)
                           : stepper->take(arena, laid.stepped, options);
@@ -87,39 +88,41 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     laid.stats.bytes = tvi_arena_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
-    laid.start = (tvi_run_state){before(&laid, state->q), before(&laid, state->q_low), before(&laid, state->p),
-                                 before(&laid, state->p_low)};
-    laid.continued = before(&laid, laid.continues);
+    laid.start = (tvi_run_state){
+        corresponding_address_before_step(&laid, state->q), corresponding_address_before_step(&laid, state->q_low),
+        corresponding_address_before_step(&laid, state->p), corresponding_address_before_step(&laid, state->p_low)};
+    laid.continued = corresponding_address_before_step(&laid, laid.continues);
     *integrator = laid;
     return integrator;
 }
 
-static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi_options *resolved, int width)
+static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_system *system,
+                                             const tvi_options *resolved, int width)
 {
     tvi_arena arena = {0};
-    (void)lay_out(&arena, system, resolved, width);
+    (void)lay_out_integrator(&arena, system, resolved, width);
     if (!tvi_arena_open(&arena)) return jet_refuse_memory(TVI_ENOMEM);
-    tvi_integrator *it = *out = lay_out(&arena, system, resolved, width);
+    tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved, width);
     tvi_compiled_hold(resolved->compiled);
     tvi_blocks_prepare(it->one_lane_blocks);
     tvi_blocks_prepare(it->blocks);
     tvi_system_recorded_parameters(system, it->one_lane_parameters);
     tvi_integrator_load_parameters(it, it->one_lane_parameters, 1, 1);
-    const tvi_batch_stepper *batch = tvi_batch_of(it);
+    const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     void (*prepare)(void *) = batch ? batch->prepare : it->stepper->prepare;
     if (prepare) prepare(it->work);
     if (it->energy.block) tvi_energy_prepare(&it->energy);
     return TVI_OK;
 }
 
-int tvi_integrator_width(const tvi_integrator *it)
+int tvi_integrator_best_batch_width(const tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = it->stepper->batch;
     return batch ? batch->width(it->stepped, &it->options) : 1;
 }
 
 /* Completes the options. Returns a status, with the reason in *why, if they make no integrator. */
-static tvi_status check(const tvi_system *system, tvi_options *options, const char **why)
+static tvi_status resolve_options(const tvi_system *system, tvi_options *options, const char **why)
 {
     const tvi_status status = tvi_method_resolve(options, system->stepped, why);
     const char *misfit = status == TVI_OK ? tvi_compiled_misfit(options->compiled, system->stepped, options) : NULL;
@@ -135,7 +138,7 @@ tvi_status tvi_options_check(const tvi_system *system, const tvi_options *option
         return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "options" : "system");
     }
     tvi_options resolved = *options;
-    return check(system, &resolved, why);
+    return resolve_options(system, &resolved, why);
 }
 
 tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options)
@@ -144,13 +147,13 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     tvi_options resolved = options ? *options : tvi_options_default();
-    const tvi_status status = check(system, &resolved, NULL);
-    return status == TVI_OK ? make(out, system, &resolved, 1) : status;
+    const tvi_status status = resolve_options(system, &resolved, NULL);
+    return status == TVI_OK ? create_resolved_integrator(out, system, &resolved, 1) : status;
 }
 
 tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *it, int width)
 {
-    const tvi_status status = make(out, it->system, &it->options, width);
+    const tvi_status status = create_resolved_integrator(out, it->system, &it->options, width);
     if (status == TVI_OK) tvi_integrator_load_parameters(*out, it->parameters, (size_t)it->width, 1);
     return status;
 }

@@ -32,7 +32,10 @@ typedef struct {
     uint64_t events[TVI_STOP_EVENTS]; /* [count] tvi_event.hash */
     double state[];                   /* [2n + 1] q, p, t */
 } tvi_stop;
-static inline size_t tvi_stop_bytes(int n) { return sizeof(tvi_stop) + (2 * (size_t)n + 1) * sizeof(double); }
+static inline size_t tvi_size_of_stop_in_bytes(int n)
+{
+    return sizeof(tvi_stop) + (2 * (size_t)n + 1) * sizeof(double);
+}
 
 struct tvi_integrator {
     int width;                /* members; 1 for tvi_integrator_create */
@@ -97,7 +100,7 @@ static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
 }
 
 /* The stepper's functions for a batch; NULL if members are stepped one at a time. */
-static inline const tvi_batch_stepper *tvi_batch_of(const tvi_integrator *integrator)
+static inline const tvi_batch_stepper *tvi_batch_stepper_of(const tvi_integrator *integrator)
 {
     return integrator->width > 1 ? integrator->stepper->batch : NULL;
 }
@@ -109,35 +112,36 @@ typedef struct {
     const double *q, *p;
     size_t stride;
     double t;
-} tvi_given_state;
+} tvi_user_state;
 
 /* Loads the given state into the member, as every step begins. Does nothing if it is what the member's last step
  * returned. */
-TVI_NODISCARD tvi_status tvi_member_begin(tvi_integrator *integrator, int member, const tvi_given_state *given);
+TVI_NODISCARD tvi_status tvi_member_begin_step(tvi_integrator *integrator, int member, const tvi_user_state *given);
 /* Tells whether the member's state is bitwise this one. It remains so after a step that failed. */
-bool tvi_member_has_state(const tvi_integrator *integrator, int member, const tvi_given_state *given);
+bool tvi_member_has_state(const tvi_integrator *integrator, int member, const tvi_user_state *given);
 /* Copies the member's state to the user's arrays. */
 void tvi_member_copy_state(const tvi_integrator *integrator, int member, double *t, double q[], double p[],
                            size_t stride);
 /* Copies the state and the history of a member to a member of another integrator for the same system and options. One
  * of the two integrators has width 1. The rest of what a batch keeps is cleared. */
-void tvi_member_copy(tvi_integrator *to, int member_to, const tvi_integrator *from, int member_from);
+void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from,
+                                         int member_from);
 /* Copies the parameters of the member to the blocks of one lane. */
 void tvi_member_load_parameters(tvi_integrator *integrator, int member);
 /* Computes the member's energy at (q, p), whose rows are those of a tvi_run_state. */
-TVI_NODISCARD tvi_status tvi_member_energy(tvi_integrator *integrator, int member, const double *q, const double *p,
-                                           double *H);
+TVI_NODISCARD tvi_status tvi_member_compute_energy(tvi_integrator *integrator, int member, const double *q,
+                                                   const double *p, double *H);
 
 /* The three functions above for an integrator of one member. */
-TVI_NODISCARD static inline tvi_status tvi_integrator_begin(tvi_integrator *integrator, double t, const double q[],
-                                                            const double p[])
+TVI_NODISCARD static inline tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, double t, const double q[],
+                                                                 const double p[])
 {
-    return tvi_member_begin(integrator, 0, &(tvi_given_state){q, p, 1, t});
+    return tvi_member_begin_step(integrator, 0, &(tvi_user_state){q, p, 1, t});
 }
 static inline bool tvi_integrator_has_state(const tvi_integrator *integrator, double t, const double q[],
                                             const double p[])
 {
-    return tvi_member_has_state(integrator, 0, &(tvi_given_state){q, p, 1, t});
+    return tvi_member_has_state(integrator, 0, &(tvi_user_state){q, p, 1, t});
 }
 static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, double *t, double q[], double p[])
 {
@@ -155,7 +159,7 @@ int tvi_call_event_observer(tvi_integrator *integrator, tvi_event_observer *obse
 /* Creates an integrator of `width` members for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator, int width);
 /* The number of members at once that serves the system best; 1: one after the other. */
-int tvi_integrator_width(const tvi_integrator *integrator);
+int tvi_integrator_best_batch_width(const tvi_integrator *integrator);
 
 /* Copies the values in `parameters` to the blocks that steps use. */
 void tvi_integrator_apply_parameters(tvi_integrator *integrator);
@@ -168,33 +172,33 @@ void tvi_integrator_load_parameters(tvi_integrator *integrator, const double val
 TVI_NODISCARD tvi_status tvi_integrator_allocate_tangent(tvi_integrator *integrator, int columns);
 
 /* Tells whether the status says that the member itself has failed. Other statuses tell of the run, or of the call. */
-static inline bool tvi_status_is_of_member(tvi_status status)
+static inline bool tvi_is_failure_of_member(tvi_status status)
 {
     return status == TVI_ENONFINITE || status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR ||
            status == TVI_ETOOLARGE;
 }
 
 /* The end time of a run that goes in the direction of h for ever. */
-static inline double tvi_endless(double h) { return copysign(INFINITY, h); }
+static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY, h); }
 
 /* Makes `steps` steps, or, after the first one, steps until the time reaches t_end. t, q and p are written once, after
  * the last step or after the one before the first failure. */
-TVI_NODISCARD tvi_status tvi_steps(tvi_integrator *integrator, long steps, double h, double t_end, double *t,
-                                   double q[], double p[]);
+TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long steps, double h, double t_end, double *t,
+                                        double q[], double p[]);
 /* Makes up to `steps` steps of size h of the members that are TVI_OK, as long as there is one. */
-void tvi_members_step(tvi_integrator *integrator, long steps, double h);
+void tvi_step_batch(tvi_integrator *integrator, long steps, double h);
 /* Makes a step as tvi_step does. With a tolerance > 0 its size is chosen to serve it, at most h (stepper.h), and is
  * returned in integrator->h. */
-TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],
-                                         double p[]);
+TVI_NODISCARD tvi_status tvi_step_by_tolerance(tvi_integrator *integrator, double tolerance, double h, double *t,
+                                               double q[], double p[]);
 
 /* The time from the state to t_end, with the low-order part of the time. */
-double tvi_time_left(const tvi_integrator *integrator, double t_end);
+double tvi_remaining_time(const tvi_integrator *integrator, double t_end);
 /* Sets the time to t_end if it differs by roundoff alone, which goes to its low-order part. */
-void tvi_end_at(tvi_integrator *integrator, double t_end, double *t);
+void tvi_set_time_to_end(tvi_integrator *integrator, double t_end, double *t);
 
 /* Undoes the last step, and writes the state that the step started from. */
-void tvi_integrator_undo(tvi_integrator *integrator, double *t, double q[], double p[]);
+void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 
 /* Computes the state of tvi_dense, and its time. */
 TVI_NODISCARD tvi_status tvi_compute_dense_state(tvi_integrator *integrator, double theta, double *t, double q[],

@@ -10,45 +10,45 @@
 #include <string.h>
 
 /* The element of an array [components][width] for component i of the member. */
-static double *at(const tvi_integrator *it, double *array, int i, int member)
+static double *element_of_member(const tvi_integrator *it, double *array, int i, int member)
 {
     return array + (size_t)i * (size_t)it->width + (size_t)member;
 }
 
 /* All bits in which the user's components differ from those of the member. */
-JET_INLINE uint64_t difference(int n, const double *given, size_t stride, const double *own, size_t width)
+JET_INLINE uint64_t differing_bits(int n, const double *given, size_t stride, const double *own, size_t width)
 {
     uint64_t any = 0;
     for (int i = 0; i < n; i++, given += stride, own += width) any |= tvi_bits(*given) ^ tvi_bits(*own);
     return any;
 }
 
-bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_given_state *given)
+bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_user_state *given)
 {
     const int n = it->system->n;
     const size_t stride = given->stride, width = (size_t)it->width;
     const double *q = it->state.q + member, *p = it->state.p + member;
-    const uint64_t time = tvi_bits(given->t) ^ tvi_bits(*at(it, it->state.q, n, member));
+    const uint64_t time = tvi_bits(given->t) ^ tvi_bits(*element_of_member(it, it->state.q, n, member));
     if (stride == 1 && width == 1)
-        return (time | difference(n, given->q, 1, q, 1) | difference(n, given->p, 1, p, 1)) == 0;
-    return (time | difference(n, given->q, stride, q, width) | difference(n, given->p, stride, p, width)) == 0;
+        return (time | differing_bits(n, given->q, 1, q, 1) | differing_bits(n, given->p, 1, p, 1)) == 0;
+    return (time | differing_bits(n, given->q, stride, q, width) | differing_bits(n, given->p, stride, p, width)) == 0;
 }
 
 void tvi_member_copy_state(const tvi_integrator *it, int member, double *t, double q[], double p[], size_t stride)
 {
     const int n = it->system->n;
     for (int i = 0; i < n; i++) {
-        q[(size_t)i * stride] = *at(it, it->state.q, i, member);
-        p[(size_t)i * stride] = *at(it, it->state.p, i, member);
+        q[(size_t)i * stride] = *element_of_member(it, it->state.q, i, member);
+        p[(size_t)i * stride] = *element_of_member(it, it->state.p, i, member);
     }
-    *t = *at(it, it->state.q, n, member);
+    *t = *element_of_member(it, it->state.q, n, member);
 }
 
 /* ---- From one integrator to another ------------------------------------------------------------------------------ */
 
 /* Lists the arrays of a state, and their numbers of rows. */
 enum { ARRAYS = 5 };
-static void list_arrays(const tvi_integrator *it, double *array[ARRAYS], int rows[ARRAYS])
+static void list_state_arrays(const tvi_integrator *it, double *array[ARRAYS], int rows[ARRAYS])
 {
     const int dimension = it->stepped->n;
     const tvi_run_state *state = &it->state;
@@ -59,7 +59,7 @@ static void list_arrays(const tvi_integrator *it, double *array[ARRAYS], int row
 }
 
 /* Clears the history of the member, as before its first step. */
-static void forget(tvi_integrator *it, int member)
+static void clear_member_history(tvi_integrator *it, int member)
 {
     double *array[ARRAYS];
     int rows[ARRAYS];
@@ -67,24 +67,24 @@ static void forget(tvi_integrator *it, int member)
         tvi_arena_copy(it->history, NULL, it->history_bytes);
         return;
     }
-    list_arrays(it, array, rows);
+    list_state_arrays(it, array, rows);
     for (int a = 0; a < ARRAYS; a++)
-        for (int row = 0; row < rows[a]; row++) *at(it, array[a], row, member) = 0;
+        for (int row = 0; row < rows[a]; row++) *element_of_member(it, array[a], row, member) = 0;
     it->reference[member] = (tvi_reference_energy){0};
     it->continues[member] = false;
-    if (tvi_batch_of(it)->forget) tvi_batch_of(it)->forget(it->work, member);
+    if (tvi_batch_stepper_of(it)->forget) tvi_batch_stepper_of(it)->forget(it->work, member);
 }
 
-void tvi_member_copy(tvi_integrator *to, int member_to, const tvi_integrator *from, int member_from)
+void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from, int member_from)
 {
     double *source[ARRAYS], *target[ARRAYS];
     int rows[ARRAYS];
-    forget(to, member_to);
-    list_arrays(from, source, rows);
-    list_arrays(to, target, rows);
+    clear_member_history(to, member_to);
+    list_state_arrays(from, source, rows);
+    list_state_arrays(to, target, rows);
     for (int a = 0; a < ARRAYS; a++)
         for (int row = 0; row < rows[a]; row++)
-            *at(to, target[a], row, member_to) = *at(from, source[a], row, member_from);
+            *element_of_member(to, target[a], row, member_to) = *element_of_member(from, source[a], row, member_from);
     to->reference[member_to] = from->reference[member_from];
     to->continues[member_to] = from->continues[member_from];
     const tvi_batch_stepper *batch = to->stepper->batch;
@@ -102,7 +102,7 @@ void tvi_member_load_parameters(tvi_integrator *it, int member)
     tvi_blocks_set_parameters(it->one_lane_blocks, count, 1, it->one_lane_parameters);
 }
 
-tvi_status tvi_member_energy(tvi_integrator *it, int member, const double *q, const double *p, double *H)
+tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const double *q, const double *p, double *H)
 {
     const int n = it->system->n;
     const tvi_run_state *alone = &it->member_state;
@@ -116,7 +116,7 @@ tvi_status tvi_member_energy(tvi_integrator *it, int member, const double *q, co
 }
 
 /* The value of K at the member's state with another e, in long double. */
-static long double transformed_with(tvi_integrator *it, double e)
+static long double compute_transformed_hamiltonian(tvi_integrator *it, double e)
 {
     it->member_state.p[it->system->n] = e;
     return tvi_energy_precise(&it->transformed, 0, it->member_state.q, it->member_state.p);
@@ -125,22 +125,23 @@ static long double transformed_with(tvi_integrator *it, double e)
 /* Sets e = -H(q, p, t), with which K = g (H + e) is 0 (rescaled.c). Near a pericentre the terms of H cancel, and their
  * roundoff would shift the period of the orbit. For this reason e is the root of K in long double, of which K is a
  * linear function. */
-static tvi_status set_energy(tvi_integrator *it, int member)
+static tvi_status set_rescaled_energy(tvi_integrator *it, int member)
 {
     const int n = it->system->n;
     double H;
-    const tvi_status status = tvi_member_energy(it, member, it->state.q, it->state.p, &H);
+    const tvi_status status = tvi_member_compute_energy(it, member, it->state.q, it->state.p, &H);
     if (status != TVI_OK) return tvi_refuse_as("energy", status);
     const double apart = H != 0 ? H : 1;
-    const long double there = transformed_with(it, apart - H), here = transformed_with(it, -H);
+    const long double there = compute_transformed_hamiltonian(it, apart - H),
+                      here = compute_transformed_hamiltonian(it, -H);
     const long double correction = apart * (here / (here - there)), e = isfinite(correction) ? correction - H : -H;
-    *at(it, it->state.p, n, member) = (double)e;
-    *at(it, it->state.p_low, n, member) = (double)(e - (double)e);
+    *element_of_member(it, it->state.p, n, member) = (double)e;
+    *element_of_member(it, it->state.p_low, n, member) = (double)(e - (double)e);
     return TVI_OK;
 }
 
 /* Refuses a state of the user that is not finite, and names the component. */
-static tvi_status check(tvi_integrator *it, const tvi_given_state *given)
+static tvi_status refuse_state_not_finite(tvi_integrator *it, const tvi_user_state *given)
 {
     const int n = it->system->n;
     bool is_finite = isfinite(given->t);
@@ -152,18 +153,20 @@ static tvi_status check(tvi_integrator *it, const tvi_given_state *given)
     return is_finite ? TVI_OK : tvi_refuse_state(n, given->t, it->member_state.q, "p", it->member_state.p);
 }
 
-tvi_status tvi_member_begin(tvi_integrator *it, int member, const tvi_given_state *given)
+tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_state *given)
 {
     const int n = it->system->n;
     if (it->is_in_observer) return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not step it");
     if (it->continues[member] && tvi_member_has_state(it, member, given)) return TVI_OK;
-    const tvi_status status = check(it, given);
+    const tvi_status status = refuse_state_not_finite(it, given);
     if (status != TVI_OK) return status;
-    forget(it, member);
+    clear_member_history(it, member);
     for (int i = 0; i < n; i++) {
-        *at(it, it->state.q, i, member) = *at(it, it->run_start, i, member) = it->member_state.q[i];
-        *at(it, it->state.p, i, member) = *at(it, it->run_start, n + 1 + i, member) = it->member_state.p[i];
+        *element_of_member(it, it->state.q, i, member) = *element_of_member(it, it->run_start, i, member) =
+            it->member_state.q[i];
+        *element_of_member(it, it->state.p, i, member) = *element_of_member(it, it->run_start, n + 1 + i, member) =
+            it->member_state.p[i];
     }
-    *at(it, it->state.q, n, member) = *at(it, it->run_start, n, member) = given->t;
-    return tvi_is_rescaled(it) ? set_energy(it, member) : TVI_OK;
+    *element_of_member(it, it->state.q, n, member) = *element_of_member(it, it->run_start, n, member) = given->t;
+    return tvi_is_rescaled(it) ? set_rescaled_energy(it, member) : TVI_OK;
 }

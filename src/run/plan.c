@@ -123,7 +123,7 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, doub
         .columns = {plan->D ? plan->D + member->member_index : NULL, plan->columns, (size_t)member->member_count},
         .steps_before_segment = member->steps_before_segment,
     };
-    return tvi_run_one(it, &run, t, q, p);
+    return tvi_run_single(it, &run, t, q, p);
 }
 
 tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, double q[], double p[])

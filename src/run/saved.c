@@ -13,24 +13,24 @@ enum { STATE_VERSION = 13 };
 
 static const char MAGIC[] = "tvistate";
 
-tvi_identity tvi_identity_of(const tvi_integrator *it, size_t bytes)
+tvi_saved_identity tvi_saved_identity_of_integrator(const tvi_integrator *it, size_t bytes)
 {
-    tvi_identity who = {
+    tvi_saved_identity identity = {
         .version = STATE_VERSION,
         .bytes = (int64_t)bytes,
         .n = it->system->n,
         .has_stepped = *it->continues,
-        .system = tvi_system_fingerprint(it->stepped),
-        .options = tvi_options_fingerprint(&it->options),
-        .code = it->options.compiled ? tvi_compiled_library() : 0,
+        .system_hash = tvi_system_fingerprint(it->stepped),
+        .options_hash = tvi_options_fingerprint(&it->options),
+        .code_hash = it->options.compiled ? tvi_compiled_library() : 0,
     };
-    memcpy(who.magic, MAGIC, sizeof who.magic);
-    return who;
+    memcpy(identity.magic, MAGIC, sizeof identity.magic);
+    return identity;
 }
 
-size_t tvi_saved_size(const tvi_pieces *pieces)
+size_t tvi_saved_size_in_bytes(const tvi_saved_pieces *pieces)
 {
-    size_t bytes = sizeof(tvi_identity) + sizeof(uint64_t);
+    size_t bytes = sizeof(tvi_saved_identity) + sizeof(uint64_t);
     for (int i = 0; i < pieces->count; i++) bytes += pieces->piece[i].bytes;
     return bytes;
 }
@@ -42,63 +42,66 @@ void tvi_saved_add_checksum(void *buffer, size_t size)
     memcpy((char *)buffer + before, &checksum, sizeof checksum);
 }
 
-tvi_status tvi_saved_write(const tvi_identity *own, const tvi_pieces *pieces, void *buffer, size_t *size)
+tvi_status tvi_saved_write(const tvi_saved_identity *expected, const tvi_saved_pieces *pieces, void *buffer,
+                           size_t *size)
 {
-    const size_t bytes = tvi_saved_size(pieces);
+    const size_t bytes = tvi_saved_size_in_bytes(pieces);
     if (buffer && *size < bytes) return jet_refuse(TVI_EINVAL, "the buffer has %zu bytes, the state %zu", *size, bytes);
     *size = bytes;
     if (!buffer) return TVI_OK;
     char *at = buffer;
-    memcpy(at, own, sizeof *own);
-    at += sizeof *own;
+    memcpy(at, expected, sizeof *expected);
+    at += sizeof *expected;
     for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
         tvi_arena_copy(at, pieces->piece[i].data, pieces->piece[i].bytes);
     tvi_saved_add_checksum(buffer, bytes);
     return TVI_OK;
 }
 
-const char *tvi_saved_check(const void *buffer, size_t size, tvi_identity *who)
+const char *tvi_saved_find_damage(const void *buffer, size_t size, tvi_saved_identity *identity)
 {
     uint64_t checksum;
-    if (size < sizeof *who + sizeof checksum) return "the bytes are too few for a state";
-    memcpy(who, buffer, sizeof *who);
+    if (size < sizeof *identity + sizeof checksum) return "the bytes are too few for a state";
+    memcpy(identity, buffer, sizeof *identity);
     memcpy(&checksum, (const char *)buffer + size - sizeof checksum, sizeof checksum);
-    if (memcmp(who->magic, MAGIC, sizeof who->magic) != 0) return "the bytes are no state";
-    if (who->version != STATE_VERSION) return "the state is of another version of the library";
+    if (memcmp(identity->magic, MAGIC, sizeof identity->magic) != 0) return "the bytes are no state";
+    if (identity->version != STATE_VERSION) return "the state is of another version of the library";
     const bool is_sound = checksum == jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
-    return is_sound && who->bytes == (int64_t)size ? NULL : "the state is damaged";
+    return is_sound && identity->bytes == (int64_t)size ? NULL : "the state is damaged";
 }
 
-const char *tvi_saved_misfit(const tvi_identity *own, const void *buffer, size_t size)
+const char *tvi_saved_find_misfit(const tvi_saved_identity *expected, const void *buffer, size_t size)
 {
-    tvi_identity who;
-    const char *const fault = tvi_saved_check(buffer, size, &who);
+    tvi_saved_identity identity;
+    const char *const fault = tvi_saved_find_damage(buffer, size, &identity);
     if (fault) return fault;
-    if (who.members != own->members)
-        return who.members == 0    ? "the state is of an integrator"
-               : own->members == 0 ? "the state is of an ensemble"
-                                   : "the state is of an ensemble of another size";
-    if (who.n != own->n) return "the state is of a system of another dimension";
-    if (who.system != own->system) return "the state is of another system";
-    if (who.code != own->code)
-        return own->code ? "the state is not of compiled steps" : "the state is of compiled steps";
-    const bool fits = who.options == own->options && who.bytes == own->bytes && who.width == own->width;
+    if (identity.members != expected->members)
+        return identity.members == 0    ? "the state is of an integrator"
+               : expected->members == 0 ? "the state is of an ensemble"
+                                        : "the state is of an ensemble of another size";
+    if (identity.n != expected->n) return "the state is of a system of another dimension";
+    if (identity.system_hash != expected->system_hash) return "the state is of another system";
+    if (identity.code_hash != expected->code_hash)
+        return expected->code_hash ? "the state is not of compiled steps" : "the state is of compiled steps";
+    const bool fits = identity.options_hash == expected->options_hash && identity.bytes == expected->bytes &&
+                      identity.width == expected->width;
     return fits ? NULL : "the state is of other options";
 }
 
-const char *tvi_saved_piece(const tvi_pieces *pieces, int index, const void *buffer)
+const char *tvi_saved_piece_address(const tvi_saved_pieces *pieces, int index, const void *buffer)
 {
-    const char *at = (const char *)buffer + sizeof(tvi_identity);
+    const char *at = (const char *)buffer + sizeof(tvi_saved_identity);
     for (int i = 0; i < index; i++) at += pieces->piece[i].bytes;
     return at;
 }
 
-void tvi_saved_read(const tvi_pieces *pieces, int index, const void *buffer)
+void tvi_saved_load_piece(const tvi_saved_pieces *pieces, int index, const void *buffer)
 {
-    tvi_arena_copy(pieces->piece[index].data, tvi_saved_piece(pieces, index, buffer), pieces->piece[index].bytes);
+    tvi_arena_copy(pieces->piece[index].data, tvi_saved_piece_address(pieces, index, buffer),
+                   pieces->piece[index].bytes);
 }
 
-bool tvi_stats_are_sound(const void *bytes)
+bool tvi_saved_stats_are_valid(const void *bytes)
 {
     /* is_compiled is not read: its byte may be no truth value */
     const size_t numbers = offsetof(tvi_stats, is_compiled);
@@ -120,19 +123,19 @@ bool tvi_numbers_are_finite(const void *bytes, size_t size)
     return true;
 }
 
-bool tvi_stops_are_sound(const void *bytes, int n, int members)
+bool tvi_saved_stops_are_valid(const void *bytes, int n, int members)
 {
     for (int m = 0; m < members; m++) {
         tvi_stop stop;
-        memcpy(&stop, (const char *)bytes + (size_t)m * tvi_stop_bytes(n), sizeof stop);
+        memcpy(&stop, (const char *)bytes + (size_t)m * tvi_size_of_stop_in_bytes(n), sizeof stop);
         if (stop.count < 0 || stop.count > TVI_STOP_EVENTS) return false;
     }
     return true;
 }
 
-bool tvi_history_is_sound(const tvi_integrator *it)
+bool tvi_loaded_history_is_valid(const tvi_integrator *it)
 {
-    const tvi_batch_stepper *batch = tvi_batch_of(it);
+    const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     const tvi_run_state *state = &it->state;
     const int rows = it->stepped->n * it->width, width = it->width;
     bool is_sound = tvi_all_finite(rows + width, state->q) && tvi_all_finite(rows + width, state->q_low) &&

@@ -1,8 +1,9 @@
-/* saved.h - Writes and reads states as bytes, for integrators (state.c) and ensembles. The bytes are
+/* saved.h - Writes the state of an integrator or of an ensemble as bytes, and checks such bytes before they are loaded.
+ * state.c and ensemble.c call it. The bytes are
  *
  *      identity | pieces | checksum
  *
- * An integrator and an ensemble list their pieces. */
+ * An integrator and an ensemble consist of different pieces, which they list in a tvi_saved_pieces. */
 #ifndef TVI_SRC_RUN_SAVED_H
 #define TVI_SRC_RUN_SAVED_H
 
@@ -10,59 +11,64 @@
 
 #include <stdint.h>
 
-/* The identity of what was saved, in numbers of eight bytes without gaps. Bytes of another byte order have another
- * version. The identity comes first in the bytes; a checksum of all of them comes last. */
+/* The first part of the bytes of a saved state. It describes the format, the system and the method. All fields have
+ * eight bytes, so that there are no gaps. A machine with another byte order reads another version number. */
 typedef struct {
-    char magic[8];
-    int64_t version, bytes, n, has_stepped;
-    int64_t members, width; /* of an ensemble, and of its batches; 0: an integrator */
-    /* Hashes. code is 0 without generated code, since its steps round otherwise than those of tapes. */
-    uint64_t system, options, code;
-} tvi_identity;
+    char magic[8];                      /* "tvistate" */
+    int64_t version, bytes, n;          /* version of the format, bytes of the state, coordinates of the system */
+    int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
+    int64_t members, width;             /* members of an ensemble and of its batches; 0 for an integrator */
+    uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
+    uint64_t code_hash;                 /* hash of the generated code, which rounds unlike tapes; 0 without code */
+} tvi_saved_identity;
 
-enum { TVI_MOST_PIECES = 8 };
+enum { TVI_MAX_SAVED_PIECES = 8 };
+/* The pieces of memory that are saved one after the other. */
 typedef struct {
     int count;
     struct {
         void *data;
         size_t bytes;
-    } piece[TVI_MOST_PIECES];
-} tvi_pieces;
-static inline void tvi_pieces_add(tvi_pieces *pieces, void *data, size_t bytes)
+    } piece[TVI_MAX_SAVED_PIECES];
+} tvi_saved_pieces;
+static inline void tvi_saved_pieces_add(tvi_saved_pieces *pieces, void *data, size_t bytes)
 {
     pieces->piece[pieces->count].data = data;
     pieces->piece[pieces->count++].bytes = bytes;
 }
 
-/* The number of bytes of a state with these pieces. */
-size_t tvi_saved_size(const tvi_pieces *pieces);
-/* The identity of the integrator, for a state of `bytes` bytes. */
-tvi_identity tvi_identity_of(const tvi_integrator *integrator, size_t bytes);
+/* Returns the number of bytes of a saved state with these pieces. */
+size_t tvi_saved_size_in_bytes(const tvi_saved_pieces *pieces);
+/* Returns the identity of the integrator's saved state, which has the given number of bytes. */
+tvi_saved_identity tvi_saved_identity_of_integrator(const tvi_integrator *integrator, size_t bytes);
 
-/* Sets *size, and writes the bytes into the buffer, if it is not NULL.
- *    TVI_EINVAL  the buffer is too small */
-TVI_NODISCARD tvi_status tvi_saved_write(const tvi_identity *own, const tvi_pieces *pieces, void *buffer, size_t *size);
+/* Sets *size to the number of bytes of the state, and writes the bytes to the buffer unless that is NULL. Returns
+ * TVI_EINVAL if a buffer of *size bytes is too small. */
+TVI_NODISCARD tvi_status tvi_saved_write(const tvi_saved_identity *identity, const tvi_saved_pieces *pieces,
+                                         void *buffer, size_t *size);
 
-/* Completes bytes that are written up to their checksum. */
+/* Computes the checksum of a state that has been written to the buffer, and writes it to the last eight bytes. */
 void tvi_saved_add_checksum(void *buffer, size_t size);
 
-/* Checks the checksum of the bytes, and reads their identity. Returns NULL, or the reason why they are no state. */
-const char *tvi_saved_check(const void *buffer, size_t size, tvi_identity *who);
-/* The reason why the bytes are no state with this identity, or NULL. */
-const char *tvi_saved_misfit(const tvi_identity *own, const void *buffer, size_t size);
-/* The piece with this index in the buffer. */
-const char *tvi_saved_piece(const tvi_pieces *pieces, int index, const void *buffer);
-/* Copies the piece with this index from a buffer that fits. */
-void tvi_saved_read(const tvi_pieces *pieces, int index, const void *buffer);
+/* Checks the checksum of a saved state, and copies its identity. Returns NULL, or a message that tells why the bytes
+ * are not a valid state. */
+const char *tvi_saved_find_damage(const void *buffer, size_t size, tvi_saved_identity *identity);
+/* Returns NULL if the buffer has a valid state with the identity `expected`, otherwise a message that tells the
+ * difference. */
+const char *tvi_saved_find_misfit(const tvi_saved_identity *expected, const void *buffer, size_t size);
+/* Returns the address in the buffer of the piece with this index. */
+const char *tvi_saved_piece_address(const tvi_saved_pieces *pieces, int index, const void *buffer);
+/* Copies the piece with this index from the buffer to its place in memory. */
+void tvi_saved_load_piece(const tvi_saved_pieces *pieces, int index, const void *buffer);
 
-/* Tells whether loaded bytes are counts that a run may go on from. */
-bool tvi_stats_are_sound(const void *bytes);
-/* Tells whether loaded bytes are finite numbers. */
+/* Tells whether the bytes are valid counts of steps (tvi_stats). */
+bool tvi_saved_stats_are_valid(const void *bytes);
+/* Tells whether the bytes are finite numbers of type double. */
 bool tvi_numbers_are_finite(const void *bytes, size_t size);
-/* Tells whether loaded bytes are `members` stops of dimension n, one after the other. */
-bool tvi_stops_are_sound(const void *bytes, int n, int members);
-/* Tells whether steps can go on from the integrator's loaded history: its numbers are finite, and its indices are
- * within their arrays. */
-bool tvi_history_is_sound(const tvi_integrator *integrator);
+/* Tells whether the bytes are valid stops (tvi_stop) of this number of members, one after the other. */
+bool tvi_saved_stops_are_valid(const void *bytes, int n, int members);
+/* Tells whether steps can go on from the history that the integrator has loaded: its numbers are finite, and its
+ * indices lie within their arrays. */
+bool tvi_loaded_history_is_valid(const tvi_integrator *integrator);
 
 #endif

@@ -81,7 +81,7 @@ static double advance(tvi_scout *s, tvi_scout_orbit *o, double h, double left)
     if (s->status != TVI_OK) return size * (s->count == 0 ? FIRST_FAILS : FAILS);
     const bool may_try = s->count > 0 || s->steps_tried < TVI_SCOUT_STEPS / 2;
     if (tvi_integrator_stats(o->integrator)->tail <= MOST_TAIL || !may_try) return record_step(s, o, size, is_rest);
-    tvi_integrator_undo(o->integrator, &o->t, o->q, o->p);
+    tvi_integrator_undo_step(o->integrator, &o->t, o->q, o->p);
     return scale_of(o, size);
 }
 

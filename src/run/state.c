@@ -15,37 +15,37 @@
 /* Indices of the pieces. */
 enum { TIME, COORDINATES, MOMENTA, COUNTS, PARAMETERS, STOP, HISTORY };
 
-static void list_saved_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_pieces *pieces)
+static void list_saved_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_saved_pieces *pieces)
 {
     const size_t n = (size_t)it->system->n, number = sizeof(double);
     pieces->count = 0;
-    tvi_pieces_add(pieces, &it->state.q[n], number);
-    tvi_pieces_add(pieces, it->state.q, n * number);
-    tvi_pieces_add(pieces, it->state.p, n * number);
-    tvi_pieces_add(pieces, stats, sizeof *stats);
-    tvi_pieces_add(pieces, it->parameters, (size_t)tvi_system_parameters(it->system) * number);
-    tvi_pieces_add(pieces, it->stop, tvi_stop_bytes(it->system->n));
-    tvi_pieces_add(pieces, it->history, it->history_bytes);
+    tvi_saved_pieces_add(pieces, &it->state.q[n], number);
+    tvi_saved_pieces_add(pieces, it->state.q, n * number);
+    tvi_saved_pieces_add(pieces, it->state.p, n * number);
+    tvi_saved_pieces_add(pieces, stats, sizeof *stats);
+    tvi_saved_pieces_add(pieces, it->parameters, (size_t)tvi_system_parameters(it->system) * number);
+    tvi_saved_pieces_add(pieces, it->stop, tvi_size_of_stop_in_bytes(it->system->n));
+    tvi_saved_pieces_add(pieces, it->history, it->history_bytes);
 }
 
 tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
 {
     if (!it || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "size" : "integrator");
     tvi_stats stats = it->stats;
-    tvi_pieces pieces;
+    tvi_saved_pieces pieces;
     list_saved_pieces(it, &stats, &pieces);
-    const tvi_identity own = tvi_identity_of(it, tvi_saved_size(&pieces));
+    const tvi_saved_identity own = tvi_saved_identity_of_integrator(it, tvi_saved_size_in_bytes(&pieces));
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
 /* Loads the history, which has t, q and p once more. Restores the old one if a run cannot go on from the loaded one. */
-static tvi_status load_history(tvi_integrator *it, const tvi_pieces *pieces, const void *buffer)
+static tvi_status load_history(tvi_integrator *it, const tvi_saved_pieces *pieces, const void *buffer)
 {
     char *own = malloc(it->history_bytes + 1);
     if (!own) return jet_refuse_memory(TVI_ENOMEM);
     tvi_arena_copy(own, it->history, it->history_bytes);
-    tvi_saved_read(pieces, HISTORY, buffer);
-    const bool is_sound = tvi_history_is_sound(it);
+    tvi_saved_load_piece(pieces, HISTORY, buffer);
+    const bool is_sound = tvi_loaded_history_is_valid(it);
     if (!is_sound) tvi_arena_copy(it->history, own, it->history_bytes);
     free(own);
     return is_sound ? TVI_OK : jet_refuse(TVI_EINVAL, "the state is damaged");
@@ -57,18 +57,18 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     if (it->is_in_observer)
         return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     tvi_stats stats = it->stats;
-    tvi_pieces pieces;
+    tvi_saved_pieces pieces;
     list_saved_pieces(it, &stats, &pieces);
-    const tvi_identity own = tvi_identity_of(it, tvi_saved_size(&pieces));
-    const char *const misfit = tvi_saved_misfit(&own, buffer, size);
+    const tvi_saved_identity own = tvi_saved_identity_of_integrator(it, tvi_saved_size_in_bytes(&pieces));
+    const char *const misfit = tvi_saved_find_misfit(&own, buffer, size);
     if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
-    if (!tvi_stats_are_sound(tvi_saved_piece(&pieces, COUNTS, buffer)) ||
-        !tvi_stops_are_sound(tvi_saved_piece(&pieces, STOP, buffer), it->system->n, 1) ||
-        !tvi_numbers_are_finite(tvi_saved_piece(&pieces, PARAMETERS, buffer), pieces.piece[PARAMETERS].bytes))
+    if (!tvi_saved_stats_are_valid(tvi_saved_piece_address(&pieces, COUNTS, buffer)) ||
+        !tvi_saved_stops_are_valid(tvi_saved_piece_address(&pieces, STOP, buffer), it->system->n, 1) ||
+        !tvi_numbers_are_finite(tvi_saved_piece_address(&pieces, PARAMETERS, buffer), pieces.piece[PARAMETERS].bytes))
         return jet_refuse(TVI_EINVAL, "the state is damaged");
     const tvi_status status = load_history(it, &pieces, buffer);
     if (status != TVI_OK) return status;
-    for (int i = COUNTS; i < HISTORY; i++) tvi_saved_read(&pieces, i, buffer);
+    for (int i = COUNTS; i < HISTORY; i++) tvi_saved_load_piece(&pieces, i, buffer);
     stats.bytes = it->stats.bytes;
     stats.is_compiled = it->stats.is_compiled;
     it->stats = stats;
@@ -79,9 +79,9 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 
 tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[])
 {
-    tvi_identity who;
+    tvi_saved_identity who;
     if (!buffer || !n) return jet_refuse(TVI_EINVAL, "%s is NULL", buffer ? "n" : "buffer");
-    const char *reason = tvi_saved_check(buffer, size, &who), *at = (const char *)buffer + sizeof who;
+    const char *reason = tvi_saved_find_damage(buffer, size, &who), *at = (const char *)buffer + sizeof who;
     const bool has_room = !reason && who.n >= 1 && who.n <= TVI_MAX_DIMENSION &&
                           (1 + 2 * (size_t)who.n) * sizeof(double) <= size - sizeof who - sizeof(uint64_t);
     if (!reason && !has_room) reason = "the state is damaged";

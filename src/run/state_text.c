@@ -25,31 +25,32 @@ enum { LONGEST = 31, MANTISSA = 13, DIGITS = 20 }; /* of a word, and hexadecimal
 
 static const char NO_STATE[] = "the text is no state", DAMAGED[] = "the text of the state is damaged or cut short";
 
-bool tvi_state_text_open(tvi_state_text *x, int n, int parameters)
+bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameters)
 {
-    *x = (tvi_state_text){.n = n, .parameters = parameters};
-    x->value = calloc((size_t)parameters + 4 * ((size_t)n + 1), sizeof *x->value);
-    x->state = x->value + parameters;
-    return x->value != NULL;
+    *state_text = (tvi_state_text){.n = n, .parameter_count = parameters};
+    state_text->parameter_values =
+        calloc((size_t)parameters + 4 * ((size_t)n + 1), sizeof *state_text->parameter_values);
+    state_text->numbers = state_text->parameter_values + parameters;
+    return state_text->parameter_values != NULL;
 }
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 /* Writes so many digits at least, and returns where they end. */
-static char *write_digits(char *at, uint64_t x, unsigned base, int least)
+static char *write_digits(char *at, uint64_t number, unsigned base, int least_digits)
 {
     char digit[DIGITS];
     int count = 0;
-    for (; x > 0 || count < least; x /= base) digit[count++] = "0123456789abcdef"[x % base];
+    for (; number > 0 || count < least_digits; number /= base) digit[count++] = "0123456789abcdef"[number % base];
     while (count > 0) *at++ = digit[--count];
     *at = '\0';
     return at;
 }
 
 /* (-1)^sign 2^exponent 1.mantissa, or 0.mantissa where the exponent is the least one. */
-static void write_double(char *at, double x)
+static void write_double(char *at, double number)
 {
-    const uint64_t bits = tvi_bits(x), mantissa = bits << 12 >> 12;
+    const uint64_t bits = tvi_bits(number), mantissa = bits << 12 >> 12;
     const int biased = (int)(bits >> 52 & 0x7ff), exponent = biased > 0 ? biased - 1023 : mantissa > 0 ? -1022 : 0;
     if (bits >> 63) *at++ = '-';
     *at++ = '0', *at++ = 'x', *at++ = biased > 0 ? '1' : '0';
@@ -63,19 +64,19 @@ static void write_double(char *at, double x)
 }
 
 /* Goes past up to `most` digits from *at on; as many less give a number that is as much too small. */
-static uint64_t read_digits(const char **at, unsigned base, int most, int *count)
+static uint64_t read_digits(const char **at, unsigned base, int most_digits, int *count)
 {
-    uint64_t x = 0;
-    for (*count = 0; *count < most && **at; ++*count, ++*at) {
+    uint64_t number = 0;
+    for (*count = 0; *count < most_digits && **at; ++*count, ++*at) {
         const char *const digits = "0123456789abcdef", *digit = memchr(digits, **at, base);
         if (!digit) break;
-        x = x * base + (uint64_t)(digit - digits);
+        number = number * base + (uint64_t)(digit - digits);
     }
-    return x;
+    return number;
 }
 
 /* Whether the word is a finite number. */
-static bool read_double(const char *at, double *x)
+static bool read_double(const char *at, double *number)
 {
     int count;
     const bool is_negative = *at == '-';
@@ -98,135 +99,139 @@ static bool read_double(const char *at, double *x)
     if (count == 0 || *at || !is_one) return false;
     const uint64_t biased = is_normal ? (uint64_t)(exponent + 1023) : 0;
     const uint64_t bits = (uint64_t)is_negative << 63 | biased << 52 | mantissa;
-    memcpy(x, &bits, sizeof *x);
+    memcpy(number, &bits, sizeof *number);
     return true;
 }
 
 /* ---- Words ------------------------------------------------------------------------------------------------------- */
 
-/* A text that is read, or else written, or else only counted. */
+/* A text that is being read, or written, or only measured. */
 typedef struct {
-    const char *from;
-    char *to;
-    size_t at, size;
-    uint64_t hash;
-    const char *fault; /* the first one */
-} stream;
+    const char *input;       /* the text that is read; NULL if a text is written or measured */
+    char *output;            /* memory for the text that is written; NULL if it is only measured */
+    size_t position;         /* index of the next character in the input or the output */
+    size_t input_size;       /* the number of characters of the input */
+    uint64_t hash;           /* FNV-1a of the words so far, each followed by a blank */
+    const char *first_fault; /* describes the first error in the input; NULL if there is none */
+} text_stream;
 
-static void find_fault(stream *s, bool is_fault, const char *fault)
+static void record_fault(text_stream *stream, bool is_fault, const char *fault)
 {
-    if (is_fault && !s->fault) s->fault = fault;
+    if (is_fault && !stream->first_fault) stream->first_fault = fault;
 }
 
-static void skip_blanks(stream *s)
+static void skip_whitespace(text_stream *stream)
 {
-    while (s->at < s->size && s->from[s->at] && strchr(" \t\r\n", s->from[s->at])) s->at++;
+    while (stream->position < stream->input_size && stream->input[stream->position] &&
+           strchr(" \t\r\n", stream->input[stream->position]))
+        stream->position++;
 }
 
 /* A word that is longer than any of a state ends within one, and fits nothing. */
-static void take_word(stream *s, char word[LONGEST + 1])
+static void read_word(text_stream *stream, char word[LONGEST + 1])
 {
     size_t length = 0;
-    skip_blanks(s);
-    for (; s->at < s->size && length < LONGEST; s->at++) {
-        if (strchr(" \t\r\n", s->from[s->at])) break; /* a 0, too */
-        word[length++] = s->from[s->at];
+    skip_whitespace(stream);
+    for (; stream->position < stream->input_size && length < LONGEST; stream->position++) {
+        if (strchr(" \t\r\n", stream->input[stream->position])) break; /* a 0, too */
+        word[length++] = stream->input[stream->position];
     }
     word[length] = '\0';
 }
 
-static void put_word(stream *s, char before, const char *word)
+static void write_word(text_stream *stream, char separator, const char *word)
 {
-    if (s->at > 0) {
-        if (s->to) s->to[s->at] = before;
-        s->at++;
+    if (stream->position > 0) {
+        if (stream->output) stream->output[stream->position] = separator;
+        stream->position++;
     }
-    if (s->to) memcpy(s->to + s->at, word, strlen(word));
-    s->at += strlen(word);
+    if (stream->output) memcpy(stream->output + stream->position, word, strlen(word));
+    stream->position += strlen(word);
 }
 
 /* Writes the word, or reads the one that stands there. */
-static void exchange(stream *s, char before, char word[LONGEST + 1])
+static void transfer_word(text_stream *stream, char separator, char word[LONGEST + 1])
 {
-    if (s->from) take_word(s, word);
-    else put_word(s, before, word);
-    s->hash = jet_hash(jet_hash(s->hash, word, strlen(word)), " ", 1);
+    if (stream->input) read_word(stream, word);
+    else write_word(stream, separator, word);
+    stream->hash = jet_hash(jet_hash(stream->hash, word, strlen(word)), " ", 1);
 }
 
-static void exchange_word(stream *s, char before, const char *wanted, const char *fault)
+static void transfer_expected_word(text_stream *stream, char separator, const char *wanted, const char *fault)
 {
     char word[LONGEST + 1];
     memcpy(word, wanted, strlen(wanted) + 1);
-    exchange(s, before, word);
-    find_fault(s, strcmp(word, wanted) != 0, fault);
+    transfer_word(stream, separator, word);
+    record_fault(stream, strcmp(word, wanted) != 0, fault);
 }
 
-static void exchange_count(stream *s, const char *label, int count, const char *fault)
+static void transfer_expected_count(text_stream *stream, const char *label, int count, const char *fault)
 {
     char word[LONGEST + 1];
-    exchange_word(s, '\n', label, NO_STATE);
+    transfer_expected_word(stream, '\n', label, NO_STATE);
     (void)write_digits(word, (uint64_t)count, 10, 1);
-    exchange_word(s, ' ', word, fault);
+    transfer_expected_word(stream, ' ', word, fault);
 }
 
-static void exchange_rows(stream *s, const char *label, int rows, int columns, double *x)
+static void transfer_rows(text_stream *stream, const char *label, int rows, int columns, double *number)
 {
     char word[LONGEST + 1];
-    for (int i = 0; i < rows && !s->fault; i++) {
-        exchange_word(s, '\n', label, DAMAGED);
-        for (int k = 0; k < columns; k++, x++) {
-            if (!s->from) write_double(word, *x);
-            exchange(s, ' ', word);
-            find_fault(s, s->from && !read_double(word, x), DAMAGED);
+    for (int i = 0; i < rows && !stream->first_fault; i++) {
+        transfer_expected_word(stream, '\n', label, DAMAGED);
+        for (int k = 0; k < columns; k++, number++) {
+            if (!stream->input) write_double(word, *number);
+            transfer_word(stream, ' ', word);
+            record_fault(stream, stream->input && !read_double(word, number), DAMAGED);
         }
     }
 }
 
 /* Whether e follows. */
-static bool is_at_e(const stream *s)
+static bool is_next_word_e(const text_stream *stream)
 {
-    stream ahead = *s;
+    text_stream ahead = *stream;
     char word[LONGEST + 1];
-    take_word(&ahead, word);
+    read_word(&ahead, word);
     return strcmp(word, "e") == 0;
 }
 
 /* ---- The text ---------------------------------------------------------------------------------------------------- */
 
-static void exchange_state(stream *s, tvi_state_text *x)
+static void transfer_state(text_stream *stream, tvi_state_text *state_text)
 {
-    const int n = x->n;
+    const int n = state_text->n;
     char word[LONGEST + 1];
-    exchange_word(s, ' ', "tvi", NO_STATE);
-    exchange_word(s, ' ', "state", NO_STATE);
-    exchange_word(s, ' ', "1", "the text is of a format that this version does not know");
-    exchange_count(s, "n", n, "the text is of a system of another dimension");
-    exchange_count(s, "parameters", x->parameters, "the text is of a system with other parameters");
-    exchange_rows(s, "value", x->parameters, 1, x->value);
-    exchange_rows(s, "t", 1, 2, x->state);
-    exchange_rows(s, "q", n, 2, x->state + 2);
-    exchange_rows(s, "p", n, 2, x->state + 2 * (n + 1));
-    if (s->from) x->has_e = is_at_e(s);
-    exchange_rows(s, "e", x->has_e, 2, x->state + 2 * (2 * n + 1));
-    exchange_word(s, '\n', "end", DAMAGED);
-    (void)write_digits(word, s->hash, 16, 16);
-    exchange_word(s, ' ', word, DAMAGED);
+    transfer_expected_word(stream, ' ', "tvi", NO_STATE);
+    transfer_expected_word(stream, ' ', "state", NO_STATE);
+    transfer_expected_word(stream, ' ', "1", "the text is of a format that this version does not know");
+    transfer_expected_count(stream, "n", n, "the text is of a system of another dimension");
+    transfer_expected_count(stream, "parameters", state_text->parameter_count,
+                            "the text is of a system with other parameters");
+    transfer_rows(stream, "value", state_text->parameter_count, 1, state_text->parameter_values);
+    transfer_rows(stream, "t", 1, 2, state_text->numbers);
+    transfer_rows(stream, "q", n, 2, state_text->numbers + 2);
+    transfer_rows(stream, "p", n, 2, state_text->numbers + 2 * (n + 1));
+    if (stream->input) state_text->has_rescaled_energy = is_next_word_e(stream);
+    transfer_rows(stream, "e", state_text->has_rescaled_energy, 2, state_text->numbers + 2 * (2 * n + 1));
+    transfer_expected_word(stream, '\n', "end", DAMAGED);
+    (void)write_digits(word, stream->hash, 16, 16);
+    transfer_expected_word(stream, ' ', word, DAMAGED);
 }
 
-size_t tvi_state_text_write(const tvi_state_text *x, char *text)
+size_t tvi_state_text_write(const tvi_state_text *state_text, char *text)
 {
-    stream s = {.to = text, .hash = JET_HASH_OF_NOTHING};
-    tvi_state_text same = *x;
-    exchange_state(&s, &same);
-    if (text) text[s.at] = '\n';
-    return s.at + 1;
+    text_stream stream = {.output = text, .hash = JET_HASH_OF_NOTHING};
+    tvi_state_text same = *state_text;
+    transfer_state(&stream, &same);
+    if (text) text[stream.position] = '\n';
+    return stream.position + 1;
 }
 
-const char *tvi_state_text_read(tvi_state_text *x, const char *text, size_t size)
+const char *tvi_state_text_read(tvi_state_text *state_text, const char *text, size_t size)
 {
-    stream s = {.from = text, .size = size, .hash = JET_HASH_OF_NOTHING};
-    exchange_state(&s, x);
-    skip_blanks(&s);
-    find_fault(&s, s.at < size, "something follows the end of the state's text");
-    return s.fault;
+    text_stream stream = {.input = text, .input_size = size, .hash = JET_HASH_OF_NOTHING};
+    transfer_state(&stream, state_text);
+    skip_whitespace(&stream);
+    record_fault(&stream, stream.position < size, "something follows the end of the state's text");
+    return stream.first_fault;
 }

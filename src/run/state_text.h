@@ -1,24 +1,27 @@
-/* state_text.h - a state as text that every version, machine and instruction set reads. */
+/* state_text.h - Writes a state as text, and reads it, in a format that every version, machine and instruction set
+ * reads. travel.c calls it for tvi_state_to_text, tvi_state_from_text and their ensemble versions. */
 #ifndef TVI_SRC_RUN_STATE_TEXT_H
 #define TVI_SRC_RUN_STATE_TEXT_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The e is that of a rescaled system (start of a run: -H); a text need not have it. */
+/* The numbers of a state that are written as text. In a rescaled system e is the constant -H at the start of the run; a
+ * text may lack it. */
 typedef struct {
-    int n, parameters;
-    bool has_e;
-    double *value; /* [parameters] */
-    double *state; /* [2n + 2][2] t, q[n], p[n] and e, each with its low-order part */
+    int n, parameter_count;
+    bool has_rescaled_energy; /* true if the text contains e */
+    double *parameter_values; /* [parameter_count] */
+    double *numbers;          /* [2n + 2][2] t, q[n], p[n] and e, each followed by its low-order part */
 } tvi_state_text;
 
-/* Memory for the numbers of such a state, which is to be freed by free(value). False: there is none. */
-bool tvi_state_text_open(tvi_state_text *x, int n, int parameters);
+/* Allocates the two arrays, which the caller frees by free(parameter_values). Returns false if memory is exhausted. */
+bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameter_count);
 
-/* How many characters the state has; they are written where text is not NULL. */
-size_t tvi_state_text_write(const tvi_state_text *x, char *text);
-/* Reads a state of this n and so many parameters. NULL, or why the text is none. */
-const char *tvi_state_text_read(tvi_state_text *x, const char *text, size_t size);
+/* Writes the state to `text`, unless that is NULL. Returns the number of characters that the state needs. */
+size_t tvi_state_text_write(const tvi_state_text *state_text, char *text);
+/* Reads a state with the n and the parameter_count of state_text. Returns NULL, or a message that tells why the text is
+ * not such a state. */
+const char *tvi_state_text_read(tvi_state_text *state_text, const char *text, size_t size);
 
 #endif

@@ -202,7 +202,7 @@ static int step_all_members(tvi_integrator *it, double tolerance, double h)
     return it->width == 1 ? step_members(it, 1, tolerance, h) : step_members(it, it->width, tolerance, h);
 }
 
-void tvi_members_step(tvi_integrator *it, long steps, double h)
+void tvi_step_batch(tvi_integrator *it, long steps, double h)
 {
     for (long k = 0, made = 1; k < steps && made > 0; k++) made = step_all_members(it, 0, h);
 }
@@ -237,7 +237,7 @@ static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, d
     if (!it) return tvi_refuse_run(given, "");
     if (!it->is_in_observer) it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
-    tvi_status status = tvi_integrator_begin(it, *t, q, p);
+    tvi_status status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
     const bool in_rows = tolerance == 0;
     const double *state = &it->state.q[it->system->n], way = copysign(1, h);
@@ -252,20 +252,20 @@ static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, d
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
-    return make_steps(it, 1, 0, h, tvi_endless(h), t, q, p);
+    return make_steps(it, 1, 0, h, tvi_infinite_end_time(h), t, q, p);
 }
 
-tvi_status tvi_steps(tvi_integrator *it, long steps, double h, double t_end, double *t, double q[], double p[])
+tvi_status tvi_make_steps(tvi_integrator *it, long steps, double h, double t_end, double *t, double q[], double p[])
 {
     return make_steps(it, steps, 0, h, t_end, t, q, p);
 }
 
-tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
+tvi_status tvi_step_by_tolerance(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
 {
-    return make_steps(it, 1, tolerance, h, tvi_endless(h), t, q, p);
+    return make_steps(it, 1, tolerance, h, tvi_infinite_end_time(h), t, q, p);
 }
 
-void tvi_integrator_undo(tvi_integrator *it, double *t, double q[], double p[])
+void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
     tvi_arena_copy(it->history, it->history_before, it->marked_bytes);
     it->has_dense = false;

@@ -276,7 +276,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     const tvi_tangent_columns own = {D, columns, 1};
     tvi_status status = tvi_columns_check_finite(it, &own);
     if (status == TVI_OK) status = tvi_integrator_allocate_tangent(it, columns);
-    if (status == TVI_OK) status = tvi_integrator_begin(it, *t, q, p);
+    if (status == TVI_OK) status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
     const tvi_tangent_columns moved = {it->tangent->end, columns, 1};
     it->tangent->step_number = 0;

@@ -119,5 +119,6 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
 {
     const tvi_run_plan plan = {.h = h, .times = times, .time_count = count};
     const tvi_observers observers = {.at_time = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_single_run){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t, q, p);
+    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t, q,
+                          p);
 }

@@ -12,66 +12,69 @@
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
 /* The index in arrays of q or p of number k of t, q[n], p[n], e. */
-static size_t index_of(const tvi_integrator *it, int member, int k)
+static size_t index_in_member_arrays(const tvi_integrator *it, int member, int k)
 {
     const int n = it->system->n, row = k == 0 ? n : k <= n ? k - 1 : k - n - 1;
     return (size_t)row * (size_t)it->width + (size_t)member;
 }
 
 /* Fills in the given state, with the low-order parts where it is the member's own. */
-static void fill_in(tvi_state_text *x, const tvi_integrator *it, int member, const tvi_given_state *given)
+static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it, int member,
+                            const tvi_user_state *given)
 {
-    const int n = x->n;
+    const int n = state_text->n;
     const tvi_run_state *state = &it->state;
     for (int i = 0; i < n; i++) {
-        x->state[2 * (1 + i)] = given->q[(size_t)i * given->stride];
-        x->state[2 * (1 + n + i)] = given->p[(size_t)i * given->stride];
+        state_text->numbers[2 * (1 + i)] = given->q[(size_t)i * given->stride];
+        state_text->numbers[2 * (1 + n + i)] = given->p[(size_t)i * given->stride];
     }
-    x->state[0] = given->t;
+    state_text->numbers[0] = given->t;
     if (!it->continues[member] || !tvi_member_has_state(it, member, given)) return;
-    x->has_e = tvi_is_rescaled(it);
-    for (int k = 0; k <= 2 * n + x->has_e; k++) {
-        const size_t at = index_of(it, member, k);
-        x->state[2 * k] = k <= n ? state->q[at] : state->p[at];
-        x->state[2 * k + 1] = k <= n ? state->q_low[at] : state->p_low[at];
+    state_text->has_rescaled_energy = tvi_is_rescaled(it);
+    for (int k = 0; k <= 2 * n + state_text->has_rescaled_energy; k++) {
+        const size_t at = index_in_member_arrays(it, member, k);
+        state_text->numbers[2 * k] = k <= n ? state->q[at] : state->p[at];
+        state_text->numbers[2 * k + 1] = k <= n ? state->q_low[at] : state->p_low[at];
     }
 }
 
 /* Writes it as tvi_state_save writes bytes. */
-static tvi_status write_text(const tvi_state_text *x, char *text, size_t *size)
+static tvi_status write_state_text(const tvi_state_text *state_text, char *text, size_t *size)
 {
-    const size_t needed = tvi_state_text_write(x, NULL);
-    if (!tvi_numbers_are_finite(x->state, 4 * ((size_t)x->n + 1) * sizeof *x->state))
+    const size_t needed = tvi_state_text_write(state_text, NULL);
+    if (!tvi_numbers_are_finite(state_text->numbers, 4 * ((size_t)state_text->n + 1) * sizeof *state_text->numbers))
         return jet_refuse(TVI_ENONFINITE, "the state is not finite");
     if (text && *size < needed) return jet_refuse(TVI_EINVAL, "the buffer has %zu bytes, the text %zu", *size, needed);
     *size = needed;
-    if (text) (void)tvi_state_text_write(x, text);
+    if (text) (void)tvi_state_text_write(state_text, text);
     return TVI_OK;
 }
 
-static tvi_status read_text(tvi_state_text *x, const tvi_system *system, const char *text, size_t size)
+static tvi_status read_state_text(tvi_state_text *state_text, const tvi_system *system, const char *text, size_t size)
 {
-    if (!tvi_state_text_open(x, system->n, tvi_system_parameters(system))) return jet_refuse_memory(TVI_ENOMEM);
-    const char *const fault = tvi_state_text_read(x, text, size);
+    if (!tvi_state_text_open(state_text, system->n, tvi_system_parameters(system)))
+        return jet_refuse_memory(TVI_ENOMEM);
+    const char *const fault = tvi_state_text_read(state_text, text, size);
     if (!fault) return TVI_OK;
-    free(x->value);
+    free(state_text->parameter_values);
     return jet_refuse(TVI_EINVAL, "%s", fault);
 }
 
 /* Makes it the state of the member, whose parameters are those of the text already. One without low-order parts is that
  * of a user, perhaps on an event, and begins a run as such. */
-static tvi_status adopt(tvi_integrator *it, int member, const tvi_state_text *x)
+static tvi_status set_member_state_from_text(tvi_integrator *it, int member, const tvi_state_text *state_text)
 {
-    const int n = x->n;
+    const int n = state_text->n;
     const tvi_run_state *state = &it->state;
-    const tvi_given_state given = {x->state + 2, x->state + 2 * (1 + n), 2, x->state[0]};
+    const tvi_user_state given = {state_text->numbers + 2, state_text->numbers + 2 * (1 + n), 2,
+                                  state_text->numbers[0]};
     it->continues[member] = false;
-    const tvi_status status = tvi_member_begin(it, member, &given);
+    const tvi_status status = tvi_member_begin_step(it, member, &given);
     if (status != TVI_OK) return status;
-    for (int k = 0; k <= 2 * n + (x->has_e && tvi_is_rescaled(it)); k++) {
-        const size_t at = index_of(it, member, k);
-        const double low = x->state[2 * k + 1];
-        *(k <= n ? &state->q[at] : &state->p[at]) = x->state[2 * k];
+    for (int k = 0; k <= 2 * n + (state_text->has_rescaled_energy && tvi_is_rescaled(it)); k++) {
+        const size_t at = index_in_member_arrays(it, member, k);
+        const double low = state_text->numbers[2 * k + 1];
+        *(k <= n ? &state->q[at] : &state->p[at]) = state_text->numbers[2 * k];
         *(k <= n ? &state->q_low[at] : &state->p_low[at]) = low;
         if (k <= 2 * n && low != 0) it->continues[member] = true;
     }
@@ -86,27 +89,27 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     if (!it || !q || !p || !size)
         return tvi_refuse_null(4, (const void *const[]){it, q, p, size},
                                (const char *const[]){"integrator", "q", "p", "size"});
-    tvi_state_text x;
+    tvi_state_text state_text;
     const int parameters = tvi_system_parameters(it->system);
-    if (!tvi_state_text_open(&x, it->system->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
-    memcpy(x.value, it->parameters, (size_t)parameters * sizeof *x.value);
-    fill_in(&x, it, 0, &(tvi_given_state){q, p, 1, t});
-    const tvi_status status = write_text(&x, text, size);
-    free(x.value);
+    if (!tvi_state_text_open(&state_text, it->system->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    memcpy(state_text.parameter_values, it->parameters, (size_t)parameters * sizeof *state_text.parameter_values);
+    fill_state_text(&state_text, it, 0, &(tvi_user_state){q, p, 1, t});
+    const tvi_status status = write_state_text(&state_text, text, size);
+    free(state_text.parameter_values);
     return status;
 }
 
 /* Makes the text's state the integrator's. own: room for the history and the parameters. If it fails, all is as it
  * was. */
-static tvi_status adopt_alone(tvi_integrator *it, const tvi_state_text *x, char *own)
+static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_state_text *state_text, char *own)
 {
-    const size_t bytes = (size_t)x->parameters * sizeof *x->value;
+    const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
     double *const values = (double *)(own + it->history_bytes);
     tvi_arena_copy(own, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
-    memcpy(it->parameters, x->value, bytes);
+    memcpy(it->parameters, state_text->parameter_values, bytes);
     tvi_integrator_apply_parameters(it);
-    const tvi_status status = adopt(it, 0, x);
+    const tvi_status status = set_member_state_from_text(it, 0, state_text);
     if (status == TVI_OK) {
         it->has_dense = false;
         it->stop->is_set = false;
@@ -125,20 +128,22 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
                                (const char *const[]){"integrator", "text", "t", "q", "p"});
     if (it->is_in_observer)
         return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
-    tvi_state_text x;
-    tvi_status status = read_text(&x, it->system, text, size);
+    tvi_state_text state_text;
+    tvi_status status = read_state_text(&state_text, it->system, text, size);
     if (status != TVI_OK) return status;
-    char *own = malloc(it->history_bytes + (size_t)x.parameters * sizeof *x.value + 1);
-    status = own ? adopt_alone(it, &x, own) : jet_refuse_memory(TVI_ENOMEM);
+    char *own =
+        malloc(it->history_bytes + (size_t)state_text.parameter_count * sizeof *state_text.parameter_values + 1);
+    status = own ? set_integrator_state_from_text(it, &state_text, own) : jet_refuse_memory(TVI_ENOMEM);
     if (status == TVI_OK) tvi_integrator_copy_state(it, t, q, p);
     free(own);
-    free(x.value);
+    free(state_text.parameter_values);
     return status;
 }
 
 /* ---- Of a member of an ensemble ---------------------------------------------------------------------------------- */
 
-static tvi_status check_member(const tvi_ensemble *ensemble, int member, const void *const pointer[4], const char *last)
+static tvi_status refuse_member_arguments(const tvi_ensemble *ensemble, int member, const void *const pointer[4],
+                                          const char *last)
 {
     const void *const all[] = {ensemble, pointer[0], pointer[1], pointer[2], pointer[3]};
     for (int i = 0; i < 5; i++)
@@ -151,52 +156,54 @@ static tvi_status check_member(const tvi_ensemble *ensemble, int member, const v
 tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[], const double q[],
                                        const double p[], char *text, size_t *size)
 {
-    const tvi_status status = check_member(ensemble, member, (const void *const[]){t, q, p, size}, "size");
+    const tvi_status status = refuse_member_arguments(ensemble, member, (const void *const[]){t, q, p, size}, "size");
     if (status != TVI_OK) return status;
-    tvi_state_text x;
+    tvi_state_text state_text;
     const int parameters = tvi_system_parameters(ensemble->system);
     const size_t members = (size_t)ensemble->members;
-    if (!tvi_state_text_open(&x, ensemble->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
-    for (int i = 0; i < parameters; i++) x.value[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
+    if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    for (int i = 0; i < parameters; i++)
+        state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
     tvi_worker_load_batch(ensemble->worker, ensemble, member / ensemble->width);
-    const tvi_given_state given = {q + member, p + member, members, t[member]};
-    fill_in(&x, ensemble->worker->batch_integrator, member % ensemble->width, &given);
-    const tvi_status written = write_text(&x, text, size);
-    free(x.value);
+    const tvi_user_state given = {q + member, p + member, members, t[member]};
+    fill_state_text(&state_text, ensemble->worker->batch_integrator, member % ensemble->width, &given);
+    const tvi_status written = write_state_text(&state_text, text, size);
+    free(state_text.parameter_values);
     return written;
 }
 
 /* The values of the member's parameters and those of the text change places. */
-static void exchange_parameters(tvi_ensemble *ensemble, int member, const tvi_state_text *x)
+static void swap_parameters_with_text(tvi_ensemble *ensemble, int member, const tvi_state_text *state_text)
 {
-    for (int i = 0; i < x->parameters; i++) {
+    for (int i = 0; i < state_text->parameter_count; i++) {
         double *own = &ensemble->parameters[(size_t)i * (size_t)ensemble->members + (size_t)member];
         const double kept = *own;
-        *own = x->value[i], x->value[i] = kept;
+        *own = state_text->parameter_values[i], state_text->parameter_values[i] = kept;
     }
 }
 
 tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],
                                          double q[], double p[])
 {
-    tvi_status status = check_member(ensemble, member, (const void *const[]){t, q, p, text}, "text");
-    tvi_state_text x;
-    if (status == TVI_OK) status = read_text(&x, ensemble->system, text, size);
+    tvi_status status = refuse_member_arguments(ensemble, member, (const void *const[]){t, q, p, text}, "text");
+    tvi_state_text state_text;
+    if (status == TVI_OK) status = read_state_text(&state_text, ensemble->system, text, size);
     if (status != TVI_OK) return status;
     const int batch = member / ensemble->width, m = member % ensemble->width;
     tvi_ensemble_worker *worker = ensemble->worker;
-    exchange_parameters(ensemble, member, &x);
+    swap_parameters_with_text(ensemble, member, &state_text);
     tvi_worker_load_batch(worker, ensemble, batch);
-    status = adopt(worker->batch_integrator, m, &x);
+    status = set_member_state_from_text(worker->batch_integrator, m, &state_text);
     if (status == TVI_OK) {
         tvi_worker_store_batch(worker, ensemble, batch);
-        memset(ensemble->stops + (size_t)member * tvi_stop_bytes(ensemble->n), 0, tvi_stop_bytes(ensemble->n));
+        memset(ensemble->stops + (size_t)member * tvi_size_of_stop_in_bytes(ensemble->n), 0,
+               tvi_size_of_stop_in_bytes(ensemble->n));
         ensemble->failed[member] = TVI_OK;
         tvi_member_copy_state(worker->batch_integrator, m, &t[member], q + member, p + member,
                               (size_t)ensemble->members);
     } else {
-        exchange_parameters(ensemble, member, &x);
+        swap_parameters_with_text(ensemble, member, &state_text);
     }
-    free(x.value);
+    free(state_text.parameter_values);
     return status;
 }

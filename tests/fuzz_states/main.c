@@ -216,7 +216,7 @@ static void try_integrator(uint64_t *bits, const tvi_system *system, const tvi_o
     for (long k = 0; k < count; k++) {
         int n;
         unsigned char *bytes = copy_of(whole, size);
-        forge(bits, bytes, below(bits, 8) == 0 ? 8 : sizeof(tvi_identity), size);
+        forge(bits, bytes, below(bits, 8) == 0 ? 8 : sizeof(tvi_saved_identity), size);
         const tvi_status seen = tvi_state_peek(bytes, size, &n, &t, NULL, NULL);
         insist(seen == TVI_OK || seen == TVI_EINVAL, "tvi_state_peek has no such status");
         const bool is_loaded = tvi_state_load(it, bytes, size) == TVI_OK;
@@ -257,7 +257,7 @@ static void try_ensemble(uint64_t *bits, const tvi_system *system, const tvi_opt
     insist(tvi_ensemble_save(e, whole, &size) == TVI_OK, tvi_last_error());
     for (long k = 0; k < count; k++) {
         unsigned char *bytes = copy_of(whole, size);
-        forge(bits, bytes, below(bits, 8) == 0 ? 8 : sizeof(tvi_identity), size);
+        forge(bits, bytes, below(bits, 8) == 0 ? 8 : sizeof(tvi_saved_identity), size);
         const bool is_loaded = tvi_ensemble_load(e, bytes, size) == TVI_OK;
         if (is_loaded) run_ensemble(e);
         *(is_loaded ? &sum->loaded : &sum->refused) += 1;

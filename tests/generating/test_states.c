@@ -209,8 +209,9 @@ START_TEST(forged_numbers_are_refused)
     test_state x = model_start(&model_kepler);
     go(integrator, 0.1, 1, &x);
     const saved s = save(integrator);
-    const size_t of_n = offsetof(tvi_identity, n);
-    const size_t of_count = sizeof(tvi_identity) + 5 * sizeof(double) + sizeof(tvi_stats) + offsetof(tvi_stop, count);
+    const size_t of_n = offsetof(tvi_saved_identity, n);
+    const size_t of_count =
+        sizeof(tvi_saved_identity) + 5 * sizeof(double) + sizeof(tvi_stats) + offsetof(tvi_stop, count);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         for (int k = 0; k < 2; k++) {
             unsigned char *bytes = malloc(s.size);
@@ -219,7 +220,7 @@ START_TEST(forged_numbers_are_refused)
             tvi_saved_add_checksum(bytes, s.size);
             int n = 0;
             const tvi_status seen = tvi_state_peek(bytes, s.size, &n, NULL, NULL, NULL);
-            const size_t room = (s.size - sizeof(tvi_identity)) / sizeof(double) - 1;
+            const size_t room = (s.size - sizeof(tvi_saved_identity)) / sizeof(double) - 1;
             const bool has_room = numbers[i] >= 1 && numbers[i] <= (int64_t)(room - 1) / 2;
             ck_assert_int_eq(seen, k || has_room ? TVI_OK : TVI_EINVAL); /* nothing is read behind the bytes */
             const bool is_sound = k && (numbers[i] == 0 || numbers[i] == 3);
