@@ -87,9 +87,10 @@ static int judge(const trip *to, double h, double error, double reached)
 
 static void write_cell(const trip *to, double error, count *cells, FILE *out)
 {
-    tvi_suggestion found;
+    tvi_step_suggestion found;
     long steps;
-    tvi_status status = tvi_suggest(to->system, to->options, 0, to->s->q, to->s->p, to->s->t_end, error, &found);
+    tvi_status status =
+        tvi_compute_step_suggestion(to->system, to->options, 0, to->s->q, to->s->p, to->s->t_end, error, &found);
     if (status != TVI_OK) {
         fprintf(out, " refused: %s |", tvi_last_error());
         cells->count[REFUSED]++;
@@ -101,7 +102,7 @@ static void write_cell(const trip *to, double error, count *cells, FILE *out)
     fprintf(out, " %s: ", verdicts[verdict]);
     if (status == TVI_OK) fprintf(out, "%.1e ", reached);
     else fprintf(out, "%s ", tvi_status_string(status));
-    fprintf(out, "(%.3g: %ld, %ld) |", found.h, found.steps, steps);
+    fprintf(out, "(%.3g: %ld, %ld) |", found.h, found.step_count, steps);
 }
 
 static void write_row(const trip *to, count *cells, FILE *out)

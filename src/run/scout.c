@@ -24,147 +24,154 @@ static const double MOST_APART = 0.25;
  * at the hardest position. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
-void tvi_scout_orbit_set(tvi_scout_orbit *o, int n, const double *state)
+void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *state)
 {
-    memcpy(o->q, state, (size_t)n * sizeof *o->q);
-    memcpy(o->p, state + n, (size_t)n * sizeof *o->p);
-    o->t = state[2 * n];
-    tvi_integrator_reset(o->integrator);
+    memcpy(orbit->q, state, (size_t)n * sizeof *orbit->q);
+    memcpy(orbit->p, state + n, (size_t)n * sizeof *orbit->p);
+    orbit->t = state[2 * n];
+    tvi_integrator_reset(orbit->integrator);
 }
 
-static void measure_sizes(tvi_scout *s, const tvi_scout_orbit *o)
+static void update_sizes_of_orbit(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit)
 {
-    for (int i = 0; i < s->n; i++) {
-        s->size_q = fmax(s->size_q, fabs(o->q[i]));
-        s->size_p = fmax(s->size_p, fabs(o->p[i]));
+    for (int i = 0; i < scout->n; i++) {
+        scout->size_q = fmax(scout->size_q, fabs(orbit->q[i]));
+        scout->size_p = fmax(scout->size_p, fabs(orbit->p[i]));
     }
 }
 
-static void keep_state(tvi_scout *s, const tvi_scout_orbit *o)
+static void store_current_state(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit)
 {
-    const size_t n = (size_t)s->n;
-    double *const x = s->states + (size_t)s->count * (2 * n + 1);
-    memcpy(x, o->q, n * sizeof *x);
-    memcpy(x + n, o->p, n * sizeof *x);
-    x[2 * n] = o->t;
+    const size_t n = (size_t)scout->n;
+    double *const x = scout->states + (size_t)scout->step_count * (2 * n + 1);
+    memcpy(x, orbit->q, n * sizeof *x);
+    memcpy(x + n, orbit->p, n * sizeof *x);
+    x[2 * n] = orbit->t;
 }
 
 /* The step that just resolves the orbit at the last step, of size h. Tails grow with the power `degree` of the step. */
-static double scale_of(const tvi_scout_orbit *o, double h)
+static double estimate_resolving_step(const tvi_scout_orbit *orbit, double h)
 {
-    const double tail = tvi_integrator_stats(o->integrator)->tail, degree = fmax(1, o->integrator->options.degree);
+    const double tail = tvi_integrator_stats(orbit->integrator)->tail,
+                 degree = fmax(1, orbit->integrator->options.degree);
     return h * (tail > 0 ? fmin(fmax(pow(TVI_SCOUT_TAIL / tail, 1 / degree), LEAST), MOST) : MOST);
 }
 
 /* Records a step of size h. The last step to the end of the run may be short, and then its own scale is not recorded.
  * Returns the next size. */
-static double record_step(tvi_scout *s, const tvi_scout_orbit *o, double h, bool is_rest)
+static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, double h, bool is_rest)
 {
-    const double scale = scale_of(o, h);
-    s->position[s->count + 1] = s->position[s->count] + h;
-    s->scale[s->count] = is_rest && s->count > 0 ? s->scale[s->count - 1] : scale;
-    if (fabs(s->scale[s->count]) < MUCH_HARDER * fabs(s->scale[s->hardest])) s->hardest = s->count;
-    s->count++;
-    measure_sizes(s, o);
+    const double scale = estimate_resolving_step(orbit, h);
+    scout->positions[scout->step_count + 1] = scout->positions[scout->step_count] + h;
+    scout->resolving_step[scout->step_count] =
+        is_rest && scout->step_count > 0 ? scout->resolving_step[scout->step_count - 1] : scale;
+    if (fabs(scout->resolving_step[scout->step_count]) <
+        MUCH_HARDER * fabs(scout->resolving_step[scout->hardest_index]))
+        scout->hardest_index = scout->step_count;
+    scout->step_count++;
+    update_sizes_of_orbit(scout, orbit);
     return tvi_shorter(scale, GROWS * h);
 }
 
 /* Makes the next step, of size h or less. Returns the size of the one after it, or of another try. */
-static double advance(tvi_scout *s, tvi_scout_orbit *o, double h, double left)
+static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double h, double left)
 {
-    const bool is_rest = !tvi_is_rescaled(o->integrator) && fabs(left) <= fabs(h);
+    const bool is_rest = !tvi_is_rescaled(orbit->integrator) && fabs(left) <= fabs(h);
     const double size = is_rest ? left : h;
-    keep_state(s, o);
-    s->steps_tried++;
-    if (tvi_is_rescaled(o->integrator)) tvi_integrator_reset(o->integrator); /* to the energy of its state */
-    s->status = tvi_step(o->integrator, size, &o->t, o->q, o->p);
-    if (s->status != TVI_OK) return size * (s->count == 0 ? FIRST_FAILS : FAILS);
-    const bool may_try = s->count > 0 || s->steps_tried < TVI_SCOUT_STEPS / 2;
-    if (tvi_integrator_stats(o->integrator)->tail <= MOST_TAIL || !may_try) return record_step(s, o, size, is_rest);
-    tvi_integrator_undo_step(o->integrator, &o->t, o->q, o->p);
-    return scale_of(o, size);
+    store_current_state(scout, orbit);
+    scout->steps_tried++;
+    if (tvi_is_rescaled(orbit->integrator)) tvi_integrator_reset(orbit->integrator); /* to the energy of its state */
+    scout->last_status = tvi_step(orbit->integrator, size, &orbit->t, orbit->q, orbit->p);
+    if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);
+    const bool may_try = scout->step_count > 0 || scout->steps_tried < TVI_SCOUT_STEPS / 2;
+    if (tvi_integrator_stats(orbit->integrator)->tail <= MOST_TAIL || !may_try)
+        return record_step(scout, orbit, size, is_rest);
+    tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
+    return estimate_resolving_step(orbit, size);
 }
 
 /* Tells whether two halves of the first step end near the end of the whole one, relative to the state. */
-static bool halves_agree(tvi_scout *s, tvi_scout_orbit *o)
+static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 {
-    const int n = s->n;
-    const double *const end = s->states + 2 * n + 1;
+    const int n = scout->n;
+    const double *const end = scout->states + 2 * n + 1;
     double size[2] = {0, 0}, apart[2] = {0, 0};
-    keep_state(s, o);
-    tvi_scout_orbit_set(o, n, s->states);
-    for (int half = 0; half < 2 && s->status == TVI_OK; half++) {
-        s->steps_tried++;
-        s->status = tvi_step(o->integrator, s->position[1] / 2, &o->t, o->q, o->p);
+    store_current_state(scout, orbit);
+    tvi_scout_orbit_set_state(orbit, n, scout->states);
+    for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
+        scout->steps_tried++;
+        scout->last_status = tvi_step(orbit->integrator, scout->positions[1] / 2, &orbit->t, orbit->q, orbit->p);
     }
     for (int i = 0; i < 2 * n; i++) {
-        const double x = i < n ? o->q[i] : o->p[i - n];
+        const double x = i < n ? orbit->q[i] : orbit->p[i - n];
         apart[i / n] = fmax(apart[i / n], fabs(x - end[i]));
-        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(s->states[i])));
+        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->states[i])));
     }
-    tvi_scout_orbit_set(o, n, end);
-    return s->status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
+    tvi_scout_orbit_set_state(orbit, n, end);
+    return scout->last_status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
 }
 
 /* Tells whether the first step conserves the energy, if the run does. A step that is so large that all its nodes are
  * far away, where no force acts, has no tail, nor have its halves. If the energy is about 0, its change is relative to
  * p.dq/dt, with p from both ends, as one end may be at rest. */
-static bool keeps_energy(tvi_scout *s, tvi_scout_orbit *o)
+static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 {
-    const tvi_system *system = o->integrator->system;
-    const double *const q = s->states, *const p = q + s->n, t = q[2 * s->n];
+    const tvi_system *system = orbit->integrator->system;
+    const double *const q = scout->states, *const p = q + scout->n, t = q[2 * scout->n];
     double before, after, action = 0;
-    if (system->uses_time || system->is_driven) return halves_agree(s, o);
+    if (system->uses_time || system->is_driven) return do_half_steps_agree(scout, orbit);
     const tvi_status first = tvi_energy(system, t, q, p, &before);
-    s->status = first == TVI_OK ? tvi_energy(system, o->t, o->q, o->p, &after) : first;
-    if (s->status == TVI_ENOMEM) return true;
-    if (first != TVI_OK) return halves_agree(s, o);
-    if (s->status != TVI_OK) return false;
-    for (int i = 0; i < s->n; i++) action += (fabs(p[i]) + fabs(o->p[i])) * fabs(o->q[i] - q[i]);
-    return fabs(after - before) <= MOST_CHANGE * fmax(fabs(before), action / fabs(o->t - t));
+    scout->last_status = first == TVI_OK ? tvi_energy(system, orbit->t, orbit->q, orbit->p, &after) : first;
+    if (scout->last_status == TVI_ENOMEM) return true;
+    if (first != TVI_OK) return do_half_steps_agree(scout, orbit);
+    if (scout->last_status != TVI_OK) return false;
+    for (int i = 0; i < scout->n; i++) action += (fabs(p[i]) + fabs(orbit->p[i])) * fabs(orbit->q[i] - q[i]);
+    return fabs(after - before) <= MOST_CHANGE * fmax(fabs(before), action / fabs(orbit->t - t));
 }
 
 /* Tells whether the first step is too large without a large tail: much shorter steps follow it, or its energy
  * differs. */
-static bool is_astray(tvi_scout *s, tvi_scout_orbit *o, double next)
+static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double next)
 {
-    return s->count == 1 && (fabs(next) < FIRST_FAILS * fabs(s->position[1]) || !keeps_energy(s, o));
+    return scout->step_count == 1 &&
+           (fabs(next) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
 }
 
 /* Undoes the first step, and returns a shorter one. */
-static double start_over(tvi_scout *s, tvi_scout_orbit *o)
+static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 {
-    tvi_scout_orbit_set(o, s->n, s->states);
-    s->count = s->hardest = 0;
-    s->size_q = s->size_p = 0;
-    measure_sizes(s, o);
-    return FIRST_FAILS * s->position[1];
+    tvi_scout_orbit_set_state(orbit, scout->n, scout->states);
+    scout->step_count = scout->hardest_index = 0;
+    scout->size_q = scout->size_p = 0;
+    update_sizes_of_orbit(scout, orbit);
+    return FIRST_FAILS * scout->positions[1];
 }
 
-tvi_status tvi_scout_run(tvi_scout *s, tvi_scout_orbit *o, double duration)
+tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double duration)
 {
-    const double start = o->t, end = start + duration;
+    const double start = orbit->t, end = start + duration;
     double h = duration;
-    measure_sizes(s, o);
-    while (s->steps_tried < TVI_SCOUT_STEPS && s->part < 1 && !s->has_no_tail && s->status != TVI_ENOMEM) {
-        h = advance(s, o, h, end - o->t);
-        if (is_astray(s, o, h)) h = start_over(s, o);
-        s->part = fmin((o->t - start) / duration, 1);
-        s->has_no_tail = s->count == 1 && o->integrator->options.degree <= 2;
+    update_sizes_of_orbit(scout, orbit);
+    while (scout->steps_tried < TVI_SCOUT_STEPS && scout->explored_part < 1 && !scout->has_too_low_degree &&
+           scout->last_status != TVI_ENOMEM) {
+        h = try_next_step(scout, orbit, h, end - orbit->t);
+        if (is_first_step_too_large(scout, orbit, h)) h = restart_with_shorter_step(scout, orbit);
+        scout->explored_part = fmin((orbit->t - start) / duration, 1);
+        scout->has_too_low_degree = scout->step_count == 1 && orbit->integrator->options.degree <= 2;
     }
-    keep_state(s, o);
-    return s->count > 0 && s->status != TVI_ENOMEM ? TVI_OK : s->status;
+    store_current_state(scout, orbit);
+    return scout->step_count > 0 && scout->last_status != TVI_ENOMEM ? TVI_OK : scout->last_status;
 }
 
-double tvi_scout_weight(const tvi_scout *s, double from, double to)
+double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from, double to)
 {
-    const double end = s->position[s->count], hardest = s->scale[s->hardest];
+    const double end = scout->positions[scout->step_count], hardest = scout->resolving_step[scout->hardest_index];
     double sum = 0, all = 0;
-    for (int k = 0; k < s->count; k++) {
-        const double weight = fmax(pow(hardest / s->scale[k], POWER), LEAST_WEIGHT);
-        const double way = fmin(fabs(to), fabs(s->position[k + 1])) - fmax(fabs(from), fabs(s->position[k]));
+    for (int k = 0; k < scout->step_count; k++) {
+        const double weight = fmax(pow(hardest / scout->resolving_step[k], POWER), LEAST_WEIGHT);
+        const double way = fmin(fabs(to), fabs(scout->positions[k + 1])) - fmax(fabs(from), fabs(scout->positions[k]));
         sum += fmax(way, 0) * weight;
-        all += fabs(s->position[k + 1] - s->position[k]) * weight;
+        all += fabs(scout->positions[k + 1] - scout->positions[k]) * weight;
     }
     return sum + fmax(fabs(to) - fabs(end), 0) * all / fabs(end);
 }

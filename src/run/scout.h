@@ -1,4 +1,5 @@
-/* scout.h - Explores an orbit with few large steps (scout.c), for suggest.c and trial.c. */
+/* scout.h - Explores an orbit with few large steps (scout.c), to find where it needs the shortest steps. suggest.c and
+ * trial.c call it. */
 #ifndef TVI_SRC_RUN_SCOUT_H
 #define TVI_SRC_RUN_SCOUT_H
 
@@ -6,43 +7,45 @@
 
 #include <stdbool.h>
 
-/* An integrator, and its state on an orbit of n coordinates. */
+/* An orbit that is being integrated: the integrator, and its current state (t, q[n], p[n]). */
 typedef struct {
     tvi_integrator *integrator;
     double t, *q, *p;
 } tvi_scout_orbit;
 
-/* Sets the orbit to the state [2n + 1]: q, p and t. */
-void tvi_scout_orbit_set(tvi_scout_orbit *orbit, int n, const double *state);
+/* Sets the orbit to the state [2n + 1], in the order q, p, t. */
+void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *state);
 
+/* The largest number of steps that the scout tries. */
 enum { TVI_SCOUT_STEPS = 24 };
 
-/* The results of a scout. Positions along the orbit are sums of steps from 0; they are in s if the system is
- * rescaled. */
+/* The exploration of an orbit. The position of a state is the sum of the steps that lead to it from the start; it is in
+ * the unit of the steps' variable, the time or the s of a rescaled system. */
 typedef struct {
-    int n;
-    /* [TVI_SCOUT_STEPS + 1][2n + 1] q, p and t at each position, in the caller's memory. */
+    int n; /* the number of coordinates of the orbit */
+    /* [TVI_SCOUT_STEPS + 1][2n + 1] The state (q, p, t) at each position, in memory of the caller. */
     double *states;
-    long steps_tried; /* also those that failed or were undone */
-    int count;        /* steps that succeeded, k = 0 ... count - 1 */
-    double position[TVI_SCOUT_STEPS + 1];
-    double scale[TVI_SCOUT_STEPS]; /* the step that just resolves the orbit at each */
-    int hardest;                   /* index of the least scale */
-    double part;                   /* of the run that the scout has covered */
-    bool has_no_tail;              /* one step was made, which need not resolve anything */
-    double size_q, size_p;         /* the largest coordinate and momentum */
-    tvi_status status;             /* of the last step */
-} tvi_scout;
+    long steps_tried; /* the number of steps, with those that failed or were undone */
+    int step_count;   /* the number of steps that succeeded; step k leads from position k to position k + 1 */
+    double positions[TVI_SCOUT_STEPS + 1];
+    double resolving_step[TVI_SCOUT_STEPS]; /* the step size whose tail would be TVI_SCOUT_TAIL, at each step */
+    int hardest_index;                      /* index of the step with the least resolving_step */
+    double explored_part;                   /* the part of the run's duration that the scout has covered, 0 to 1 */
+    /* true if the degree is at most 2, whose tails tell nothing: one step is made */
+    bool has_too_low_degree;
+    double size_q, size_p;  /* the largest |q_i| and the largest |p_i| along the orbit */
+    tvi_status last_status; /* the status of the last step */
+} tvi_orbit_scout;
 
-/* The tail of a step that just resolves the orbit. */
+/* The tail (tvi_stats.tail) of a step that just resolves the orbit. */
 #define TVI_SCOUT_TAIL 0.003
 
-/* Moves the orbit on by TVI_SCOUT_STEPS steps at most, or to the end of the run. Returns the status of the last step if
- * no step succeeds, or TVI_ENOMEM. */
-TVI_NODISCARD tvi_status tvi_scout_run(tvi_scout *scout, tvi_scout_orbit *orbit, double duration);
+/* Explores the orbit from its current state by at most TVI_SCOUT_STEPS steps, or to the end of the run. It fails if no
+ * step succeeds, with the status of the last step, or if memory is exhausted. */
+TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double duration);
 
-/* A weight for the part of the run's error that is made between two positions: the distance at the hardest position,
- * less elsewhere. */
-double tvi_scout_weight(const tvi_scout *scout, double from, double to);
+/* Returns a measure of the error that a run makes between two positions: the distance between them, in which hard parts
+ * count in full and others less. */
+double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from, double to);
 
 #endif

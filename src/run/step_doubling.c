@@ -17,132 +17,143 @@ static const double START_DISTANCE = 1e-7;
 
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
-tvi_status tvi_step_doubling_open(tvi_step_doubling *w, const tvi_system *system, const tvi_options *options)
+tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system *system, const tvi_options *options)
 {
-    tvi_status status = tvi_integrator_create(&w->full.integrator, system, options);
-    if (status == TVI_OK) status = tvi_integrator_create(&w->halved.integrator, system, options);
+    tvi_status status = tvi_integrator_create(&doubling->full_step_orbit.integrator, system, options);
+    if (status == TVI_OK) status = tvi_integrator_create(&doubling->half_step_orbit.integrator, system, options);
     if (status != TVI_OK) return status;
     const size_t n = (size_t)system->n, state = 2 * n + 1;
-    w->n = system->n;
-    w->is_rescaled = tvi_is_rescaled(w->full.integrator);
-    w->x = calloc((4 + TVI_SCOUT_STEPS + 1) * state, sizeof *w->x);
-    if (!w->x) return jet_refuse_memory(TVI_ENOMEM);
-    w->rate = w->x + state;
-    w->full.q = w->rate + state, w->full.p = w->full.q + n;
-    w->halved.q = w->full.q + state, w->halved.p = w->halved.q + n;
-    w->states = w->halved.q + state;
-    if (!w->is_rescaled) return TVI_OK;
-    return jet_refuse_memory(tvi_rates_open(&w->rates, system, w->full.integrator->parameters));
+    doubling->n = system->n;
+    doubling->is_rescaled = tvi_is_rescaled(doubling->full_step_orbit.integrator);
+    doubling->rates_input = calloc((4 + TVI_SCOUT_STEPS + 1) * state, sizeof *doubling->rates_input);
+    if (!doubling->rates_input) return jet_refuse_memory(TVI_ENOMEM);
+    doubling->rates_output = doubling->rates_input + state;
+    doubling->full_step_orbit.q = doubling->rates_output + state,
+    doubling->full_step_orbit.p = doubling->full_step_orbit.q + n;
+    doubling->half_step_orbit.q = doubling->full_step_orbit.q + state,
+    doubling->half_step_orbit.p = doubling->half_step_orbit.q + n;
+    doubling->scout_states = doubling->half_step_orbit.q + state;
+    if (!doubling->is_rescaled) return TVI_OK;
+    return jet_refuse_memory(
+        tvi_rates_open(&doubling->field_rates, system, doubling->full_step_orbit.integrator->parameters));
 }
 
-void tvi_step_doubling_close(tvi_step_doubling *w)
+void tvi_step_doubling_close(tvi_step_doubling *doubling)
 {
-    tvi_rates_close(&w->rates);
-    free(w->x);
-    tvi_integrator_free(w->halved.integrator);
-    tvi_integrator_free(w->full.integrator);
+    tvi_rates_close(&doubling->field_rates);
+    free(doubling->rates_input);
+    tvi_integrator_free(doubling->half_step_orbit.integrator);
+    tvi_integrator_free(doubling->full_step_orbit.integrator);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-void tvi_step_doubling_begin(tvi_step_doubling *w, const double *state)
+void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *state)
 {
-    tvi_scout_orbit_set(&w->full, w->n, state);
-    tvi_scout_orbit_set(&w->halved, w->n, state);
+    tvi_scout_orbit_set_state(&doubling->full_step_orbit, doubling->n, state);
+    tvi_scout_orbit_set_state(&doubling->half_step_orbit, doubling->n, state);
 }
 
-/* Sets w->rate to q' and p'. The two orbits of a rescaled system are at different times, and their distance is
- * corrected by the rate times the difference of times. */
-static tvi_status find_rates(tvi_step_doubling *w)
+/* Sets doubling->rates_output to q' and p'. The two orbits of a rescaled system are at different times, and their
+ * distance is corrected by the rate times the difference of times. */
+static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
 {
-    const size_t n = (size_t)w->n;
-    if (!w->is_rescaled) return TVI_OK;
-    memcpy(w->x, w->full.q, n * sizeof *w->x);
-    memcpy(w->x + n, w->full.p, n * sizeof *w->x);
-    w->x[2 * n] = w->full.t;
-    return tvi_rates_at(&w->rates, w->x, w->rate);
+    const size_t n = (size_t)doubling->n;
+    if (!doubling->is_rescaled) return TVI_OK;
+    memcpy(doubling->rates_input, doubling->full_step_orbit.q, n * sizeof *doubling->rates_input);
+    memcpy(doubling->rates_input + n, doubling->full_step_orbit.p, n * sizeof *doubling->rates_input);
+    doubling->rates_input[2 * n] = doubling->full_step_orbit.t;
+    return tvi_rates_at(&doubling->field_rates, doubling->rates_input, doubling->rates_output);
 }
 
-static tvi_status step(tvi_step_doubling *w, tvi_scout_orbit *o, double h)
+static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_scout_orbit *orbit, double h)
 {
-    w->steps_tried++;
-    const tvi_status status = tvi_step(o->integrator, h, &o->t, o->q, o->p);
-    if (status == TVI_ENOMEM) w->lacks_memory = true;
+    doubling->steps_tried++;
+    const tvi_status status = tvi_step(orbit->integrator, h, &orbit->t, orbit->q, orbit->p);
+    if (status == TVI_ENOMEM) doubling->has_exhausted_memory = true;
     return status;
 }
 
-tvi_status tvi_step_doubling_advance(tvi_step_doubling *w, double h)
+tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h)
 {
-    tvi_status status = step(w, &w->full, h);
-    for (int half = 0; half < 2 && status == TVI_OK; half++) status = step(w, &w->halved, h / 2);
-    return status == TVI_OK ? find_rates(w) : status;
+    tvi_status status = step_orbit(doubling, &doubling->full_step_orbit, h);
+    for (int half = 0; half < 2 && status == TVI_OK; half++)
+        status = step_orbit(doubling, &doubling->half_step_orbit, h / 2);
+    return status == TVI_OK ? compute_rates_of_full_orbit(doubling) : status;
 }
 
 /* ---- Distance ---------------------------------------------------------------------------------------------------- */
 
-/* The measures of d = a - b - lag rate, for two orbits a and b, relative to the largest |b|: the largest |d|, the sums
- * d.rate and rate.rate, and the largest |rate|. */
+/* Measures of the orbit_difference d = a - b - lag rate between the states of two orbits, where a is later than b by
+ * `lag`. All are divided by the largest component of b. */
 typedef struct {
-    double largest, along, square, fastest;
-} difference;
+    double largest_difference; /* the largest |d_i| */
+    double dot_rate;           /* the scalar product d.rate */
+    double rate_squared;       /* the scalar product rate.rate */
+    double largest_rate;       /* the largest |rate_i| */
+} orbit_difference;
 
-static void compare(int n, const double a[], const double b[], double lag, const double rate[], double *size,
-                    difference *out)
+static void accumulate_difference(int n, const double a[], const double b[], double lag, const double rate[],
+                                  double *size, orbit_difference *out)
 {
     for (int i = 0; i < n; i++) *size = fmax(*size, fabs(b[i]));
     const double unit = *size > 0 ? *size : 1;
     for (int i = 0; i < n; i++) {
         const double d = (a[i] - b[i] - lag * rate[i]) / unit, r = rate[i] / unit;
-        out->largest = fmax(out->largest, fabs(d));
-        out->fastest = fmax(out->fastest, fabs(r));
-        out->along += d * r, out->square += r * r;
+        out->largest_difference = fmax(out->largest_difference, fabs(d));
+        out->largest_rate = fmax(out->largest_rate, fabs(r));
+        out->dot_rate += d * r, out->rate_squared += r * r;
     }
 }
 
 /* d.rate / rate.rate is the lag of one orbit behind the other. This lag makes most of their distance where the motion
  * is fastest. */
-double tvi_step_doubling_distance(tvi_step_doubling *w)
+double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 {
-    const tvi_scout_orbit *a = &w->full, *b = &w->halved;
+    const tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     const double lag = a->t - b->t;
-    difference d = {0};
-    compare(w->n, a->q, b->q, lag, w->rate, &w->size_q, &d);
-    compare(w->n, a->p, b->p, lag, w->rate + w->n, &w->size_p, &d);
-    w->distance = d.largest;
-    w->fastest = fmax(w->fastest, d.fastest);
-    const bool is_fast = d.fastest > FAST * w->fastest;
-    return is_fast ? fmax(d.largest, fabs(d.along / d.square) * w->fastest) : d.largest;
+    orbit_difference d = {0};
+    accumulate_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->size_q, &d);
+    accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->size_p, &d);
+    doubling->distance = d.largest_difference;
+    doubling->largest_rate = fmax(doubling->largest_rate, d.largest_rate);
+    const bool is_fast = d.largest_rate > FAST * doubling->largest_rate;
+    return is_fast ? fmax(d.largest_difference, fabs(d.dot_rate / d.rate_squared) * doubling->largest_rate)
+                   : d.largest_difference;
 }
 
-tvi_status tvi_step_doubling_shift(tvi_step_doubling *w, const double *state, double h, double shift, double *apart)
+tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state, double h,
+                                                double shift, double *apart)
 {
-    tvi_scout_orbit *a = &w->full, *b = &w->halved;
+    tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     *apart = 0;
-    tvi_step_doubling_begin(w, state);
+    tvi_step_doubling_set_state(doubling, state);
     b->t += shift;
-    if (step(w, a, h) == TVI_OK && step(w, b, h) == TVI_OK && find_rates(w) == TVI_OK) {
+    if (step_orbit(doubling, a, h) == TVI_OK && step_orbit(doubling, b, h) == TVI_OK &&
+        compute_rates_of_full_orbit(doubling) == TVI_OK) {
         b->t -= shift;
-        *apart = tvi_step_doubling_distance(w);
+        *apart = tvi_step_doubling_measure_distance(doubling);
     }
-    return w->lacks_memory ? TVI_ENOMEM : TVI_OK;
+    return doubling->has_exhausted_memory ? TVI_ENOMEM : TVI_OK;
 }
 
 /* ---- Stretch ----------------------------------------------------------------------------------------------------- */
 
-static const double *state_of(const tvi_scout *s, int position)
+static const double *stored_state_of_scout(const tvi_orbit_scout *scout, int position)
 {
-    return s->states + (size_t)position * (size_t)(2 * s->n + 1);
+    return scout->states + (size_t)position * (size_t)(2 * scout->n + 1);
 }
 
 /* Sets b to the given state, displaced by START_DISTANCE in the direction of a - b. */
-static void set_companion(tvi_step_doubling *w, const double *state)
+static void place_companion_orbit(tvi_step_doubling *doubling, const double *state)
 {
-    const size_t n = (size_t)w->n;
-    tvi_scout_orbit *b = &w->halved;
-    const double lag = w->full.t - b->t, unit = START_DISTANCE / w->distance;
+    const size_t n = (size_t)doubling->n;
+    tvi_scout_orbit *b = &doubling->half_step_orbit;
+    const double lag = doubling->full_step_orbit.t - b->t, unit = START_DISTANCE / doubling->distance;
     for (size_t i = 0; i < n; i++) {
-        b->q[i] = state[i] + unit * (w->full.q[i] - b->q[i] - lag * w->rate[i]);
-        b->p[i] = state[n + i] + unit * (w->full.p[i] - b->p[i] - lag * w->rate[n + i]);
+        b->q[i] = state[i] + unit * (doubling->full_step_orbit.q[i] - b->q[i] - lag * doubling->rates_output[i]);
+        b->p[i] =
+            state[n + i] + unit * (doubling->full_step_orbit.p[i] - b->p[i] - lag * doubling->rates_output[n + i]);
     }
     b->t = state[2 * n];
     tvi_integrator_reset(b->integrator);
@@ -150,47 +161,52 @@ static void set_companion(tvi_step_doubling *w, const double *state)
 
 /* Steps the companion along with the scout, from position number `first`. Returns the last position that it reached,
  * and sets apart[k] to its distance from the scout at position k. */
-static int follow_companion(tvi_step_doubling *w, const tvi_scout *s, int first, double apart[])
+static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first, double apart[])
 {
-    set_companion(w, state_of(s, first));
+    place_companion_orbit(doubling, stored_state_of_scout(scout, first));
     for (int k = first; true; k++) {
-        tvi_scout_orbit_set(&w->full, w->n, state_of(s, k));
-        if (find_rates(w) != TVI_OK) return k - 1;
-        (void)tvi_step_doubling_distance(w);
-        apart[k] = w->distance;
+        tvi_scout_orbit_set_state(&doubling->full_step_orbit, doubling->n, stored_state_of_scout(scout, k));
+        if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
+        (void)tvi_step_doubling_measure_distance(doubling);
+        apart[k] = doubling->distance;
         /* to the energy of its state, as the scout's orbit */
-        if (w->is_rescaled) tvi_integrator_reset(w->halved.integrator);
-        if (k == s->count || step(w, &w->halved, s->position[k + 1] - s->position[k]) != TVI_OK) return k;
+        if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
+        if (k == scout->step_count ||
+            step_orbit(doubling, &doubling->half_step_orbit, scout->positions[k + 1] - scout->positions[k]) != TVI_OK)
+            return k;
     }
 }
 
 /* The ratio of the largest distances in the second and in the first half of the way. */
-static double growth_ratio(const tvi_scout *s, int first, int last, const double apart[])
+static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first, int last, const double apart[])
 {
-    const double middle = (s->position[first] + s->position[last]) / 2;
+    const double middle = (scout->positions[first] + scout->positions[last]) / 2;
     double most[] = {0, 0};
     for (int k = first; k <= last; k++) {
-        const bool is_later = fabs(s->position[k]) > fabs(middle);
+        const bool is_later = fabs(scout->positions[k]) > fabs(middle);
         most[is_later] = fmax(most[is_later], apart[k]);
     }
     return most[1] / most[0];
 }
 
-double tvi_step_doubling_growth(tvi_step_doubling *w, const tvi_scout *s, double from, double to, double *growth)
+double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, double from,
+                                        double to, double *growth)
 {
     int first = 0;
     double apart[TVI_SCOUT_STEPS + 1], sum = 0;
-    while (s->position[first] != from) first++;
+    while (scout->positions[first] != from) first++;
     do first++;
-    while (first < s->count && fabs(s->position[first + 1] - to) < fabs(s->position[first] - to));
-    const int last = first < s->count && w->distance > 0 ? follow_companion(w, s, first, apart) : first;
+    while (first < scout->step_count && fabs(scout->positions[first + 1] - to) < fabs(scout->positions[first] - to));
+    const int last = first < scout->step_count && doubling->distance > 0
+                         ? follow_companion_orbit(doubling, scout, first, apart)
+                         : first;
     if (last <= first) return 0;
     for (int k = 1; k <= last; k++) {
         const int at = k > first ? k : first;
         const double before = at > first ? apart[at - 1] : 0, after = at < last ? apart[at + 1] : 0;
-        sum += tvi_scout_weight(s, s->position[k - 1], s->position[k]) * apart[last] /
+        sum += tvi_scout_error_weight(scout, scout->positions[k - 1], scout->positions[k]) * apart[last] /
                fmax(apart[at], fmax(before, after));
     }
-    *growth = growth_ratio(s, first, last, apart);
-    return sum / tvi_scout_weight(s, from, to);
+    *growth = ratio_of_distances_in_halves(scout, first, last, apart);
+    return sum / tvi_scout_error_weight(scout, from, to);
 }

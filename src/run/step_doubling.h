@@ -1,4 +1,5 @@
-/* step_doubling.h - Steps two orbits side by side, and measures their distance, for trials of a step size (trial.c). */
+/* step_doubling.h - Integrates two orbits from one state, with steps h and h/2, and measures their distance, which
+ * is an estimate of the error. trial.c and suggest.c call it. */
 #ifndef TVI_SRC_RUN_STEP_DOUBLING_H
 #define TVI_SRC_RUN_STEP_DOUBLING_H
 
@@ -7,47 +8,50 @@
 
 #include <stdbool.h>
 
+/* The two orbits, and the measures of their distance. */
 typedef struct {
-    int n;
+    int n; /* the number of coordinates of an orbit */
     bool is_rescaled;
-    tvi_scout_orbit full, halved; /* the orbits with steps h and h/2 */
-    double size_q, size_p;        /* the largest coordinate and momentum */
-    tvi_rates rates;              /* of a rescaled system */
-    double *x, *rate;             /* [2n + 1] a state of `full`, [2n] its rates */
-    double *states;               /* of the scout */
-    double fastest;               /* the largest rate so far, relative to the sizes */
-    double distance;              /* the distance when it was measured last */
-    long steps_tried;             /* of both orbits */
-    bool lacks_memory;            /* a step failed for lack of memory */
+    tvi_scout_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
+    double size_q, size_p;              /* the largest |q_i| and |p_i| so far, by which differences are divided */
+    tvi_rates field_rates;              /* computes dq/dt and dp/dt of a rescaled system; unused otherwise */
+    double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
+    double *scout_states;               /* memory for tvi_orbit_scout.states */
+    double largest_rate;                /* the largest time derivative of a component so far, divided by its size */
+    double distance;                    /* the distance of the two orbits when it was last measured */
+    long steps_tried;                   /* the number of steps of both orbits */
+    bool has_exhausted_memory;          /* true if a step has failed for lack of memory */
 } tvi_step_doubling;
 
-/* Open and close. A structure of zeros may be closed, too. */
-TVI_NODISCARD tvi_status tvi_step_doubling_open(tvi_step_doubling *pair, const tvi_system *system,
+/* Creates the integrators of both orbits. `doubling` must be zeros before; it is to be closed also after a failure. */
+TVI_NODISCARD tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system *system,
                                                 const tvi_options *options);
-void tvi_step_doubling_close(tvi_step_doubling *pair);
+void tvi_step_doubling_close(tvi_step_doubling *doubling);
 
-/* Sets both orbits to the state [2n + 1]: q, p and t. */
-void tvi_step_doubling_begin(tvi_step_doubling *pair, const double *state);
+/* Sets both orbits to the state [2n + 1], in the order q, p, t. */
+void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *state);
 
-/* Makes one step of size h, and two of size h/2. */
-TVI_NODISCARD tvi_status tvi_step_doubling_advance(tvi_step_doubling *pair, double h);
+/* Makes one step of size h on the first orbit, and two of size h/2 on the second. */
+TVI_NODISCARD tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h);
 
-/* Makes a step of size h from the state, and another one from the same state at a time later by shift. *apart is the
- * distance of their ends; 0 if a step fails. Returns TVI_ENOMEM or TVI_OK. */
-TVI_NODISCARD tvi_status tvi_step_doubling_shift(tvi_step_doubling *pair, const double *state, double h, double shift,
-                                                 double *apart);
+/* Measures how a shift of the time changes a step: makes a step of size h from the state, and one from the same q and p
+ * at the time t + shift. *distance is the distance of their ends; it is 0 if a step fails. Returns TVI_ENOMEM or
+ * TVI_OK. */
+TVI_NODISCARD tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state,
+                                                              double h, double shift, double *distance);
 
-/* Measures `apart`, the largest difference of a coordinate or a momentum, relative to the sizes. Steps of a rescaled
- * orbit may have a large error along the orbit that shows where the motion is fast. The return value is the distance
- * there, if it is larger. */
-double tvi_step_doubling_distance(tvi_step_doubling *pair);
+/* Measures `distance`, the largest difference of a component of q or p between the orbits, divided by size_q or size_p.
+ * In a rescaled system one orbit may lag behind the other; this error shows only where the motion is fast. The return
+ * value is the distance, or the one that the present lag would cause where the motion is fastest, if that is larger. */
+double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling);
 
-/* The factor from the error that a trial measures between two positions to the error of a run. It sums, over all that
- * the scout saw, the part of the error made at each position times its growth to the end, relative to the trial's own
- * part. The companion measures the growth: it starts beside the position next to the trial's end, in the direction of
- * the error there. `from` is a position of the scout. 0: there was no companion. *growth is the ratio of the largest
- * distances in the second and in the first half of the companion's way. */
-double tvi_step_doubling_growth(tvi_step_doubling *pair, const tvi_scout *scout, double from, double to,
-                                double *growth);
+/* Returns the factor by which the error of a trial between the positions `from` and `to` must be multiplied to give
+ * the error of the whole part of the run that the scout has explored. The factor sums the error that is made at each
+ * position times its growth to the end, divided by the trial's own error. The growth is measured by a companion, an
+ * orbit that starts near the scout's orbit at the end of the trial, displaced in the direction of the trial's error.
+ * `from` must be one of the scout's positions. The result is 0 if no companion could be followed. *growth is the
+ * largest distance of the companion in the second half of its way divided by that in the first half. */
+double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, double from,
+                                        double to, double *growth);
 
 #endif

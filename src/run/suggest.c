@@ -49,245 +49,276 @@ static const double DRAWS = 0.15, MOST_DRAWS = 30;
  * of the time by SHIFT of a step, or by SHIFTS times its roundoff, and counts TIMES as often. */
 static const double DOUBT = 0.01, SHIFT = 1e-3, SHIFTS = 4, TIMES = 3;
 
+/* The search for a step size: the trials so far, and what they show. */
 typedef struct {
     tvi_trials trials;
-    int order;
-    double degree;
-    double wanted, aim; /* errors */
-    double limit;       /* the longest h */
-    /* An h whose trial had a large error, and this error. No shorter h had an error below a third of it. */
-    double high, error_of_high;
-    double roundoff; /* the error that no shorter h reduces; 0: none */
-    /* The longest h that a trial of the whole run shows to serve, and the shortest that one shows not to serve; 0:
-     * none. */
-    double best, worst;
-    double error_of_best;
-    /* h comes from a trial that passed the hardest position, with an estimate near the aim. */
-    bool is_known;
-} search;
+    int order;                   /* the order of the method */
+    double degree;               /* the degree of its curve, at least 1 */
+    double wanted_error, aim;    /* the error that the user wants, and the smaller one that trials aim at */
+    double longest_allowed_step; /* no longer step size is tried or suggested */
+    /* A step size whose trial had a large error, and this error. No shorter step has had an error below a third of
+     * it. */
+    double step_of_large_error, large_error;
+    double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
+    /* The longest step size that a trial of the whole run has shown to serve, and the shortest that a trial has
+     * shown not to serve; 0 if there is none. */
+    double longest_good_step, shortest_bad_step;
+    double error_of_good_step; /* the error of the trial with longest_good_step */
+    /* True if the suggestion rests on a trial that has passed the hardest position with an estimate near the aim. */
+    bool is_step_known;
+} suggestion_search;
 
 /* ---- All trials -------------------------------------------------------------------------------------------------- */
 
-static double within(double least, double x, double most) { return fmin(fmax(x, least), most); }
-static double fails(const search *w) { return w->trials.pair.is_rescaled ? FAILS_LATER : FAILS; }
+static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
+static double factor_after_failure(const suggestion_search *search)
+{
+    return search->trials.step_doubling.is_rescaled ? FAILS_LATER : FAILS;
+}
 
 /* The factor of h that the trial asks for. */
-static double correction(const search *w, const tvi_trial *r)
+static double step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    if (r->status != TVI_OK) return fails(w);
-    const double wrong = fmin(r->error / w->trials.aim, 1 / OF_NO_ORDER);
-    return wrong > 0 ? within(LEAST_FACTOR, pow(wrong, -1.0 / w->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
+    if (trial->status != TVI_OK) return factor_after_failure(search);
+    const double wrong = fmin(trial->error / search->trials.aim, 1 / OF_NO_ORDER);
+    return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
 }
 
 /* The factor for the suggestion, if no other trial follows. */
-static double extrapolation(const search *w, const tvi_trial *r)
+static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    return fmin(correction(w, r), pow(TVI_TRIAL_BAND, 1.0 / w->order));
+    return fmin(step_size_factor(search, trial), pow(TVI_TRIAL_BAND, 1.0 / search->order));
 }
 
 /* Records an error that is too large and yet tiny. It is roundoff if it stays as large with an h that should make it a
  * hundredth. */
-static void detect_roundoff(search *w, const tvi_trial *r)
+static void detect_roundoff(suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    if (!tvi_trial_error_is_high(&w->trials, r) || r->error == INFINITY || fmax(r->recent, r->previous) > TINY) return;
-    if (w->high == 0 || r->error < w->error_of_high / 3) w->high = r->h, w->error_of_high = r->error;
-    else if (pow(r->h / w->high, w->order) < 0.01) w->roundoff = fmin(r->error, w->error_of_high);
+    if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->error == INFINITY ||
+        fmax(trial->recent_distance, trial->previous_distance) > TINY)
+        return;
+    if (search->step_of_large_error == 0 || trial->error < search->large_error / 3)
+        search->step_of_large_error = trial->h, search->large_error = trial->error;
+    else if (pow(trial->h / search->step_of_large_error, search->order) < 0.01)
+        search->roundoff_error = fmin(trial->error, search->large_error);
 }
 
 /* Updates the longest h that serves, and the shortest that does not. */
-static void bracket(search *w, const tvi_trial *r)
+static void update_bracket_of_steps(suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    const bool is_too_long = r->is_over && tvi_trial_error_is_high(&w->trials, r);
-    if (r->is_complete && r->error <= KEPT * w->wanted) {
-        if (fabs(r->h) > fabs(w->best)) w->best = r->h, w->error_of_best = r->error;
-    } else if (r->is_complete || is_too_long) {
-        w->worst = w->worst == 0 ? r->h : tvi_shorter(w->worst, r->h);
+    const bool is_too_long = trial->is_finished && tvi_trial_error_is_far_above_aim(&search->trials, trial);
+    if (trial->covers_whole_run && trial->error <= KEPT * search->wanted_error) {
+        if (fabs(trial->h) > fabs(search->longest_good_step))
+            search->longest_good_step = trial->h, search->error_of_good_step = trial->error;
+    } else if (trial->covers_whole_run || is_too_long) {
+        search->shortest_bad_step =
+            search->shortest_bad_step == 0 ? trial->h : tvi_shorter(search->shortest_bad_step, trial->h);
     }
-    if (r->error == INFINITY) w->limit = tvi_shorter(w->limit, fails(w) * r->h);
-    else if (is_too_long) w->limit = tvi_shorter(w->limit, FAILS * r->h);
+    if (trial->error == INFINITY)
+        search->longest_allowed_step =
+            tvi_shorter(search->longest_allowed_step, factor_after_failure(search) * trial->h);
+    else if (is_too_long) search->longest_allowed_step = tvi_shorter(search->longest_allowed_step, FAILS * trial->h);
 }
 
 /* Tells whether a trial of the whole run may find a longer h than the best one. It uses *h, or an h between best and
  * worst. */
-static bool may_find_longer(const search *w, double *h)
+static bool may_find_longer_step(const suggestion_search *search, double *h)
 {
-    const bool has_worst = w->worst != 0;
-    if (has_worst && !(fabs(*h) > fabs(w->best) && fabs(*h) < fabs(w->worst)))
-        *h = copysign(sqrt(w->best * w->worst), w->best);
-    const bool is_found = w->error_of_best >= FULL * w->wanted || fabs(w->best) >= fabs(w->limit) ||
-                          (has_worst && fabs(w->worst) < NEARLY * fabs(w->best));
-    return !is_found && tvi_trials_allow(&w->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(w->trials.way / *h)));
+    const bool has_worst = search->shortest_bad_step != 0;
+    if (has_worst && !(fabs(*h) > fabs(search->longest_good_step) && fabs(*h) < fabs(search->shortest_bad_step)))
+        *h = copysign(sqrt(search->longest_good_step * search->shortest_bad_step), search->longest_good_step);
+    const bool is_found = search->error_of_good_step >= FULL * search->wanted_error ||
+                          fabs(search->longest_good_step) >= fabs(search->longest_allowed_step) ||
+                          (has_worst && fabs(search->shortest_bad_step) < NEARLY * fabs(search->longest_good_step));
+    return !is_found &&
+           tvi_trials_have_budget_for(&search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_length / *h)));
 }
 
 /* Tells whether the trial counts: it is near the aim and covers more of the run than others, or shows that its h is too
  * long. */
-static bool is_informative(const search *w, const tvi_trial *r, bool *knows)
+static bool is_trial_informative(const suggestion_search *search, const tvi_step_size_trial *trial, bool *is_near_aim)
 {
-    const tvi_trials *trials = &w->trials;
-    *knows = r->has_passed && !r->is_complete && !tvi_trial_error_is_high(trials, r);
-    const bool is_long = r->has_passed && r->part >= TVI_EQUALLY_LONG * trials->longest;
-    return is_long || r->is_complete || (r->is_over && tvi_trial_is_above(trials, r, trials->aim));
+    const tvi_trials *trials = &search->trials;
+    *is_near_aim =
+        trial->has_passed_hardest && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
+    const bool is_long = trial->has_passed_hardest && trial->covered_part >= TVI_EQUALLY_LONG * trials->largest_part;
+    return is_long || trial->covers_whole_run ||
+           (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aim));
 }
 
 /* Updates the suggestion from a trial. Returns whether another one follows, with *h. */
-static bool update(search *w, const tvi_trial *r, double *h, tvi_suggestion *out)
+static bool update_from_trial(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
+                              tvi_step_suggestion *out)
 {
-    tvi_trials *trials = &w->trials;
-    const bool failed = r->error == INFINITY, is_low = tvi_trial_is_low(trials, r),
-               is_high = tvi_trial_error_is_high(trials, r);
-    bool knows;
-    const bool is_new = is_informative(w, r, &knows);
-    const double factor = is_new ? correction(w, r) : 1;
-    if (is_new) out->h = r->h * extrapolation(w, r), w->is_known = knows;
-    else if (!w->is_known) out->h = out->h == 0 ? r->h : tvi_shorter(out->h, r->h);
-    if (!failed && (is_new || !w->is_known)) out->tried = r->h, out->reached = r->part, out->error = r->error;
-    if (!failed) out->seen = fmax(out->seen, r->seen), trials->longest = fmax(trials->longest, r->part);
-    detect_roundoff(w, r);
-    bracket(w, r);
-    if (!tvi_trials_allow_step(trials) && (is_low || is_high))
-        trials->reserve = 0; /* leaves the steps to another trial */
-    *h = tvi_shorter(r->h * factor, w->limit);
-    trials->run *= r->h / *h;
-    if (w->best != 0) return may_find_longer(w, h);
-    const bool is_last = w->roundoff > 0 || !(failed || is_low || is_high || r->is_over);
-    return !is_last && tvi_trials_allow_step(trials) && (!w->is_known || tvi_trials_allow_passage(trials, *h)) &&
+    tvi_trials *trials = &search->trials;
+    const bool failed = trial->error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
+               is_high = tvi_trial_error_is_far_above_aim(trials, trial);
+    bool is_near_aim;
+    const bool is_new = is_trial_informative(search, trial, &is_near_aim);
+    const double factor = is_new ? step_size_factor(search, trial) : 1;
+    if (is_new) out->h = trial->h * final_step_size_factor(search, trial), search->is_step_known = is_near_aim;
+    else if (!search->is_step_known) out->h = out->h == 0 ? trial->h : tvi_shorter(out->h, trial->h);
+    if (!failed && (is_new || !search->is_step_known))
+        out->tried_step = trial->h, out->covered_part = trial->covered_part, out->error = trial->error;
+    if (!failed)
+        out->explored_duration_part = fmax(out->explored_duration_part, trial->duration_part),
+        trials->largest_part = fmax(trials->largest_part, trial->covered_part);
+    detect_roundoff(search, trial);
+    update_bracket_of_steps(search, trial);
+    if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high))
+        trials->reserved_steps = 0; /* leaves the steps to another trial */
+    *h = tvi_shorter(trial->h * factor, search->longest_allowed_step);
+    trials->run_steps *= trial->h / *h;
+    if (search->longest_good_step != 0) return may_find_longer_step(search, h);
+    const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
+    return !is_last && tvi_trials_have_budget_for_step(trials) &&
+           (!search->is_step_known || tvi_trials_have_budget_for_passage(trials, *h)) &&
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
 /* Corrects the estimate of the last trial by the growth of errors that the companion measures. */
-static void correct(search *w, tvi_trial *r, tvi_suggestion *out)
+static void correct_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial, tvi_step_suggestion *out)
 {
-    tvi_trials *trials = &w->trials;
-    if (trials->reserve == 0 || out->tried != r->h || r->error == INFINITY) return;
+    tvi_trials *trials = &search->trials;
+    if (trials->reserved_steps == 0 || out->tried_step != trial->h || trial->error == INFINITY) return;
     double growth;
-    const double error = trials->pair.distance, part = trials->scout.part;
-    const double growth_factor =
-        tvi_step_doubling_growth(&trials->pair, &trials->scout, trials->start_position, r->end_position, &growth);
+    const double error = trials->step_doubling.distance, part = trials->scout.explored_part;
+    const double growth_factor = tvi_step_doubling_measure_growth(&trials->step_doubling, &trials->scout,
+                                                                  trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
     /* the scout saw two halves */
-    const double more = fmax(growth / pow(2, trials->growth), 1), halves = 2 * (1 / part - 1);
-    out->error = r->error = error * growth_factor * pow(part, -trials->growth) * pow(more, halves);
-    out->h = r->h * extrapolation(w, r);
+    const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
+    out->error = trial->error = error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);
+    out->h = trial->h * final_step_size_factor(search, trial);
 }
 
 /* ---- Before and after them --------------------------------------------------------------------------------------- */
 
 /* Sets up the trials from what the scout saw. Returns the first h. */
-static double prepare(search *w)
+static double set_up_trials(suggestion_search *search)
 {
-    tvi_trials *trials = &w->trials;
-    const tvi_scout *s = &trials->scout;
-    const double scale = s->scale[s->hardest], end = s->position[s->count];
-    const double error = RESOLVED * pow(TVI_SCOUT_TAIL, w->order / w->degree);
-    trials->pair.steps_tried = s->steps_tried;
-    trials->pair.size_q = s->size_q, trials->pair.size_p = s->size_p;
-    trials->way = end / s->part;
-    trials->weight = tvi_scout_weight(s, 0, end) / s->part;
-    w->limit = scale * pow(MOST_TAILS, 1 / w->degree);
-    if (!trials->pair.is_rescaled) w->limit = tvi_shorter(w->limit, trials->duration);
-    const double part = pow(KNOWN, trials->growth);
-    const double h = tvi_shorter(scale * pow(trials->aim * part / error, 1.0 / (w->order + 1)), w->limit);
-    trials->run = fabs(trials->way / h);
+    tvi_trials *trials = &search->trials;
+    const tvi_orbit_scout *s = &trials->scout;
+    const double scale = s->resolving_step[s->hardest_index], end = s->positions[s->step_count];
+    const double error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->degree);
+    trials->step_doubling.steps_tried = s->steps_tried;
+    trials->step_doubling.size_q = s->size_q, trials->step_doubling.size_p = s->size_p;
+    trials->run_length = end / s->explored_part;
+    trials->run_weight = tvi_scout_error_weight(s, 0, end) / s->explored_part;
+    search->longest_allowed_step = scale * pow(MOST_TAILS, 1 / search->degree);
+    if (!trials->step_doubling.is_rescaled)
+        search->longest_allowed_step = tvi_shorter(search->longest_allowed_step, trials->duration);
+    const double part = pow(KNOWN, trials->growth_exponent);
+    const double h =
+        tvi_shorter(scale * pow(trials->aim * part / error, 1.0 / (search->order + 1)), search->longest_allowed_step);
+    trials->run_steps = fabs(trials->run_length / h);
     return h;
 }
 
 /* Estimates the error from the roundoff of the time, in equations that depend on it. Each step rounds the time anew,
  * and the errors add up at random. If they may be large, one step at a shifted time measures them. */
-static tvi_status measure_time_roundoff(search *w)
+static tvi_status measure_time_roundoff(suggestion_search *search)
 {
-    tvi_trials *trials = &w->trials;
-    const tvi_scout *s = &trials->scout;
-    const double *const state = s->states + (size_t)s->hardest * (size_t)(2 * s->n + 1), *const next =
-                                                                                             state + 2 * s->n + 1;
-    const double dt = fabs(next[2 * s->n] - state[2 * s->n]), h = s->position[s->hardest + 1] - s->position[s->hardest];
+    tvi_trials *trials = &search->trials;
+    const tvi_orbit_scout *s = &trials->scout;
+    const double *const state = s->states + (size_t)s->hardest_index * (size_t)(2 * s->n + 1), *const next =
+                                                                                                   state + 2 * s->n + 1;
+    const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
+                 h = s->positions[s->hardest_index + 1] - s->positions[s->hardest_index];
     const double last = fmax(fabs(trials->t), fabs(trials->t + trials->duration)), ulp = DBL_EPSILON * last;
-    const double often = TIMES * sqrt(fmax(fabs(trials->way / h), 1)), shift = fmax(SHIFT * dt, SHIFTS * ulp);
+    const double often = TIMES * sqrt(fmax(fabs(trials->run_length / h), 1)), shift = fmax(SHIFT * dt, SHIFTS * ulp);
     double apart;
-    if (!trials->pair.full.integrator->system->uses_time || often * ulp < DOUBT * w->wanted * dt) return TVI_OK;
-    const tvi_status status = tvi_step_doubling_shift(&trials->pair, state, h, shift, &apart);
+    if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
+        often * ulp < DOUBT * search->wanted_error * dt)
+        return TVI_OK;
+    const tvi_status status = tvi_step_doubling_measure_time_shift(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
     const double error = often * apart / shift * ulp / 2;
-    if (error > w->wanted)
+    if (error > search->wanted_error)
         return jet_refuse(TVI_EINVAL, "error = %g is below what the roundoff of t = %g makes of such a run, about %.0e",
-                          w->wanted, last, error);
+                          search->wanted_error, last, error);
     trials->aim = fmax(trials->aim, error);
-    trials->floor = fmax(trials->floor, apart / shift * ulp);
+    trials->roundoff_floor = fmax(trials->roundoff_floor, apart / shift * ulp);
     return TVI_OK;
 }
 
-static double sample_factor(const search *w)
+static double spread_of_scales_factor(const suggestion_search *search)
 {
-    const tvi_scout *s = &w->trials.scout;
+    const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
-    for (int k = 0; k < s->count; k++)
-        shortest = fmin(shortest, fabs(s->scale[k])), longest = fmax(longest, fabs(s->scale[k]));
+    for (int k = 0; k < s->step_count; k++)
+        shortest = fmin(shortest, fabs(s->resolving_step[k])), longest = fmax(longest, fabs(s->resolving_step[k]));
     return 1 + DRAWS * log(fmin(longest / shortest, MOST_DRAWS));
 }
 
 /* Completes the suggestion. */
-static void finish(search *w, tvi_suggestion *out)
+static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *out)
 {
-    const double of_aim = pow(w->aim / w->trials.aim, 1.0 / w->order), unknown = w->is_known ? 1 : UNKNOWN;
-    out->h = tvi_shorter(out->h * of_aim, w->limit) * unknown / sample_factor(w);
-    if (w->best != 0) out->h = out->tried = w->best, out->reached = 1, out->error = w->error_of_best;
-    if (out->seen > 1 - 1e-9) out->seen = 1;
+    const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),
+                 unknown = search->is_step_known ? 1 : UNKNOWN;
+    out->h = tvi_shorter(out->h * of_aim, search->longest_allowed_step) * unknown / spread_of_scales_factor(search);
+    if (search->longest_good_step != 0)
+        out->h = out->tried_step = search->longest_good_step, out->covered_part = 1,
+        out->error = search->error_of_good_step;
+    if (out->explored_duration_part > 1 - 1e-9) out->explored_duration_part = 1;
 }
 
-static tvi_status find(search *w, tvi_suggestion *out)
+static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *out)
 {
-    tvi_trials *trials = &w->trials;
-    tvi_trial r;
-    tvi_status status = tvi_scout_run(&trials->scout, &trials->pair.full, trials->duration);
+    tvi_trials *trials = &search->trials;
+    tvi_step_size_trial trial;
+    tvi_status status =
+        tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
     if (status != TVI_OK) return status;
-    double h = prepare(w);
-    status = measure_time_roundoff(w);
+    double h = set_up_trials(search);
+    status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
-    out->seen = trials->scout.has_no_tail ? 0 : trials->scout.part;
-    do r = tvi_trial_make(trials, h);
-    while (r.status != TVI_ENOMEM && update(w, &r, &h, out));
-    correct(w, &r, out);
-    out->steps = trials->pair.steps_tried;
-    if (r.status == TVI_ENOMEM || trials->pair.lacks_memory) return jet_refuse_memory(TVI_ENOMEM);
-    if (w->roundoff > 0)
-        return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run", w->wanted,
-                          w->roundoff);
-    finish(w, out);
-    if (out->tried != 0) return TVI_OK;
-    return r.status != TVI_OK ? r.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
+    out->explored_duration_part = trials->scout.has_too_low_degree ? 0 : trials->scout.explored_part;
+    do trial = tvi_make_step_size_trial(trials, h);
+    while (trial.status != TVI_ENOMEM && update_from_trial(search, &trial, &h, out));
+    correct_by_companion_growth(search, &trial, out);
+    out->step_count = trials->step_doubling.steps_tried;
+    if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory) return jet_refuse_memory(TVI_ENOMEM);
+    if (search->roundoff_error > 0)
+        return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run",
+                          search->wanted_error, search->roundoff_error);
+    complete_suggestion(search, out);
+    if (out->tried_step != 0) return TVI_OK;
+    return trial.status != TVI_OK ? trial.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
 }
 
 /* ---- The functions ----------------------------------------------------------------------------------------------- */
 
-static tvi_status open(search *w, const tvi_system *system, const tvi_options *options)
+static tvi_status open_search(suggestion_search *search, const tvi_system *system, const tvi_options *options)
 {
-    tvi_trials *trials = &w->trials;
-    const tvi_status status = tvi_step_doubling_open(&trials->pair, system, options);
+    tvi_trials *trials = &search->trials;
+    const tvi_status status = tvi_step_doubling_open(&trials->step_doubling, system, options);
     if (status != TVI_OK) return status;
-    const tvi_options *resolved = &trials->pair.full.integrator->options;
-    w->order = resolved->order;
-    w->degree = fmax(1, resolved->degree);
-    w->aim = (trials->pair.is_rescaled ? AIM_LATER : AIM) * w->wanted;
+    const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
+    search->order = resolved->order;
+    search->degree = fmax(1, resolved->degree);
+    search->aim = (trials->step_doubling.is_rescaled ? AIM_LATER : AIM) * search->wanted_error;
     trials->is_driven = system->is_driven;
-    trials->growth = trials->pair.is_rescaled ? GROWTH_LATER : GROWTH;
-    trials->floor = FLOOR;
-    trials->aim = fmax(w->aim, FLOOR * pow(TVI_STEPS_OF_TRIAL / TVI_PART_OF_RUN, trials->growth));
-    trials->scout = (tvi_scout){.n = system->n, .states = trials->pair.states};
+    trials->growth_exponent = trials->step_doubling.is_rescaled ? GROWTH_LATER : GROWTH;
+    trials->roundoff_floor = FLOOR;
+    trials->aim = fmax(search->aim, FLOOR * pow(TVI_STEPS_OF_TRIAL / TVI_PART_OF_RUN, trials->growth_exponent));
+    trials->scout = (tvi_orbit_scout){.n = system->n, .states = trials->step_doubling.scout_states};
     return TVI_OK;
 }
 
-tvi_status tvi_suggest(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                       const double p[], double duration, double error, tvi_suggestion *out)
+tvi_status tvi_compute_step_suggestion(const tvi_system *system, const tvi_options *options, double t, const double q[],
+                                       const double p[], double duration, double error, tvi_step_suggestion *out)
 {
-    search w = {.trials = {.t = t, .duration = duration}, .wanted = error};
-    tvi_step_doubling *pair = &w.trials.pair;
-    *out = (tvi_suggestion){0};
-    tvi_status status = open(&w, system, options);
+    suggestion_search search = {.trials = {.t = t, .duration = duration}, .wanted_error = error};
+    tvi_step_doubling *pair = &search.trials.step_doubling;
+    *out = (tvi_step_suggestion){0};
+    tvi_status status = open_search(&search, system, options);
     if (status == TVI_OK) status = tvi_refuse_state(system->n, t, q, "p", p);
     if (status == TVI_OK) {
-        pair->full.t = t;
-        memcpy(pair->full.q, q, (size_t)system->n * sizeof *q);
-        memcpy(pair->full.p, p, (size_t)system->n * sizeof *p);
-        status = find(&w, out);
+        pair->full_step_orbit.t = t;
+        memcpy(pair->full_step_orbit.q, q, (size_t)system->n * sizeof *q);
+        memcpy(pair->full_step_orbit.p, p, (size_t)system->n * sizeof *p);
+        status = search_step_size(&search, out);
     }
     tvi_step_doubling_close(pair);
     return status;
@@ -298,7 +329,7 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
 {
     static const char *const name[] = {"system", "q", "p", "h", "seen"};
     const void *const pointer[] = {system, q, p, h, seen};
-    tvi_suggestion found;
+    tvi_step_suggestion found;
     if (!system || !q || !p || !h || !seen) return tvi_refuse_null(5, pointer, name);
     if (duration == 0 || !isfinite(duration))
         return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
@@ -306,8 +337,8 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
         return jet_refuse(TVI_EINVAL, "duration = %g is roundoff of t = %g", duration, t);
     if (!(error >= DBL_EPSILON && error < 1))
         return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", error);
-    const tvi_status status = tvi_suggest(system, options, t, q, p, duration, error, &found);
-    if (status == TVI_OK) *h = found.h, *seen = found.seen;
+    const tvi_status status = tvi_compute_step_suggestion(system, options, t, q, p, duration, error, &found);
+    if (status == TVI_OK) *h = found.h, *seen = found.explored_duration_part;
     return status;
 }
 

@@ -1,22 +1,23 @@
-/* suggest.h - Suggests a step size for a wanted error at the end of a run (suggest.c). tvi_suggest_step and the bench
+/* suggest.h - Suggests a step size for a wanted error at the end of a run (suggest.c). tvi_suggest_step and a benchmark
  * call it. */
 #ifndef TVI_SRC_RUN_SUGGEST_H
 #define TVI_SRC_RUN_SUGGEST_H
 
 #include "tvi.h"
 
-/* A suggestion, and the longest trial that it rests on. */
+/* A suggested step size, and the trial that it rests on. */
 typedef struct {
-    double h;       /* the suggested step */
-    double tried;   /* the step of that trial */
-    double reached; /* the part of the duration that it covered */
-    double error;   /* the estimated error of a run with this step */
-    double seen;    /* the part of the duration that was explored */
-    long steps;     /* made in all, those of half the size included */
-} tvi_suggestion;
+    double h;                      /* the suggested step size */
+    double tried_step;             /* the step size of the longest trial, on which the suggestion rests */
+    double covered_part;           /* the part of the run's error that this trial has covered, 0 to 1 */
+    double error;                  /* the estimated error at the end of a run with tried_step */
+    double explored_duration_part; /* the part of the run's duration that was explored, 0 to 1 */
+    long step_count;               /* the number of steps of all trials, with those of half the size */
+} tvi_step_suggestion;
 
-/* Does what tvi_suggest_step does, and returns all of the suggestion. */
-TVI_NODISCARD tvi_status tvi_suggest(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                                     const double p[], double duration, double error, tvi_suggestion *out);
+/* Computes the suggestion of tvi_suggest_step for a run from the state (t, q, p), with its details. */
+TVI_NODISCARD tvi_status tvi_compute_step_suggestion(const tvi_system *system, const tvi_options *options, double t,
+                                                     const double q[], const double p[], double duration,
+                                                     double wanted_error, tvi_step_suggestion *suggestion);
 
 #endif

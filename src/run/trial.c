@@ -22,92 +22,103 @@ static const double EARLY_PART = 0.6;
 /* The scout saw most of a run if it saw this part of it. */
 static const double SEEN = 0.5;
 
-static double within(double least, double x, double most) { return fmin(fmax(x, least), most); }
+static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
 /* Updates the estimate by the distance e after the k-th step. */
-static void record_distance(tvi_trials *w, tvi_trial *r, long k, double e)
+static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long k, double e)
 {
-    if (k > 1 && is_power_of_two(k - 1)) r->previous = r->recent, r->recent = 0;
-    r->recent = fmax(r->recent, e);
-    if (w->is_driven && k >= GROWTH_STEPS && k % GROWTH_EVERY == 0 && r->previous > 0)
-        w->growth = within(0, log2(r->recent / r->previous), GROWTH);
-    r->error = e < CEILING ? fmax(r->recent, r->previous) * pow(r->part, -w->growth) : INFINITY;
+    if (k > 1 && is_power_of_two(k - 1)) trial->previous_distance = trial->recent_distance, trial->recent_distance = 0;
+    trial->recent_distance = fmax(trial->recent_distance, e);
+    if (trials->is_driven && k >= GROWTH_STEPS && k % GROWTH_EVERY == 0 && trial->previous_distance > 0)
+        trials->growth_exponent = clamp(0, log2(trial->recent_distance / trial->previous_distance), GROWTH);
+    trial->error = e < CEILING ? fmax(trial->recent_distance, trial->previous_distance) *
+                                     pow(trial->covered_part, -trials->growth_exponent)
+                               : INFINITY;
 }
 
 /* The position just after the hardest one. */
-static double passage_end(const tvi_trials *w)
+static double end_of_hardest_passage(const tvi_trials *trials)
 {
-    const tvi_scout *s = &w->scout;
-    return tvi_shorter(s->position[s->hardest] + s->scale[s->hardest], w->way);
+    const tvi_orbit_scout *s = &trials->scout;
+    return tvi_shorter(s->positions[s->hardest_index] + s->resolving_step[s->hardest_index], trials->run_length);
 }
 
 /* Tells whether the trial is finished after k steps. */
-static bool is_over(const tvi_trials *w, const tvi_trial *r, long k)
+static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long k)
 {
-    const bool is_early = k < EARLY_STEPS && fmax(r->recent, r->previous) < TVI_TRIAL_BAND * w->aim;
-    if (r->error == INFINITY || (tvi_trial_error_is_high(w, r) && !is_early)) return true;
-    return tvi_trial_is_low(w, r) && r->has_passed && is_power_of_two(k) && r->part > w->longest;
+    const bool is_early =
+        k < EARLY_STEPS && fmax(trial->recent_distance, trial->previous_distance) < TVI_TRIAL_BAND * trials->aim;
+    if (trial->error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early)) return true;
+    return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest && is_power_of_two(k) &&
+           trial->covered_part > trials->largest_part;
 }
 
 /* Makes the k-th step of the trial. Returns whether the trial goes on. */
-static bool make_trial_step(tvi_trials *w, tvi_trial *r, long k)
+static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long k)
 {
-    const tvi_scout_orbit *whole = &w->pair.full;
-    r->status = tvi_step_doubling_advance(
-        &w->pair, w->pair.is_rescaled ? r->h : tvi_shorter(r->h, w->t + w->duration - whole->t));
-    r->error = INFINITY;
-    r->is_over = true;
-    if (r->status != TVI_OK) return false;
-    w->run = fabs(w->way / r->h);
-    r->end_position = w->start_position + (double)k * r->h;
-    r->seen = (whole->t - w->t) / w->duration;
-    r->part = fmin(tvi_scout_weight(&w->scout, w->start_position, r->end_position) / w->weight, 1);
-    r->has_passed = fabs(r->end_position) >= fabs(passage_end(w));
-    record_distance(w, r, k, tvi_step_doubling_distance(&w->pair));
-    const bool is_at_end = r->seen >= 1 - 1e-9;
-    r->is_complete = is_at_end && w->start_position == 0;
-    r->is_over = is_at_end || is_over(w, r, k);
-    return !r->is_over;
+    const tvi_scout_orbit *whole = &trials->step_doubling.full_step_orbit;
+    trial->status = tvi_step_doubling_make_step(
+        &trials->step_doubling,
+        trials->step_doubling.is_rescaled ? trial->h : tvi_shorter(trial->h, trials->t + trials->duration - whole->t));
+    trial->error = INFINITY;
+    trial->is_finished = true;
+    if (trial->status != TVI_OK) return false;
+    trials->run_steps = fabs(trials->run_length / trial->h);
+    trial->end_position = trials->start_position + (double)k * trial->h;
+    trial->duration_part = (whole->t - trials->t) / trials->duration;
+    trial->covered_part = fmin(
+        tvi_scout_error_weight(&trials->scout, trials->start_position, trial->end_position) / trials->run_weight, 1);
+    trial->has_passed_hardest = fabs(trial->end_position) >= fabs(end_of_hardest_passage(trials));
+    update_error_estimate(trials, trial, k, tvi_step_doubling_measure_distance(&trials->step_doubling));
+    const bool is_at_end = trial->duration_part >= 1 - 1e-9;
+    trial->covers_whole_run = is_at_end && trials->start_position == 0;
+    trial->is_finished = is_at_end || is_trial_finished(trials, trial, k);
+    return !trial->is_finished;
 }
 
 /* Releases the companion's steps to the trial, if it is too short to count without them. Returns whether it may go
  * on. */
-static bool release_reserve(tvi_trials *w, const tvi_trial *r)
+static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    const bool takes = w->reserve > 0 && r->part < TVI_EQUALLY_LONG * w->longest;
-    if (takes) w->reserve = 0;
-    return takes && tvi_trials_allow_step(w);
+    const bool takes = trials->reserved_steps > 0 && trial->covered_part < TVI_EQUALLY_LONG * trials->largest_part;
+    if (takes) trials->reserved_steps = 0;
+    return takes && tvi_trials_have_budget_for_step(trials);
 }
 
 /* Chooses where the trial begins: at the start, or at the hardest position if that is late. It begins earlier if it
  * would reach the end of the run, as long as it passes the hardest position. */
-static void choose_start(tvi_trials *w, double h)
+static void choose_start_of_trial(tvi_trials *trials, double h)
 {
-    const tvi_scout *s = &w->scout;
-    const double end = passage_end(w), steps = (tvi_trials_most(w) - (double)w->pair.steps_tried) / TVI_STEPS_OF_TRIAL;
+    const tvi_orbit_scout *s = &trials->scout;
+    const double end = end_of_hardest_passage(trials),
+                 steps =
+                     (tvi_trials_step_budget(trials) - (double)trials->step_doubling.steps_tried) / TVI_STEPS_OF_TRIAL;
     const double early = EARLY_PART * steps * fabs(h);
-    int first = fabs(end) > early ? s->hardest : 0;
-    while (first > 0 && fabs(w->way - s->position[first]) < steps * fabs(h) &&
-           fabs(end - s->position[first - 1]) <= early)
+    int first = fabs(end) > early ? s->hardest_index : 0;
+    while (first > 0 && fabs(trials->run_length - s->positions[first]) < steps * fabs(h) &&
+           fabs(end - s->positions[first - 1]) <= early)
         first--;
-    w->start_position = s->position[first];
-    w->state = s->states + (size_t)first * (size_t)(2 * s->n + 1);
-    w->reserve = s->part >= SEEN ? s->count - first - 1 : 0;
+    trials->start_position = s->positions[first];
+    trials->state = s->states + (size_t)first * (size_t)(2 * s->n + 1);
+    trials->reserved_steps = s->explored_part >= SEEN ? s->step_count - first - 1 : 0;
 }
 
-tvi_trial tvi_trial_make(tvi_trials *w, double h)
+tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
 {
-    tvi_trial r = {.h = h, .error = INFINITY};
-    choose_start(w, h);
-    tvi_step_doubling_begin(&w->pair, w->state);
-    for (long k = 1; (tvi_trials_allow_step(w) || release_reserve(w, &r)) && make_trial_step(w, &r, k); k++) continue;
-    return r;
+    tvi_step_size_trial trial = {.h = h, .error = INFINITY};
+    choose_start_of_trial(trials, h);
+    tvi_step_doubling_set_state(&trials->step_doubling, trials->state);
+    for (long k = 1; (tvi_trials_have_budget_for_step(trials) || release_reserved_steps(trials, &trial)) &&
+                     make_trial_step(trials, &trial, k);
+         k++)
+        continue;
+    return trial;
 }
 
-bool tvi_trials_allow_passage(const tvi_trials *w, double h)
+bool tvi_trials_have_budget_for_passage(const tvi_trials *trials, double h)
 {
-    const tvi_scout *s = &w->scout;
-    const double way = tvi_shorter(passage_end(w), s->scale[s->hardest]);
-    return tvi_trials_allow(w, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
+    const tvi_orbit_scout *s = &trials->scout;
+    const double way = tvi_shorter(end_of_hardest_passage(trials), s->resolving_step[s->hardest_index]);
+    return tvi_trials_have_budget_for(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

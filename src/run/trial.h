@@ -1,4 +1,5 @@
-/* trial.h - Makes trials of a step size, which estimate the error at the end of a run (trial.c). suggest.c calls it. */
+/* trial.h - Makes trials of a step size: short integrations that estimate the error at the end of a run (trial.c).
+ * suggest.c calls it. */
 #ifndef TVI_SRC_RUN_TRIAL_H
 #define TVI_SRC_RUN_TRIAL_H
 
@@ -6,80 +7,88 @@
 
 #include <math.h>
 
-/* The cost of all trials. A trial step is a step and two of half its size. The steps, the scout's included, are at most
- * TVI_PART_OF_RUN of the run's, but at least TVI_LEAST_STEPS and at most TVI_MOST_STEPS. */
+/* A step of a trial costs three steps of the integrator: one of size h, and two of half that size. The steps of all
+ * trials and of the scout together are limited to TVI_PART_OF_RUN of the steps of the run, but this limit is at least
+ * TVI_LEAST_STEPS and at most TVI_MOST_STEPS. */
 enum { TVI_STEPS_OF_TRIAL = 3, TVI_LEAST_STEPS = 20 * TVI_STEPS_OF_TRIAL, TVI_MOST_STEPS = 6000 };
 #define TVI_PART_OF_RUN 0.04
-/* A trial goes on as long as its estimate is within this factor of the aim. */
+/* A trial continues as long as its estimate differs from the error that is aimed at by less than this factor. */
 #define TVI_TRIAL_BAND 30.0
-/* A trial that covers this part of the longest one counts as much. */
+/* A trial counts as much as the longest one if it covers at least this part of what that one covers. */
 #define TVI_EQUALLY_LONG 0.8
 
-/* The state that all trials share. */
+/* The data that all trials for one suggestion share. */
 typedef struct {
-    double t, duration, aim;
-    bool is_driven;
-    /* The power of the time with which errors grow. */
-    double growth;
-    /* Errors of a trial below this are roundoff. */
-    double floor;
-    tvi_step_doubling pair;
-    tvi_scout scout;
-    /* The length of the run as the scout counts it, and its weight. */
-    double way, weight;
-    double start_position; /* the position where the last trial began */
-    const double *state;   /* [2n + 1] q, p and t at `start_position` */
-    long reserve;          /* steps for the companion */
-    double run;            /* steps of the run with the current h */
-    double longest;        /* the largest part of the run's error that a trial covered */
+    double t, duration, aim; /* the start and the duration of the run, and the error that the trials aim at */
+    bool is_driven;          /* true if the system is driven (tvi_system_driven), so that errors may decay */
+    /* The exponent a of the growth of errors: the error at the time t is proportional to t^a. */
+    double growth_exponent;
+    /* Distances below this value may be roundoff. */
+    double roundoff_floor;
+    tvi_step_doubling step_doubling;
+    tvi_orbit_scout scout;
+    /* The position of the scout at the end of the run, and tvi_scout_error_weight of the whole run. */
+    double run_length, run_weight;
+    double start_position; /* the scout's position at which the last trial began */
+    const double *state;   /* [2n + 1] q, p and t at start_position */
+    long reserved_steps;   /* steps of the budget that are reserved for the companion (step_doubling.h) */
+    double run_steps;      /* the number of steps of the run with the current step size */
+    double largest_part;   /* the largest part of the run's error that a trial has covered */
 } tvi_trials;
 
-/* A trial, and its estimate. */
+/* A trial of one step size, and the error that it estimates. */
 typedef struct {
-    /* The step, and the part of the run's error that the trial covers. */
-    double h, part;
-    double end_position; /* where the trial ends */
-    double seen;         /* the part of the duration up to its end */
-    /* The largest distances in the last two octaves of steps, 2^i + 1 ... 2^(i+1). */
-    double recent, previous;
-    /* The estimate for the end of the run; INFINITY: it has no order, or the trial failed. */
+    /* The step size, and the part of the run's error that the trial covers, 0 to 1. */
+    double h, covered_part;
+    double end_position;  /* the scout's position at which the trial ends */
+    double duration_part; /* the part of the run's duration up to the end of the trial, 0 to 1 */
+    /* The largest distance of the two orbits in the steps 2^i + 1 ... 2^(i+1) for the last i, and for the one
+     * before. */
+    double recent_distance, previous_distance;
+    /* The estimated error at the end of the run. It is INFINITY if a step has failed, or if the distance of the
+     * orbits is too large for an extrapolation. */
     double error;
-    bool has_passed;           /* the hardest position */
-    bool is_over, is_complete; /* the trial is finished; it covers the whole run */
-    tvi_status status;
-} tvi_trial;
+    bool has_passed_hardest;            /* true if the trial has passed the scout's hardest position */
+    bool is_finished, covers_whole_run; /* whether the trial has ended; whether it went from the start to the end */
+    tvi_status status;                  /* the status of the last step */
+} tvi_step_size_trial;
 
 /* Makes a trial with steps of size h. */
-tvi_trial tvi_trial_make(tvi_trials *trials, double h);
+tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h);
 
-/* The most steps that the cost allows, and whether it allows so many more: `steps`, one more trial step beside the
- * companion's, and a trial with steps of h that passes the hardest position. */
-static inline double tvi_trials_most(const tvi_trials *w)
+/* Returns the number of steps that the scout and all trials may make together. */
+static inline double tvi_trials_step_budget(const tvi_trials *trials)
 {
-    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * w->run), TVI_MOST_STEPS);
+    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_steps), TVI_MOST_STEPS);
 }
-static inline bool tvi_trials_allow(const tvi_trials *w, double steps)
+/* Tells whether the budget allows this number of further steps. */
+static inline bool tvi_trials_have_budget_for(const tvi_trials *trials, double steps)
 {
-    return (double)w->pair.steps_tried + steps <= tvi_trials_most(w);
+    return (double)trials->step_doubling.steps_tried + steps <= tvi_trials_step_budget(trials);
 }
-static inline bool tvi_trials_allow_step(const tvi_trials *w)
+/* Tells whether the budget allows one more step of a trial, beside the reserved steps. */
+static inline bool tvi_trials_have_budget_for_step(const tvi_trials *trials)
 {
-    return tvi_trials_allow(w, (double)(w->reserve + TVI_STEPS_OF_TRIAL));
+    return tvi_trials_have_budget_for(trials, (double)(trials->reserved_steps + TVI_STEPS_OF_TRIAL));
 }
-bool tvi_trials_allow_passage(const tvi_trials *trials, double h);
+/* Tells whether the budget allows a trial with steps of size h that passes the hardest position. */
+bool tvi_trials_have_budget_for_passage(const tvi_trials *trials, double h);
 
-/* Tell whether the estimate is above an error, or so far below or above the aim that no other trial is asked for. */
-static inline bool tvi_trial_is_above(const tvi_trials *w, const tvi_trial *r, double error)
+/* Tells whether the trial's estimate is above the given error, and not only by roundoff. */
+static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_step_size_trial *trial, double error)
 {
-    return r->error > error && (r->error == INFINITY || fmax(r->recent, r->previous) >= w->floor);
+    return trial->error > error && (trial->error == INFINITY ||
+                                    fmax(trial->recent_distance, trial->previous_distance) >= trials->roundoff_floor);
 }
-static inline bool tvi_trial_is_low(const tvi_trials *w, const tvi_trial *r)
+/* Tells whether the estimate is below the aim by more than the factor TVI_TRIAL_BAND. */
+static inline bool tvi_trial_error_is_far_below_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return r->error < w->aim / TVI_TRIAL_BAND;
+    return trial->error < trials->aim / TVI_TRIAL_BAND;
 }
-static inline bool tvi_trial_error_is_high(const tvi_trials *w, const tvi_trial *r)
+/* Tells whether the estimate is above the aim by more than the factor TVI_TRIAL_BAND. */
+static inline bool tvi_trial_error_is_far_above_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return tvi_trial_is_above(w, r, TVI_TRIAL_BAND * w->aim);
+    return tvi_trial_error_is_above(trials, trial, TVI_TRIAL_BAND * trials->aim);
 }
 
 #endif

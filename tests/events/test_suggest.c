@@ -68,17 +68,18 @@ static double error_with(const trip *to, double h, long *steps)
 }
 
 /* The error at the end relative to the wanted one, of a run with the step that is suggested. */
-static double reached(const trip *to, double wanted, tvi_suggestion *found)
+static double reached(const trip *to, double wanted, tvi_step_suggestion *found)
 {
     long steps;
     double h = 0, seen = -1;
     ck_assert_int_eq(tvi_suggest_step_seen(to->system, &to->options, 0, to->q, to->p, to->duration, wanted, &h, &seen),
                      TVI_OK);
-    ck_assert_int_eq(tvi_suggest(to->system, &to->options, 0, to->q, to->p, to->duration, wanted, found), TVI_OK);
+    ck_assert_int_eq(
+        tvi_compute_step_suggestion(to->system, &to->options, 0, to->q, to->p, to->duration, wanted, found), TVI_OK);
     ck_assert(h == found->h && h * to->duration > 0 && fabs(h) <= fabs(to->duration));
-    ck_assert(seen == found->seen && seen > 0 && seen <= 1);
+    ck_assert(seen == found->explored_duration_part && seen > 0 && seen <= 1);
     const double error = error_with(to, h, &steps);
-    ck_assert_double_le((double)found->steps, fmax(60, 0.05 * (double)steps));
+    ck_assert_double_le((double)found->step_count, fmax(60, 0.05 * (double)steps));
     return error / wanted;
 }
 
@@ -87,7 +88,7 @@ static double reached(const trip *to, double wanted, tvi_suggestion *found)
 static void assert_reached(const trip *to, const char *name, double wanted)
 {
     long steps;
-    tvi_suggestion found;
+    tvi_step_suggestion found;
     const double error = reached(to, wanted, &found);
     ck_assert_msg(error <= 3, "%s, %g: h = %g, %g times as much", name, wanted, found.h, error);
     const double longer = error_with(to, 2.5 * found.h, &steps) / wanted;
@@ -124,7 +125,7 @@ START_TEST(chaotic_errors_grow_on)
 {
     const scene *s = &scene_henon_heiles_8;
     tvi_system *system;
-    tvi_suggestion found;
+    tvi_step_suggestion found;
     double sum = 0;
     int count = 0;
     ck_assert_int_eq(scene_system(s, &system), TVI_OK);
@@ -189,7 +190,7 @@ START_TEST(later_passages_are_harder)
     static const hard_scene *const orbits[] = {&hard_kepler_90, &hard_kepler_99, &hard_kepler_999};
     const scene *s = &orbits[_i]->scene;
     tvi_system *base, *system;
-    tvi_suggestion found;
+    tvi_step_suggestion found;
     ck_assert_int_eq(scene_system(s, &base), TVI_OK);
     ck_assert_int_eq(tvi_system_rescaled(&system, base, orbits[_i]->scale, NULL), TVI_OK);
     trip to = {.system = system, .options = tvi_options_default(), .n = 2, .q = s->q, .p = s->p, .duration = s->t_end};
