@@ -1,5 +1,6 @@
-/* columns.c - Moves the tangent vectors of a run by its steps, and by parts of them. The integrator's tangent keeps the
- * vectors before and after the last step, so that every part of the step starts from the same ones. */
+/* columns.c - Updates the tangent vectors of a run (columns.h). The integrator stores the vectors before and after its
+ * last step (tvi_tangent.start and .end), so that the vectors at every point inside the step can be computed from those
+ * before it. */
 #include "run/columns.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* dense.c - Evaluates the curve of the last step at one theta, or at all sample points of a search for events. */
+/* dense.c - Evaluates the curve of the last step (tvi_dense) at one point of the step, or at all points where the
+ * search for events samples it. theta = 0 ... 1 is the position in the step. */
 #include "run/integrator.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -8,7 +9,7 @@
 tvi_status tvi_compute_dense_state(tvi_integrator *it, double theta, double *t, double q[], double p[])
 {
     const int n = it->system->n;
-    if (theta == 1) { /* this state has the low-order parts */
+    if (theta == 1) { /* The state at the end of the step is known more accurately than the curve. */
         tvi_integrator_copy_state(it, t, q, p);
         return TVI_OK;
     }
@@ -39,7 +40,8 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 
 const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
-/* Evaluates the samples one after the other. */
+/* Computes the states at all sample points by one call of the stepper's `dense` for each. It serves methods that have
+ * no faster function for all of them. */
 static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;
@@ -54,17 +56,17 @@ static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double
     }
 }
 
-void tvi_sample_dense_output(tvi_integrator *it, const tvi_range used[2], double *x)
+void tvi_sample_dense_output(tvi_integrator *it, const tvi_range used_components[2], double *samples)
 {
     const int n = it->system->n, end = TVI_SAMPLES - 1;
-    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
+    double *q = samples, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
     if (it->stepper->sample && !tvi_is_rescaled(it)) {
-        it->stepper->sample(it->work, used, it->start.q, it->start.p, q, p);
+        it->stepper->sample(it->work, used_components, it->start.q, it->start.p, q, p);
         for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_theta[k] * it->h);
     } else {
         sample_dense_output_one_by_one(it, q, p, t);
     }
-    for (int i = used[0].first; i < used[0].end; i++) q[i * TVI_SAMPLES + end] = it->state.q[i];
-    for (int i = used[1].first; i < used[1].end; i++) p[i * TVI_SAMPLES + end] = it->state.p[i];
+    for (int i = used_components[0].first; i < used_components[0].end; i++) q[i * TVI_SAMPLES + end] = it->state.q[i];
+    for (int i = used_components[1].first; i < used_components[1].end; i++) p[i * TVI_SAMPLES + end] = it->state.p[i];
     t[end] = it->state.q[n];
 }

@@ -1,16 +1,17 @@
-/* dip.c - Searches a dip of |g| for a zero of g, by parabolas and golden sections (dip.h). */
+/* dip.c - Chooses where to sample a function g near a dip (a local minimum of |g|) to find a zero, by parabolas and
+ * golden sections, and decides when there can be no zero (dip.h). */
 #include "run/dip.h"
 
 #include <float.h>
 #include <math.h>
 
-/* The search samples g as long as it changes by more than UNITS units of its roundoff, in parts of the step that are at
- * least LEAST_SECTION. */
+/* The search ends when |g| changes by less than UNITS units of roundoff over the three middle samples, or when these
+ * lie within LEAST_SECTION, a part of the step. */
 static const double UNITS = 64, LEAST_SECTION = 1e-8;
 enum { MOST_SECTIONS = 120 };
 
-/* The next abscissa to sample: the minimum of the parabola through the three points. A golden section of the larger
- * part replaces it if the minimum lies outside, or if a section is wanted. */
+/* Returns the minimum of the parabola through the three middle samples. If that lies outside of them, or if
+ * wants_golden_section is set, it returns a point that divides the larger of the two intervals in the golden ratio. */
 static double choose_next_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], bool wants_golden_section)
 {
     const double golden = 0.3819660112501051;
@@ -22,17 +23,17 @@ static double choose_next_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], bool 
 
 static double chord_slope(tvi_event_sample a, tvi_event_sample b) { return (b.g - a.g) / (b.theta - a.theta); }
 
-/* The least value between a and b of a convex function with these values, whose slope is at least `down` and at most
- * `up`. */
-static double lower_bound_between(tvi_event_sample a, double down, tvi_event_sample b, double up)
+/* Returns a lower bound between the points a and b of a convex function that has the given values there, whose slope is
+ * nowhere less than least_slope or more than largest_slope. */
+static double lower_bound_between(tvi_event_sample a, double least_slope, tvi_event_sample b, double largest_slope)
 {
     const double width = b.theta - a.theta;
-    return a.g + down / (down - up) * (b.g - a.g - up * width);
+    return a.g + least_slope / (least_slope - largest_slope) * (b.g - a.g - largest_slope * width);
 }
 
-/* Tells whether g, convex at the five points, has no zero among them because it lies above the chords from outside. A
- * kink is convex, too. Beside a peak g is not convex: its zeros then lie between two points, with three points on one
- * side. */
+/* Tells whether g cannot have a zero among the five samples. If g is convex where it is positive (concave where it is
+ * negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a zero.
+ * A function with a kink may be convex, too. */
 static bool is_zero_excluded(const tvi_event_sample from[TVI_DIP_SAMPLES])
 {
     tvi_event_sample x[TVI_DIP_SAMPLES];
@@ -42,7 +43,8 @@ static bool is_zero_excluded(const tvi_event_sample from[TVI_DIP_SAMPLES])
     const double rise = chord_slope(x[2], x[3]), last = chord_slope(x[3], x[4]);
     const double least =
         fmin(lower_bound_between(x[1], first, x[2], rise), lower_bound_between(x[2], fall, x[3], last));
-    return first <= fall && rise <= last && least > 0; /* false if a point is missing */
+    /* All comparisons are false if a sample is missing, since its g is NAN. */
+    return first <= fall && rise <= last && least > 0;
 }
 
 bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_count, double *at)
@@ -54,15 +56,15 @@ bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_
     return true;
 }
 
-void tvi_dip_insert_sample(tvi_event_sample x[TVI_DIP_SAMPLES], tvi_event_sample found)
+void tvi_dip_insert_sample(tvi_event_sample x[TVI_DIP_SAMPLES], tvi_event_sample added)
 {
-    const bool is_right = found.theta > x[2].theta, is_less = fabs(found.g) < fabs(x[2].g);
+    const bool is_right = added.theta > x[2].theta, is_less = fabs(added.g) < fabs(x[2].g);
     if (is_right == is_less) {
         x[0] = x[1];
-        x[1] = is_less ? x[2] : found;
+        x[1] = is_less ? x[2] : added;
     } else {
         x[4] = x[3];
-        x[3] = is_less ? x[2] : found;
+        x[3] = is_less ? x[2] : added;
     }
-    if (is_less) x[2] = found;
+    if (is_less) x[2] = added;
 }

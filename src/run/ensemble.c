@@ -1,5 +1,5 @@
-/* ensemble.c - Creates and frees ensembles, saves and loads them, and moves members between the ensemble's memory and
- * the integrators of its threads. The memory of a batch between two steps is an integrator's history (arena.h),
+/* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
+ * integrators of its threads. Between two steps the memory of a batch is the history of an integrator (arena.h),
  * together with the parameters and the stops of its members. */
 #include "run/ensemble.h"
 #include "run/saved.h"
@@ -17,7 +17,8 @@ static size_t count_parameters_of_all_members(const tvi_ensemble *ensemble)
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* The first worker's integrator is created from the options; the other workers' integrators are like it. */
+/* Creates the integrators of one thread. The first thread's single_integrator is created from the options; all other
+ * integrators are created like it. */
 static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble,
                                             const tvi_options *options)
 {
@@ -159,7 +160,7 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     memmove(ensemble->parameters, value, count_parameters_of_all_members(ensemble) * sizeof *value);
-    /* the events had other parameters */
+    /* The stops are forgotten, since they belong to events with the old parameters. */
     memset(ensemble->stops, 0, (size_t)ensemble->members * tvi_size_of_stop_in_bytes(ensemble->n));
     tvi_ensemble_reset(ensemble);
     return TVI_OK;
@@ -208,7 +209,8 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
 
 /* ---- Saved states ------------------------------------------------------------------------------------------------ */
 
-/* The bytes of a saved ensemble: identity | counts | statuses | parameters | stops | histories | checksum. */
+/* The indices of the pieces of a saved ensemble. The bytes are: identity | counts | statuses | parameters | stops |
+ * histories | checksum. */
 enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
 
 static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tvi_saved_pieces *pieces)
@@ -246,7 +248,7 @@ tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t 
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
-/* Tells whether a run can go on from the contents of the pieces. */
+/* Tells whether the loaded pieces are valid, so that a run can go on from them. */
 static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_pieces *pieces, const void *buffer)
 {
     const char *histories = tvi_saved_piece_address(pieces, HISTORIES, buffer);

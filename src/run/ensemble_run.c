@@ -1,5 +1,6 @@
-/* ensemble_run.c - Runs all members of an ensemble, batch by batch. A batch is stepped as a whole, or its members run
- * one after the other as an integrator does. */
+/* ensemble_run.c - Runs all members of an ensemble in several threads, one batch of members after the other. The
+ * members of a batch are stepped together if nothing but the steps is asked for. Otherwise they run one after the
+ * other, each as a single integrator does. */
 #include "run/ensemble.h"
 #include "run/plan.h"
 #include "run/parallel_for.h"
@@ -32,7 +33,7 @@ static void set_member_status(const run_segment *segment, int member, tvi_status
 static void run_single_member(const run_segment *segment, tvi_ensemble_worker *worker, int member)
 {
     const tvi_ensemble *ensemble = segment->ensemble;
-    /* in an earlier segment */
+    /* An observer or an event has stopped this member in an earlier segment. */
     if (segment->steps_before_segment > 0 && segment->member_status[member] == TVI_ESTOPPED) return;
     tvi_gather(ensemble->n, ensemble->members, segment->q, member, worker->member_q);
     tvi_gather(ensemble->n, ensemble->members, segment->p, member, worker->member_p);
@@ -58,7 +59,8 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
 
 /* ---- A batch of them --------------------------------------------------------------------------------------------- */
 
-/* Loads the user's state into the member, and returns the status that says whether the member is stepped. */
+/* Loads the user's state of a member into lane m of the batch integrator. A member that has failed before and still has
+ * the same state is not stepped: the status of that failure is returned. */
 static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int m, int member)
 {
     const tvi_user_state given = {segment->q + member, segment->p + member, (size_t)segment->ensemble->members,
@@ -68,7 +70,8 @@ static tvi_status load_member_state(const run_segment *segment, tvi_integrator *
     return tvi_member_begin_step(it, m, &given);
 }
 
-/* Fills a lane that has no member with the first lane's state. Such a lane is not stepped. */
+/* Copies the state of the first lane to lane m, which has no member, so that its numbers are finite. The lane is marked
+ * as one that is not stepped. */
 static void fill_unused_lane(tvi_integrator *it, int m)
 {
     for (int i = 0; i <= it->stepped->n; i++) it->state.q[i * it->width + m] = it->state.q[i * it->width];
@@ -120,7 +123,8 @@ static tvi_status run_all_batches(const run_segment *segment)
     return status;
 }
 
-/* Makes all steps at once, or one after the other if an observer is called after each. */
+/* Makes all steps of the run. If the ensemble has an observer, each step is a segment of its own, after which the
+ * observer is called. */
 static tvi_status run_steps_with_observer(run_segment *segment)
 {
     const long steps = segment->plan.steps;
@@ -138,7 +142,7 @@ static tvi_status run_steps_with_observer(run_segment *segment)
     return TVI_OK;
 }
 
-/* Provides memory for the columns in every worker. */
+/* Allocates the memory for the tangent vectors in the integrators of all threads. */
 static tvi_status allocate_tangent_columns(const tvi_ensemble *ensemble, int columns)
 {
     tvi_status status = TVI_OK;

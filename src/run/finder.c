@@ -1,9 +1,9 @@
-/* finder.c - Finds the time and the state of an event to roundoff, for locate.c.
+/* finder.c - Computes the time and the state of an event to roundoff, for locate.c.
  *
- * The search (search.h) gives a root on the curve of the step. Near it a step over a part of h (between.h) gives a
- * state of the method's own solution, and the slope there gives a line that agrees with this solution to roundoff over
- * a short distance. The event is the sign change of g on that line: its state is as accurate as that of a step,
- * whatever slope g has. */
+ * The search (search.h) has found a root on the curve of the step. Near this root a partial step of the method
+ * (partial_step.h) gives an accurate state. The straight line through this state, with the slope of the curve, agrees
+ * with the method's solution to roundoff over a short distance. The event is the sign change of g on this line. Its
+ * state is as accurate as that of a step, whatever slope g has. */
 #include "run/finder.h"
 #include "run/start.h"
 #include "algebra/sizes.h"
@@ -13,17 +13,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Half the distance of the two points that give the slopes of the curve and of g. */
+/* The slopes of the curve and of g are difference quotients between theta - CHORD and theta + CHORD. */
 static const double CHORD = 1e-5;
 enum { MOST_LINES = 5 };
-/* A guess is good if the slope leads at most LEAST_WAY further, in parts of the step, and at most NEAR of the distance
- * from the ends of the bracket. */
+/* A correction of theta counts as short if it is at most LEAST_WAY, and at most the part NEAR of the distance to the
+ * ends of the bracket. */
 static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
-/* REACH bounds how far the slope of the curve leads from a state of the method. STEEPER is how much larger the relative
- * error of the slope may be than that of the curve. */
+/* The line from a state of the method is used at most up to the distance REACH in theta. The relative error of the
+ * curve's slope is at most STEEPER times that of the curve itself. */
 static const double REACH = 2e-9, STEEPER = 32;
-/* A sign change within SURE on both sides of a point is the event. Otherwise the bracket grows by the factor WIDER, up
- * to FARTHEST. SURE and FARTHEST are parts of the step. */
+/* If g changes its sign within SURE on both sides of an estimated root, that sign change is the event. Otherwise the
+ * bracket grows by the factor WIDER, up to the width FARTHEST. SURE and FARTHEST are distances in theta. */
 static const double SURE = 0x1p-50, WIDER = 16, FARTHEST = 1.0 / 16;
 
 tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
@@ -45,10 +45,11 @@ void tvi_finder_close(tvi_event_finder *finder)
     free(finder->line_origin);
 }
 
-/* Sets finder->line_direction to the slope of the curve at theta, and finder->chord_midpoint to the state in the
- * middle of the chord there. *slope is that of g along the curve, and *ahead the distance to the zero of g. */
+/* Computes slopes near theta by difference quotients: finder->line_direction becomes dx/dtheta of the curve,
+ * finder->chord_midpoint the middle of its chord, *slope the derivative of g along the curve, and *distance_to_zero
+ * the distance from theta to the zero of g. */
 static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index, double theta, double *slope,
-                                       double *ahead)
+                                       double *distance_to_zero)
 {
     const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
     double ga = 0, gb = 0;
@@ -57,41 +58,45 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
     if (status == TVI_OK) status = tvi_search_compute_curve_state(finder->search, b, finder->chord_midpoint);
     if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->chord_midpoint, &gb);
     *slope = (gb - ga) / (b - a);
-    *ahead = -(ga + gb) / (2 * *slope);
+    *distance_to_zero = -(ga + gb) / (2 * *slope);
     for (int i = 0; i < finder->state_size; i++) {
         const double low = finder->line_direction[i], high = finder->chord_midpoint[i];
         finder->line_direction[i] = (high - low) / (b - a);
         finder->chord_midpoint[i] = (low + high) / 2;
     }
-    finder->is_chord_inside_step = a > 0 && b < 1; /* the error of the slope is the square of the chord */
+    /* In this case the slope has an error proportional to CHORD^2 only. */
+    finder->is_chord_inside_step = a > 0 && b < 1;
     return status;
 }
 
-/* Tells whether the root has a guess that lies inside the bracket, clear of its ends. */
+/* Tells whether the search has estimated the root, and the estimate lies inside the bracket, away from its ends. */
 static bool has_guess_inside_bracket(const tvi_event_root *root)
 {
     return root->theta_guess > root->bracket.left + CHORD && root->theta_guess < root->bracket.right - CHORD;
 }
 
-/* Tells whether the distance `way` from a point is short, also relative to the distance from a and b. */
-static bool is_short_correction(const tvi_event_root *root, double from, double way)
+/* Tells whether a correction of theta by `distance` is short, in itself and in relation to the distance of the result
+ * from the ends of the root's bracket. */
+static bool is_short_correction(const tvi_event_root *root, double theta, double distance)
 {
-    return fabs(way) <=
-           fmin(LEAST_WAY, NEAR * fmin(from + way - root->bracket.left, root->bracket.right - (from + way)));
+    return fabs(distance) <= fmin(LEAST_WAY, NEAR * fmin(theta + distance - root->bracket.left,
+                                                         root->bracket.right - (theta + distance)));
 }
 
-/* The distance of the curve from finder->line_origin in these components, relative to the largest of them. */
-static double relative_distance_to_curve(const tvi_event_finder *finder, int from, int count)
+/* Returns the largest difference between the curve and finder->line_origin in the components from `first` on, divided
+ * by the largest of these components. */
+static double relative_distance_to_curve(const tvi_event_finder *finder, int first, int count)
 {
     double apart = 0, size = 0;
-    for (int i = from; i < from + count; i++) {
+    for (int i = first; i < first + count; i++) {
         apart = fmax(apart, fabs(finder->line_origin[i] - finder->chord_midpoint[i]));
         size = fmax(size, fabs(finder->line_origin[i]));
     }
     return tvi_ratio(apart, size);
 }
 
-/* The relative distance in the time, which may be 0 at finder->line_origin. */
+/* Returns the difference between the time on the curve and the time at finder->line_origin, divided by a size of the
+ * time that is not 0. */
 static double relative_time_distance(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
@@ -99,7 +104,7 @@ static double relative_time_distance(const tvi_event_finder *finder)
                      fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
-/* Copies the last state of finder->search->partial_step, at theta, to finder->line_origin. */
+/* Copies the state of the last partial step, at theta, to finder->line_origin. */
 static void copy_partial_step_state(tvi_event_finder *finder, double theta)
 {
     tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
@@ -108,33 +113,36 @@ static void copy_partial_step_state(tvi_event_finder *finder, double theta)
 
 /* ---- On a line --------------------------------------------------------------------------------------------------- */
 
-/* Sets x [2n + 1] = finder->line_origin + way finder->line_direction, and *g to the value there. */
-static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_index, double way, double x[], double *g)
+/* Computes the state x [2n + 1] on the line, x = line_origin + distance line_direction, and the value *g of the event
+ * function there. */
+static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_index, double distance, double x[],
+                                         double *g)
 {
-    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + way * finder->line_direction[i];
+    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + distance * finder->line_direction[i];
     return tvi_search_evaluate_event(finder->search, event_index, x, g);
 }
 
+/* One event, as the argument of the functions that tvi_narrow_bracket calls. */
 typedef struct {
     tvi_event_finder *finder;
     int event_index;
 } event_on_line;
 
-static tvi_status evaluate_line_distance(void *ctx, double way, double *g)
+static tvi_status evaluate_line_distance(void *ctx, double distance, double *g)
 {
     const event_on_line *line = ctx;
-    return evaluate_event_on_line(line->finder, line->event_index, way, line->finder->trial_state, g);
+    return evaluate_event_on_line(line->finder, line->event_index, distance, line->finder->trial_state, g);
 }
 
-/* Brackets the sign change of g around `way`, within the step and no farther than FARTHEST. The bracket has one sign
- * only if g does not change there. */
-static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double way,
+/* Searches a bracket of the sign change of g on the line, around the distance `estimate`, inside the step and up to
+ * FARTHEST. If there is no sign change, the bracket has one sign of g at both ends. */
+static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double estimate,
                                        tvi_sign_bracket *bracket)
 {
     const double low = fmax(-finder->line_origin_theta, -FARTHEST),
                  high = fmin(1 - finder->line_origin_theta, FARTHEST);
     double width = SURE;
-    bracket->left = fmin(fmax(way - width, low), high), bracket->right = fmin(fmax(way + width, low), high);
+    bracket->left = fmin(fmax(estimate - width, low), high), bracket->right = fmin(fmax(estimate + width, low), high);
     tvi_status status =
         evaluate_event_on_line(finder, root->event_index, bracket->left, finder->trial_state, &bracket->g_left);
     while (status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > low) {
@@ -154,36 +162,37 @@ static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event
     return status;
 }
 
-/* Sets *way to the distance from finder->line_origin to the root on the line, if finder->is_root_on_line. g is the
- * value at finder->line_origin, and slope that of g along the line, which may be any number. */
+/* Computes the distance from finder->line_origin to the root on the line, and sets finder->is_root_on_line if there is
+ * one. g is the value at finder->line_origin. `slope` is an estimate of the derivative of g along the line, which need
+ * not be accurate. */
 static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
-                                    double *way)
+                                    double *distance)
 {
     double next;
     tvi_sign_bracket bracket = {0};
     const double first = -g / slope;
-    *way = fabs(first) <= FARTHEST ? first : 0;
-    tvi_status status = evaluate_event_on_line(finder, root->event_index, *way, finder->trial_state, &next);
-    const double second = *way - next / slope;
-    if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *way = second;
-    if (status == TVI_OK) status = bracket_root_on_line(finder, root, *way, &bracket);
+    *distance = fabs(first) <= FARTHEST ? first : 0;
+    tvi_status status = evaluate_event_on_line(finder, root->event_index, *distance, finder->trial_state, &next);
+    const double second = *distance - next / slope;
+    if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *distance = second;
+    if (status == TVI_OK) status = bracket_root_on_line(finder, root, *distance, &bracket);
     finder->is_root_on_line = status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_left) &&
                               tvi_has_sign_after_root(root, bracket.g_right);
     if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * SURE) return status;
     status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_line_distance,
                                 &(event_on_line){finder, root->event_index});
-    *way = bracket.right;
+    *distance = bracket.right;
     return status;
 }
 
-/* Sets the event to the point at this distance on the line. */
-static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *root, double way, double x[])
+/* Sets the event's theta and state x to the point at this distance on the line. */
+static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *root, double distance, double x[])
 {
-    root->theta = finder->line_origin_theta + way;
-    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + way * finder->line_direction[i];
+    root->theta = finder->line_origin_theta + distance;
+    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + distance * finder->line_direction[i];
 }
 
-/* Sets the event to theta, by a step over a part of h. */
+/* Sets the event to the given theta. Its state x is computed by a partial step. */
 static tvi_status set_event_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta, double x[])
 {
     const tvi_status status =
@@ -193,8 +202,8 @@ static tvi_status set_event_by_partial_step(tvi_event_finder *finder, tvi_event_
     return status;
 }
 
-/* Sets finder->line_origin to the state at theta, by a step over a part of h, and finder->accurate_distance to the
- * distance over which the slope of the curve makes no error that shows. */
+/* Computes the state at theta by a partial step, and begins a line there. finder->accurate_distance becomes the
+ * distance over which an error of the line's slope stays below roundoff. */
 static tvi_status start_line_at(tvi_event_finder *finder, double theta)
 {
     const int n = finder->search->integrator->system->n;
@@ -217,8 +226,8 @@ static tvi_status evaluate_after_partial_step(void *ctx, double theta, double *g
                             : status;
 }
 
-/* Finds the root by steps over parts of h in the bracket that the curve gives, or beside it. It is used if no line has
- * the root, or if lines converge slowly. */
+/* Finds the root by narrowing its bracket, with one partial step for each value of g. It is used if the line has no
+ * root or if the iteration over lines converges slowly. */
 static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
     event_on_line line = {finder, root->event_index};
@@ -243,34 +252,36 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
     return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, x) : status;
 }
 
-/* Finds the root on the curve, and then on lines. Each line starts at the root on the line before, until two roots are
- * near. */
+/* Finds the root on the curve first, and then on lines. Each line begins at the root on the line before. The iteration
+ * ends when two successive roots are near each other. */
 static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
-    double theta = root->theta_guess, g = 0, slope, way = 0, ahead = 0;
+    double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
-    if (has_guess_inside_bracket(root)) status = measure_curve_slopes(finder, root->event_index, theta, &slope, &ahead);
-    if (status == TVI_OK && has_guess_inside_bracket(root) && is_short_correction(root, theta, ahead)) theta += ahead;
+    if (has_guess_inside_bracket(root))
+        status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
+    if (status == TVI_OK && has_guess_inside_bracket(root) && is_short_correction(root, theta, distance_to_zero))
+        theta += distance_to_zero;
     else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
     for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
-        status = measure_curve_slopes(finder, root->event_index, theta, &slope, &ahead);
+        status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
         if (status == TVI_OK)
             status = evaluate_after_partial_step(&(event_on_line){finder, root->event_index}, theta, &g);
-        if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &way);
+        if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &distance);
         if (status != TVI_OK) return status;
         if (!finder->is_root_on_line) break;
-        if (fabs(way) <= fmax(finder->accurate_distance, DBL_EPSILON)) {
-            set_event_on_line(finder, root, way, x);
+        if (fabs(distance) <= fmax(finder->accurate_distance, DBL_EPSILON)) {
+            set_event_on_line(finder, root, distance, x);
             return TVI_OK;
         }
-        theta = fmin(fmax(theta + way, 0), 1);
+        theta = fmin(fmax(theta + distance, 0), 1);
     }
     return status == TVI_OK ? find_event_by_partial_steps(finder, root, x) : status;
 }
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
-/* Sets finder->line_direction to the rates of the field at a state, for a unit of theta. */
+/* Computes the time derivatives at a state, and sets finder->line_direction to dx/dtheta. */
 static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double x[])
 {
     const int last = finder->state_size - 1;
@@ -281,8 +292,9 @@ static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double
     return status;
 }
 
-/* Finds the event from a good guess by one step over a part of h, if the field's rates are accurate enough for the rest
- * of the way. For a way longer than 0 the rates are taken in its middle. */
+/* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
+ * derivatives of the state there. If the rest of the distance is long, they are computed again in its middle. *is_done
+ * is set if the result is accurate. */
 static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_root *root, double x[], bool *is_done)
 {
     double g = 0, before = 0, after = 0, found = 0;
@@ -297,26 +309,27 @@ static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_
         status = evaluate_event_on_line(finder, root->event_index, -CHORD, finder->trial_state, &before);
     if (status == TVI_OK)
         status = evaluate_event_on_line(finder, root->event_index, CHORD, finder->trial_state, &after);
-    const double slope = (after - before) / (2 * CHORD), way = -g / slope;
+    const double slope = (after - before) / (2 * CHORD), distance = -g / slope;
     const double tail = fmax(finder->search->integrator->stats.tail,
                              finder->search->partial_step->partial_step_integrator->stats.tail),
                  error = tail * tail;
     if (status != TVI_OK ||
-        !(fabs(way) * error <= DBL_EPSILON / 8 && is_short_correction(root, root->theta_guess, way)))
+        !(fabs(distance) * error <= DBL_EPSILON / 8 && is_short_correction(root, root->theta_guess, distance)))
         return status;
-    if (fabs(way) > REACH) {
+    if (fabs(distance) > REACH) {
         for (int i = 0; i < finder->state_size; i++)
-            finder->trial_state[i] = finder->line_origin[i] + way / 2 * finder->line_direction[i];
+            finder->trial_state[i] = finder->line_origin[i] + distance / 2 * finder->line_direction[i];
         status = compute_rates_per_theta(finder, finder->trial_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
     if (status == TVI_OK) set_event_on_line(finder, root, found, x);
-    *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - way) <= REACH &&
+    *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - distance) <= REACH &&
                tvi_all_finite(finder->state_size, x);
     return status;
 }
 
-/* Tells whether the method's solution follows the field up to the square of the tail. */
+/* Tells whether lines along the field are accurate enough: the solution of the method differs from that of the field by
+ * the square of the tail (tvi_stats.tail). */
 static bool are_field_rates_accurate(const tvi_event_finder *finder)
 {
     const tvi_integrator *it = finder->search->integrator;
@@ -326,8 +339,8 @@ static bool are_field_rates_accurate(const tvi_event_finder *finder)
 
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
-/* Sets *g to the rise of g since the event that the step began on, divided by theta. The quotient is nearly linear if
- * theta is small. */
+/* Computes (g(theta) - g(0)) / theta, for a step that begins on the event, where g(0) = 0. This quotient is nearly
+ * linear in theta if theta is small. */
 static tvi_status compute_rise_per_theta(void *ctx, double theta, double *g)
 {
     const event_on_line *line = ctx;
@@ -338,8 +351,8 @@ static tvi_status compute_rise_per_theta(void *ctx, double theta, double *g)
     return status;
 }
 
-/* Finds a return to the event that the step began on. The curve may return sooner than the method's own solution
- * does. */
+/* Finds the root at which g returns to 0 in a step that has begun on the event. The curve may have this root sooner
+ * than the more accurate partial steps. */
 static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double x[])
 {
     event_on_line line = {finder, root->event_index};

@@ -1,4 +1,5 @@
-/* integrate_to.c - Runs to a given time, with a shorter last step. */
+/* integrate_to.c - Makes runs that end at a given time, with steps of size h and a shorter last step
+ * (tvi_integrate_to). It also defines what run.h and integrator.h declare for runs to a time. */
 #include "run/partial_step.h"
 #include "run/run.h"
 #include "algebra/sizes.h"
@@ -8,7 +9,7 @@
 #include <limits.h>
 #include <math.h>
 
-/* The most steps at once before the run is asked whether its time moves. */
+/* The largest number of steps that are made before the run checks again whether its time moves. */
 enum { AT_ONCE = 64 };
 
 double tvi_remaining_time(const tvi_integrator *it, double t_end)
@@ -26,7 +27,8 @@ tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *s
                : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
 }
 
-/* Replaces a step that went past t_end by the part of it that ends there. */
+/* Replaces a step of a rescaled system that went past t_end by a shorter step from the same start that ends at
+ * t_end. */
 static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, double *t, double q[], double p[])
 {
     tvi_partial_step partial_step;
@@ -45,16 +47,16 @@ void tvi_set_time_to_end(tvi_integrator *it, double t_end, double *t)
     it->state.q[n] = *t = t_end;
 }
 
-/* The number of steps of size h that are made at once, since no observer sees them. If the steps' variable is the time,
- * it leaves out the last steps: roundoff decides whether there is one more. */
+/* Returns how many steps of size h can be made in one call. In steps in time the last steps are excluded, since
+ * roundoff decides whether one more fits before t_end. */
 static long count_steps_without_checks(const tvi_integrator *it, const tvi_schedule *schedule, double rest)
 {
     const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / schedule->plan->h)) - 1;
     return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
 }
 
-/* Makes steps of size h, or the last one. If the steps' variable is the time, the size of the last step is what is
- * left. */
+/* Makes one or more steps of size h, or the last step of the run. In steps in time the last step has the size of the
+ * remaining time. */
 static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
                                          double p[], bool *is_last)
 {

@@ -1,4 +1,5 @@
-/* integrator.c - Creates integrators, each in one piece of memory, and reports their options and counts. */
+/* integrator.c - Creates and frees integrators, and returns their options and counts of steps. All memory of an
+ * integrator is one block, which an arena lays out (algebra/arena.h). */
 #include "run/integrator.h"
 #include "compiled/compiled.h"
 #include "method/method.h"
@@ -7,21 +8,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The place in `history_before` that corresponds to a place in the history. */
+/* Returns the address in history_before, the copy of the history, that corresponds to an address in the history
+ * itself. */
 static void *corresponding_address_before_step(const tvi_integrator *it, const void *in_history)
 {
     return it->history_before + ((const char *)in_history - it->history);
 }
 
-/* Takes the four arrays of a state or of increments in a system of this dimension. */
+/* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) for members with this number of
+ * coordinates. `take` is the function of the arena that allocates an array. */
 static void allocate_state_arrays(tvi_arena *arena, void *(*take)(tvi_arena *, size_t), int dimension, int width,
                                   double **const arrays[4])
 {
-    for (size_t i = 0; i < 4; i++) /* p, q, p_low, q_low; the arrays of q have one row more */
+    /* The order is p, q, p_low, q_low. The arrays of q have one more component, the time or s. */
+    for (size_t i = 0; i < 4; i++)
         *arrays[i] = take(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
 }
 
-/* Takes all memory of the members except the stepper's work. */
+/* Allocates all arrays of the members: states, increments, results of a step, parameters. The stepper's work is
+ * allocated separately. */
 static void allocate_member_arrays(tvi_integrator *laid, tvi_arena *arena)
 {
     const int n = laid->system->n, dimension = laid->stepped->n, width = laid->width;
@@ -51,7 +56,8 @@ static void allocate_member_arrays(tvi_integrator *laid, tvi_arena *arena)
     laid->stop = tvi_arena_take(arena, tvi_size_of_stop_in_bytes(n));
 }
 
-/* Takes the blocks of one lane, and the block for the energies of all members. */
+/* Allocates the memory in which energies and the field are evaluated: for one member, and for the energies of all
+ * members of a batch at once. */
 static void allocate_energy_memory(tvi_integrator *laid, tvi_arena *arena)
 {
     const tvi_system *system = laid->system;
@@ -65,7 +71,8 @@ static void allocate_energy_memory(tvi_integrator *laid, tvi_arena *arena)
         tvi_energy_lanes_take(&laid->energies, arena, system, laid->width);
 }
 
-/* Lays out an integrator of `width` members with all its memory, in one piece. */
+/* Lays out an integrator of `width` members with all its memory in the arena. It is called twice: first the arena only
+ * measures the size and the result is NULL, then it has memory. */
 static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                           int width)
 {
@@ -73,7 +80,8 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     const tvi_stepper *stepper = tvi_method_stepper(options);
     tvi_integrator laid = {.width = width, .system = system, .options = *options, .stepper = stepper};
     laid.stepped = tvi_compiled_system(arena, system->stepped, options->compiled);
-    if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
+    /* The stepper's work keeps a pointer to the options, so they must be those of the integrator. */
+    if (integrator) integrator->options = *options, options = &integrator->options;
     allocate_member_arrays(&laid, arena);
     allocate_energy_memory(&laid, arena);
     laid.state_bytes = arena->marked;
@@ -121,7 +129,8 @@ int tvi_integrator_best_batch_width(const tvi_integrator *it)
     return batch ? batch->width(it->stepped, &it->options) : 1;
 }
 
-/* Completes the options. Returns a status, with the reason in *why, if they make no integrator. */
+/* Completes the options of an integrator with their default values. If the options contradict one another or the
+ * system, it returns a failure and sets *why to the reason. */
 static tvi_status resolve_options(const tvi_system *system, tvi_options *options, const char **why)
 {
     const tvi_status status = tvi_method_resolve(options, system->stepped, why);

@@ -1,5 +1,5 @@
-/* locate.c - Locates the events in each step of a run, reports them in order of time, and ends the run at a terminal
- * one. */
+/* locate.c - Locates the events in each step of a run, reports them in the order of time, and ends the run at an event
+ * that is terminal or whose observer asks for it (locate.h). */
 #include "run/locate.h"
 #include "run/finder.h"
 #include "run/run.h"
@@ -14,16 +14,16 @@
 
 /* Two times that differ by at most this relative amount are the same time. */
 static const double SAME_TIME = 2 * DBL_EPSILON;
-/* A stop within SOON of the time of the stop before counts as the same stop. A root within NEAR_STOP of a stop, in
- * parts of the step, is judged by the roundoff of g. */
+/* If the run stops at an event within the relative time SOON after its last stop, both count as one stop. A root within
+ * NEAR_STOP of a stop, a distance in theta, may be the same point up to the roundoff of g. */
 static const double SOON = 32 * DBL_EPSILON, NEAR_STOP = 1e-6;
-/* Two roots of one event in one direction that are closer than this are one root. */
+/* Two roots of one event with the same sign change, whose theta differ by less than this, are one root. */
 static const double SAME_ROOT = 1e-12;
-/* The states of up to KEPT events of a step are kept until they are reported. The states of further events are computed
- * again. */
+/* The computed states of the first KEPT roots of a step are stored until the roots are reported. The states of further
+ * roots are computed again. */
 enum { KEPT = 32 };
 
-/* The work of a run with events. States are [2n + 1]: q, p, t. */
+/* The memory of a run with events. States are vectors [2n + 1], in the order q, p, t. */
 struct tvi_locator {
     const tvi_single_run *run;
     tvi_partial_step partial_step;
@@ -40,8 +40,8 @@ static double *cached_root_state(tvi_locator *locator, int kept)
     return locator->cached_states + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)locator->state_size;
 }
 
-/* Tells whether root a comes before root b, by their times and then by their events. Two roots whose states are not
- * kept, or that are far apart, are compared by theta. */
+/* Tells whether root a comes before root b. Roots that are near each other are compared by their computed times, and at
+ * equal times by the index of the event. Other roots are compared by theta. */
 static bool is_root_before(tvi_locator *locator, const tvi_event_root *a, const tvi_event_root *b)
 {
     const int t = locator->state_size - 1;
@@ -64,7 +64,7 @@ static void sort_roots_by_time(tvi_locator *locator)
         }
 }
 
-/* Tells whether the root was found before, from another bracket. */
+/* Tells whether the root is one of the first `count` roots, found from another bracket. */
 static bool is_duplicate_root(const tvi_locator *locator, int count, const tvi_event_root *root)
 {
     for (int i = 0; i < count; i++) {
@@ -76,7 +76,7 @@ static bool is_duplicate_root(const tvi_locator *locator, int count, const tvi_e
     return false;
 }
 
-/* Finds the events of the last step, in order: the roots that the method's own solution has. */
+/* Finds all events of the last step, and sorts them by time. Roots that only the curve has are dropped. */
 static tvi_status locate_events_of_step(tvi_locator *locator)
 {
     tvi_status status = tvi_search_last_step(&locator->search);
@@ -91,7 +91,7 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
     return status;
 }
 
-/* Reports an event with the state x. Returns whether the observer ends the run. */
+/* Calls the observer of events with the state x of a root. Returns true if the observer asks to end the run. */
 static bool report_event(tvi_locator *locator, const tvi_event_root *root, const double x[])
 {
     const int n = locator->search.integrator->system->n;
@@ -100,7 +100,8 @@ static bool report_event(tvi_locator *locator, const tvi_event_root *root, const
                                    x + n, observers->ctx) != 0;
 }
 
-/* Sets the columns to those at the root, if the root is reported to an observer or ends the run. */
+/* Computes the tangent vectors at the root, if anybody may read them: the observer of events, or the user after a
+ * terminal event. */
 static tvi_status move_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
     const bool is_seen =
@@ -111,8 +112,8 @@ static tvi_status move_columns_to_root(tvi_locator *locator, const tvi_event_roo
                    : TVI_OK;
 }
 
-/* Tells whether the root is at the stop x, at theta. It is if the times are equal. It is also if both are near and the
- * sign of g at x contradicts the order of the thetas. */
+/* Tells whether the root lies at the state x, at which the run stops, at theta. This is so if the times are equal. It
+ * is also so if both are near and the sign of g at x contradicts the order of their theta. */
 static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double x[],
                                   bool *is_at_stop)
 {
@@ -127,8 +128,8 @@ static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *ro
     return status;
 }
 
-/* Tells whether g is within its roundoff of 0 at the stop x, in the direction that is not wanted. The search has
- * skipped such a root. */
+/* Tells whether the event has a root at the state x, at which the run stops, in the direction that the user has not
+ * asked for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
 static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_index, const double x[],
                                                bool *is_at_stop)
 {
@@ -141,26 +142,29 @@ static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_i
     return status;
 }
 
-/* Tells whether an event is at the stop x of the root `last`: as this root, or as its own root just before. If its next
- * root is at the stop, too, that root is reported now. */
-static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last, const double x[], bool *is_at_stop)
+/* Tells whether an event lies at the state x, at which the run stops because of root number last_root. The event may
+ * have this root, an earlier root, or a later one at the same time. A later one is reported now, since the search
+ * does not go on. */
+static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double x[],
+                                   bool *is_at_stop)
 {
     const tvi_event_root *told = NULL, *next = NULL;
-    const double theta = locator->search.roots[last].theta;
-    bool was_here = locator->search.roots[last].event_index == event_index, comes = false;
+    const double theta = locator->search.roots[last_root].theta;
+    bool was_here = locator->search.roots[last_root].event_index == event_index, comes = false;
     tvi_status status = TVI_OK;
     for (int i = 0; i < locator->search.root_count; i++) {
         const tvi_event_root *root = &locator->search.roots[i];
-        if (root->event_index == event_index && i < last) told = root;
-        else if (root->event_index == event_index && i > last && !next) next = root;
+        if (root->event_index == event_index && i < last_root) told = root;
+        else if (root->event_index == event_index && i > last_root && !next) next = root;
     }
     if (next) status = is_root_at_stop(locator, next, theta, x, &comes);
     if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, x, &was_here);
     const double resolved = SOON * fabs(x[locator->state_size - 1] /
-                                        locator->search.integrator->covered); /* the end of the step is later, too */
+                                        /* The factor SOON also excludes a root just before the end of the step. */
+                                        locator->search.integrator->covered);
     const bool has_other_way = locator->search.watched_events[event_index].event->direction != TVI_EITHER;
     const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
-    /* also a root at the stop: roundoff of g decides */
+    /* A root soon after the stop shows that the event is ahead; roundoff of g decides whether it is at the stop. */
     const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
         status = is_unwanted_crossing_at_stop(locator, event_index, x, &was_here);
@@ -169,10 +173,10 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
     return status;
 }
 
-/* Ends the run at the event with the state x. Other events at the same time are reported, too. The stop keeps all of
- * them, so that the run that goes on has left them; it also keeps those of the stop before if that was hardly
- * sooner. */
-static tvi_status stop_run_at_event(tvi_locator *locator, int last, const double x[])
+/* Ends the run at the root number last_root with the state x, and reports other events at the same time. The
+ * integrator's tvi_stop stores all of them, so that a run that goes on from x does not report them again. It also
+ * stores those of the last stop if that was hardly earlier. */
+static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const double x[])
 {
     tvi_integrator *it = locator->search.integrator;
     tvi_stop *stop = it->stop;
@@ -181,7 +185,7 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last, const double
     if (!is_soon) stop->count = 0;
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;
-        const tvi_status status = is_event_at_stop(locator, event_index, last, x, &is_at_stop);
+        const tvi_status status = is_event_at_stop(locator, event_index, last_root, x, &is_at_stop);
         if (status != TVI_OK) return status;
         const tvi_event *event = locator->search.watched_events[event_index].event;
         if (is_at_stop && stop->count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
@@ -189,12 +193,14 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last, const double
     }
     memcpy(stop->state, x, (size_t)locator->state_size * sizeof *x);
     stop->is_set =
-        it->parameter_version == locator->partial_step.parameter_version; /* otherwise the events have new parameters */
+        /* If an observer has set parameters just now, the stored events have other parameters and are not compared. */
+        it->parameter_version == locator->partial_step.parameter_version;
     tvi_integrator_reset(it);
     return TVI_ESTOPPED;
 }
 
-/* Copies parameters that an observer has set to the search. They are those of the step that was just made. */
+/* Copies the parameters of the last step to the tapes of the events and to the partial steps, if an observer has set
+ * new ones before that step. */
 static tvi_status update_event_parameters(tvi_locator *locator)
 {
     const tvi_integrator *it = locator->search.integrator;
@@ -204,7 +210,7 @@ static tvi_status update_event_parameters(tvi_locator *locator)
     return tvi_partial_step_update_parameters(&locator->partial_step);
 }
 
-/* Copies a state to t, q and p of the user. */
+/* Copies a state x [2n + 1] to the user's t, q and p. */
 static void copy_state_to_user(const tvi_locator *locator, const double x[], double *t, double q[], double p[])
 {
     const size_t n = (size_t)locator->search.integrator->system->n;
@@ -213,7 +219,8 @@ static void copy_state_to_user(const tvi_locator *locator, const double x[], dou
     memcpy(p, x + n, n * sizeof *p);
 }
 
-/* Reports root number i, after the times before it. Returns TVI_ESTOPPED if the run ends there. */
+/* Reports root number i, and before it the given times that come first. Returns TVI_ESTOPPED if the run ends at this
+ * root. */
 static tvi_status report_root(tvi_locator *locator, tvi_times *times, int i, double *t, double q[], double p[])
 {
     tvi_event_root *root = &locator->search.roots[i];

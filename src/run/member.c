@@ -1,4 +1,5 @@
-/* member.c - Copies the state of a member from the user and back, and members from one integrator to another. */
+/* member.c - Copies the state of one member from the user's arrays to an integrator and back, copies members from one
+ * integrator to another, and computes the energy of a member (integrator.h). */
 #include "run/guard.h"
 #include "run/integrator.h"
 #include "method/single.h"
@@ -9,13 +10,14 @@
 #include <math.h>
 #include <string.h>
 
-/* The element of an array [components][width] for component i of the member. */
+/* Returns the address of component i of one member in an array [components][width]. */
 static double *element_of_member(const tvi_integrator *it, double *array, int i, int member)
 {
     return array + (size_t)i * (size_t)it->width + (size_t)member;
 }
 
-/* All bits in which the user's components differ from those of the member. */
+/* Returns a number whose bits are 1 where the user's components differ from those of the member; 0 means that all are
+ * equal. */
 JET_INLINE uint64_t differing_bits(int n, const double *given, size_t stride, const double *own, size_t width)
 {
     uint64_t any = 0;
@@ -46,7 +48,7 @@ void tvi_member_copy_state(const tvi_integrator *it, int member, double *t, doub
 
 /* ---- From one integrator to another ------------------------------------------------------------------------------ */
 
-/* Lists the arrays of a state, and their numbers of rows. */
+/* Lists the arrays of an integrator's states, and the number of components of each. */
 enum { ARRAYS = 5 };
 static void list_state_arrays(const tvi_integrator *it, double *array[ARRAYS], int rows[ARRAYS])
 {
@@ -58,7 +60,7 @@ static void list_state_arrays(const tvi_integrator *it, double *array[ARRAYS], i
     memcpy(rows, rows_of, sizeof rows_of);
 }
 
-/* Clears the history of the member, as before its first step. */
+/* Clears the state and the history of one member, as before its first step. */
 static void clear_member_history(tvi_integrator *it, int member)
 {
     double *array[ARRAYS];
@@ -115,16 +117,17 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
     return tvi_energy_of(&it->energy, alone->q[n], alone->q, alone->p, H);
 }
 
-/* The value of K at the member's state with another e, in long double. */
+/* Computes the Hamiltonian K = g (H + e) of a rescaled system at the member's state, with the given e, in long
+ * double. */
 static long double compute_transformed_hamiltonian(tvi_integrator *it, double e)
 {
     it->member_state.p[it->system->n] = e;
     return tvi_energy_precise(&it->transformed, 0, it->member_state.q, it->member_state.p);
 }
 
-/* Sets e = -H(q, p, t), with which K = g (H + e) is 0 (rescaled.c). Near a pericentre the terms of H cancel, and their
- * roundoff would shift the period of the orbit. For this reason e is the root of K in long double, of which K is a
- * linear function. */
+/* Sets e = -H(q, p, t) at the start of a run of a rescaled system, so that K = g (H + e) is 0 (docs/method.md,
+ * system/rescaled.c). Near a pericentre the terms of H nearly cancel, and their roundoff would change the period of the
+ * orbit. Therefore e is computed as the root of K in long double; K is a linear function of e. */
 static tvi_status set_rescaled_energy(tvi_integrator *it, int member)
 {
     const int n = it->system->n;
@@ -140,7 +143,7 @@ static tvi_status set_rescaled_energy(tvi_integrator *it, int member)
     return TVI_OK;
 }
 
-/* Refuses a state of the user that is not finite, and names the component. */
+/* Refuses a state of the user that has a component which is not finite. The error text names the component. */
 static tvi_status refuse_state_not_finite(tvi_integrator *it, const tvi_user_state *given)
 {
     const int n = it->system->n;

@@ -6,7 +6,8 @@
 
 static int sign_of_value(double g) { return (g > 0) - (g < 0); }
 
-/* The next abscissa to evaluate, with `left` evaluations left. */
+/* Returns the next abscissa at which the function is evaluated: the root of the secant, truncated and projected as ITP
+ * prescribes (narrow.h). `width` is that of the first bracket, and `left` the number of evaluations that remain. */
 static double choose_next_abscissa(double a, double ga, double b, double gb, double width, double least, int left)
 {
     const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;

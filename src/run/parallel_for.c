@@ -1,4 +1,5 @@
-/* parallel_for.c - Runs loops in threads by OpenMP; without OpenMP one thread does all. No other file uses OpenMP. */
+/* parallel_for.c - Runs the iterations of a loop in several threads by OpenMP, or in one thread without OpenMP
+ * (parallel_for.h). No other file uses OpenMP. */
 #include "run/parallel_for.h"
 
 #ifdef _OPENMP

@@ -1,4 +1,5 @@
-/* parameters.c - Sets and reads an integrator's own values of the parameters of its system. */
+/* parameters.c - Sets the values that an integrator uses for the parameters of its system, and computes energies,
+ * momenta and velocities with these values. */
 #include "run/integrator.h"
 #include "system/refuse.h"
 
@@ -38,7 +39,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
     tvi_integrator_apply_parameters(it);
     tvi_integrator_reset(it);
     it->has_dense = false;
-    it->stop->is_set = false; /* the events had other parameters */
+    it->stop->is_set = false; /* The integrator forgets the last stop, since the events there had other parameters. */
     it->parameter_version++;
     return TVI_OK;
 }

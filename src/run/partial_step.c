@@ -1,4 +1,5 @@
-/* between.c - Computes states inside the last step, at a part of the step or at a given time. */
+/* partial_step.c - Computes states inside the last step, at a given offset from its start or at a given time
+ * (partial_step.h). */
 #include "run/partial_step.h"
 #include "run/narrow.h"
 #include "algebra/sizes.h"
@@ -9,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two parts of a step that differ by less than this part of h have nearly the same nodes. */
+/* Two partial steps whose sizes differ by less than this part of h have nearly the same nodes, so that the history of
+ * one serves the other. */
 static const double NEAR = 1e-3;
 enum { MOST_CORRECTIONS = 12 };
 
@@ -52,9 +54,9 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, full_step_integrator->parameters);
 }
 
-/* Sets the history that the partial integrator begins with: the low-order parts of the state at the start of the step,
- * and the stepper's history at that start. With `knows_step` the stepper's history is that at the end of the step, or
- * that of a partial step which ended near `part`. */
+/* Sets the history from which the partial step starts: the low-order parts of the state, and what the corrector has
+ * learned, both at the start of the full step. With uses_history_at_end the corrector's part is that at the end of the
+ * full step, or that of an earlier partial step that ended near `offset`. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
@@ -102,13 +104,14 @@ void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double x[
 
 /* ---- Given times ------------------------------------------------------------------------------------------------- */
 
-/* A time inside a step in s, measured from the start of the step. */
+/* The time at which a state is wanted, in a system whose steps are steps in s (a rescaled system). It is measured from
+ * the start of the step. */
 typedef struct {
     tvi_partial_step *partial_step;
     double time_from_start;
 } time_target;
 
-/* Sets *g to the time on the step's curve at theta, less the wanted time. */
+/* Computes the time on the step's curve at theta minus the wanted time. */
 static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
 {
     const time_target *target = ctx;
@@ -119,7 +122,7 @@ static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
     return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
 }
 
-/* Sets *rate to dt/ds at the end of the last partial step, which is g of the rescaled system. */
+/* Computes the derivative dt/ds at the end of the last partial step of a rescaled system. */
 static tvi_status compute_time_rate(tvi_partial_step *partial_step, double *rate)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
@@ -133,10 +136,10 @@ static tvi_status compute_time_rate(tvi_partial_step *partial_step, double *rate
     return status;
 }
 
-/* Corrects the place on the curve to that of the method's own solution by Newton's method, and keeps the state whose
- * time is nearest to the wanted one. The time that a part covers is an increment, which is more accurate than the
- * rounded time. */
-static tvi_status correct_offset(tvi_partial_step *partial_step, double time, double way, double offset)
+/* Finds the offset at which the method's own solution reaches the time, by Newton's method from an offset at which the
+ * curve reaches it. The state whose time is nearest is kept. time_from_start is the wanted increment of the time, which
+ * is more accurate than the difference of rounded times. */
+static tvi_status correct_offset(tvi_partial_step *partial_step, double time, double time_from_start, double offset)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const double h = partial_step->full_step_integrator->h;
@@ -145,7 +148,7 @@ static tvi_status correct_offset(tvi_partial_step *partial_step, double time, do
     for (int count = 0; count < MOST_CORRECTIONS && offset != 0 && offset != h; count++) {
         status = tvi_partial_step_compute_state(partial_step, offset);
         if (status != TVI_OK) return status;
-        const double rest = way - partial->covered;
+        const double rest = time_from_start - partial->covered;
         if (!(fabs(rest) < least)) break;
         best = offset;
         least = fabs(rest);
@@ -162,16 +165,16 @@ tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step
     const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
     const int n = full_step_integrator->system->n;
     const double h = full_step_integrator->h,
-                 way = (time - full_step_integrator->start.q[n]) - full_step_integrator->start.q_low[n];
-    const double offset = fmax(fmin(way * (h / full_step_integrator->covered), fmax(h, 0)), fmin(h, 0));
-    tvi_sign_bracket bracket = {0, -way, 1, full_step_integrator->covered - way};
+                 time_from_start = (time - full_step_integrator->start.q[n]) - full_step_integrator->start.q_low[n];
+    const double offset = fmax(fmin(time_from_start * (h / full_step_integrator->covered), fmax(h, 0)), fmin(h, 0));
+    tvi_sign_bracket bracket = {0, -time_from_start, 1, full_step_integrator->covered - time_from_start};
     if (time == full_step_integrator->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
-    /* the independent variable of the steps is the time */
+    /* The steps of other systems are steps in time, so the offset is the difference of times. */
     if (!tvi_is_rescaled(full_step_integrator)) return tvi_partial_step_compute_state(partial_step, offset);
     partial_step->step_number = 0;
-    const tvi_status status =
-        tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target, &(time_target){partial_step, way});
-    return status == TVI_OK
-               ? correct_offset(partial_step, time, way, (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
-               : status;
+    const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target,
+                                                 &(time_target){partial_step, time_from_start});
+    return status == TVI_OK ? correct_offset(partial_step, time, time_from_start,
+                                             (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
+                            : status;
 }

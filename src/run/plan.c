@@ -1,5 +1,5 @@
-/* plan.c - Runs an integrator by a plan: it refuses plans that contradict themselves, and calls the plan's
- * observers. */
+/* plan.c - Refuses plans of runs (tvi_run_plan) that contradict themselves, and runs an integrator by a plan, whose
+ * observers it calls (plan.h). */
 #include "run/plan.h"
 #include "system/refuse.h"
 
@@ -20,7 +20,8 @@ static const char *first_contradiction(size_t count, const contradiction list[])
     return NULL;
 }
 
-/* The reason why the plan has no mode, or NULL. */
+/* Returns a message if the step size, the number of steps, the times and the tolerance of the plan do not define one
+ * mode of a run; NULL if they do. */
 static const char *find_conflict_of_modes(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
@@ -43,7 +44,8 @@ static const char *find_conflict_of_modes(const tvi_run_plan *plan)
     return first_contradiction(sizeof list / sizeof *list, list);
 }
 
-/* The reason why what the plan reports does not go with its mode, or NULL. */
+/* Returns a message if an observer, the events, the times or the tangent vectors of the plan lack what belongs to them,
+ * or do not go with the plan's mode; otherwise NULL. */
 static const char *find_misfit_with_mode(const tvi_run_plan *plan)
 {
     const contradiction list[] = {

@@ -1,4 +1,4 @@
-/* progress.c - Draws a progress bar on the terminal. No other file prints. */
+/* progress.c - Draws a progress bar on the terminal (tvi_progress). No other file of the library prints. */
 #include "tvi.h"
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 
 enum { WIDTH = 50 };
 
-/* Draws the bar when a per cent is full, so that most steps cost one division. */
+/* The bar is drawn only when the percentage changes, so that most calls cost one division. */
 int tvi_progress(long step, double t, const double q[], const double p[], void *ctx)
 {
     static const char full[] = "##################################################";

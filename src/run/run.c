@@ -1,4 +1,5 @@
-/* run.c - Runs an integrator by a schedule, calls the observers, and defines the public runs of steps of one size. */
+/* run.c - Runs an integrator step by step and calls the observers (run.h). It also defines tvi_integrate and
+ * tvi_integrate_events, which make steps of one size. */
 #include "run/run.h"
 #include "run/times.h"
 #include "system/refuse.h"
@@ -35,7 +36,7 @@ static tvi_status make_scheduled_steps(tvi_integrator *it, const tvi_schedule *s
     return tvi_make_steps(it, schedule->at_once, schedule->plan->h, tvi_infinite_end_time(schedule->plan->h), t, q, p);
 }
 
-/* Tells whether an observer or the columns need each step. */
+/* Tells whether each step must be made by itself, since an observer, an event or the tangent vectors need it. */
 static bool is_each_step_observed(const tvi_single_run *run)
 {
     return run->plan->event_count > 0 || run->observers.at_step || run->columns.elements;
@@ -65,7 +66,7 @@ static tvi_status set_schedule_at_times(const tvi_integrator *it, const tvi_sing
     return TVI_OK;
 }
 
-/* Checks the arguments of the run's mode, and sets the schedule. */
+/* Checks those arguments that the run's mode needs, and sets the schedule of its steps. */
 static tvi_status set_schedule_of_mode(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
                                        const double p[], tvi_schedule *schedule)
 {
@@ -90,7 +91,7 @@ typedef struct {
     tvi_locator *locator; /* NULL if the run has no events */
 } run_in_progress;
 
-/* Makes the next step, and moves the columns by it. */
+/* Makes the next step, and multiplies the tangent vectors by its Jacobian matrix. If that fails, the step is undone. */
 static tvi_status make_next_step(const run_in_progress *run_progress, double *t, double q[], double p[], bool *is_last)
 {
     const long before = run_progress->integrator->stats.steps;
@@ -102,7 +103,7 @@ static tvi_status make_next_step(const run_in_progress *run_progress, double *t,
     return status;
 }
 
-/* Reports the times and the events of the step that was just made, and then the step. */
+/* Reports the given times and the events that lie in the step just made, and then the step itself. */
 static tvi_status report_step_and_its_points(const run_in_progress *run_progress, long step, double *t, double q[],
                                              double p[])
 {

@@ -1,4 +1,5 @@
-/* saved.c - Writes states as bytes, and checks bytes that are loaded (saved.h). */
+/* saved.c - Writes the state of an integrator or an ensemble as bytes, and checks bytes before they are loaded
+ * (saved.h). */
 #include "run/saved.h"
 #include "compiled/compiled.h"
 #include "algebra/sizes.h"
@@ -103,7 +104,7 @@ void tvi_saved_load_piece(const tvi_saved_pieces *pieces, int index, const void 
 
 bool tvi_saved_stats_are_valid(const void *bytes)
 {
-    /* is_compiled is not read: its byte may be no truth value */
+    /* The last field, is_compiled, is not read: a damaged byte need not be a valid bool. */
     const size_t numbers = offsetof(tvi_stats, is_compiled);
     tvi_stats s = {0};
     memcpy(&s, bytes, numbers);

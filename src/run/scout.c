@@ -1,6 +1,6 @@
-/* scout.c - Explores an orbit with few large steps, for the suggestion of a step size (suggest.c). The tail of each
- * step (tvi_stats.tail) tells which step size just resolves the orbit there. Few steps find where the run is
- * hardest. */
+/* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The tail
+ * of each step (tvi_stats.tail) tells which step size would just resolve the orbit there. The orbit is hardest where
+ * this step size is smallest. */
 #include "run/scout.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -9,19 +9,21 @@
 #include <math.h>
 #include <string.h>
 
-/* A step with a larger tail is undone. */
+/* A step whose tail is larger than this is undone and repeated with a smaller size. */
 static const double MOST_TAIL = 0.03;
-/* Factors of the step size: after a first step that fails, and after another one that fails; the largest factor after a
- * step that succeeds; and the bounds of the factor that its tail asks for. */
+/* Factors of the step size: FIRST_FAILS after a first step that fails, FAILS after a later one that fails; GROWS is
+ * the largest factor after a step that succeeds. The resolving step size is between LEAST and MOST times that of the
+ * step. */
 static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
-/* A later position is the hardest one only if its scale is smaller by this factor. */
+/* A later position replaces the hardest one only if its resolving step size is smaller by this factor. */
 static const double MUCH_HARDER = 0.9;
-/* The relative change of the energy that the first step may make. */
+/* The largest relative change of the energy that is accepted in the first step. */
 static const double MOST_CHANGE = 0.1;
-/* How far apart the ends of the first step and of its halves may be, relative to the largest coordinate or momentum. */
+/* The largest accepted distance between the end of the first step and the end of two steps of half its size, relative
+ * to the largest coordinate or momentum. */
 static const double MOST_APART = 0.25;
-/* The error per step of a given size grows as the scale to the power -POWER. It counts as at least LEAST_WEIGHT of that
- * at the hardest position. */
+/* The error of a step of given size is taken as proportional to resolving_step^-POWER, but at least LEAST_WEIGHT of the
+ * error at the hardest position. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
 void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *state)
@@ -49,7 +51,8 @@ static void store_current_state(tvi_orbit_scout *scout, const tvi_scout_orbit *o
     x[2 * n] = orbit->t;
 }
 
-/* The step that just resolves the orbit at the last step, of size h. Tails grow with the power `degree` of the step. */
+/* Returns the step size that just resolves the orbit at the last step, which had the size h. The tail of a step is
+ * taken as proportional to the power `degree` of its size. */
 static double estimate_resolving_step(const tvi_scout_orbit *orbit, double h)
 {
     const double tail = tvi_integrator_stats(orbit->integrator)->tail,
@@ -57,8 +60,8 @@ static double estimate_resolving_step(const tvi_scout_orbit *orbit, double h)
     return h * (tail > 0 ? fmin(fmax(pow(TVI_SCOUT_TAIL / tail, 1 / degree), LEAST), MOST) : MOST);
 }
 
-/* Records a step of size h. The last step to the end of the run may be short, and then its own scale is not recorded.
- * Returns the next size. */
+/* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
+ * the resolving step size of the step before is recorded for it then. */
 static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, double h, bool is_rest)
 {
     const double scale = estimate_resolving_step(orbit, h);
@@ -73,14 +76,16 @@ static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, 
     return tvi_shorter(scale, GROWS * h);
 }
 
-/* Makes the next step, of size h or less. Returns the size of the one after it, or of another try. */
+/* Tries a step of size h, or of the remaining time `left` if that is shorter. Returns the size of the next step, or of
+ * another try if this one has failed or has been undone. */
 static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double h, double left)
 {
     const bool is_rest = !tvi_is_rescaled(orbit->integrator) && fabs(left) <= fabs(h);
     const double size = is_rest ? left : h;
     store_current_state(scout, orbit);
     scout->steps_tried++;
-    if (tvi_is_rescaled(orbit->integrator)) tvi_integrator_reset(orbit->integrator); /* to the energy of its state */
+    /* The reset makes the step start with the energy of its own state. */
+    if (tvi_is_rescaled(orbit->integrator)) tvi_integrator_reset(orbit->integrator);
     scout->last_status = tvi_step(orbit->integrator, size, &orbit->t, orbit->q, orbit->p);
     if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);
     const bool may_try = scout->step_count > 0 || scout->steps_tried < TVI_SCOUT_STEPS / 2;
@@ -90,7 +95,7 @@ static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, doub
     return estimate_resolving_step(orbit, size);
 }
 
-/* Tells whether two halves of the first step end near the end of the whole one, relative to the state. */
+/* Tells whether two steps of half the size of the first step end near the end of the first step. */
 static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 {
     const int n = scout->n;
@@ -111,9 +116,10 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
     return scout->last_status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
 }
 
-/* Tells whether the first step conserves the energy, if the run does. A step that is so large that all its nodes are
- * far away, where no force acts, has no tail, nor have its halves. If the energy is about 0, its change is relative to
- * p.dq/dt, with p from both ends, as one end may be at rest. */
+/* Tells whether the first step conserves the energy, which shows a too large step that has no large tail: all its nodes
+ * may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps. If the
+ * energy is nearly 0, its change is compared with p.dq/dt; p is taken from both ends, since the motion may be at rest
+ * at one. */
 static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;
@@ -129,15 +135,15 @@ static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
     return fabs(after - before) <= MOST_CHANGE * fmax(fabs(before), action / fabs(orbit->t - t));
 }
 
-/* Tells whether the first step is too large without a large tail: much shorter steps follow it, or its energy
- * differs. */
+/* Tells whether the first step was too large although its tail was small: the following steps are much shorter, or the
+ * step did not conserve the energy. */
 static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double next)
 {
     return scout->step_count == 1 &&
            (fabs(next) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
 }
 
-/* Undoes the first step, and returns a shorter one. */
+/* Restores the state at the start of the run, and returns a shorter size for the first step. */
 static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 {
     tvi_scout_orbit_set_state(orbit, scout->n, scout->states);

@@ -1,4 +1,6 @@
-/* search.c - Searches the curve of a step for sign changes of all events together, at the sample points. */
+/* search.c - Searches the curve of a step for roots of the event functions (search.h). It evaluates all functions at
+ * the sample points of the step (tvi_sample_theta), and looks for sign changes between samples, and for dips of |g|
+ * (local minima), which may hide two roots. */
 #include "run/search.h"
 #include "run/dip.h"
 #include "run/start.h"
@@ -11,13 +13,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The distance to a point beside a sample. Two roots that are closer than this are one. */
+/* The distance in theta of an additional sample from a sample with g = 0, or from an end of the step. Two roots that
+ * are closer than this count as one. */
 static const double EDGE = 0x1p-20;
-/* A dip of |g| may lie next to an end of the step if the slope there is below this part of the mean slope. */
+/* A dip of |g| may lie between an end of the step and the next sample if the slope of |g| at that end is below this
+ * part of the mean slope. */
 static const double FLAT = 0.1;
-/* g is not smooth if a high difference is larger than this part of the largest first one. */
+/* A function counts as not smooth if its fourth or eighth difference is larger than this part of its largest first
+ * difference. */
 static const double KINKED = 0.05;
-/* The secant method ends at this distance, in parts of the step. */
+/* The secant method ends when theta changes by less than this. */
 static const double LEAST_SECANT = 1e-4;
 enum { MOST_SECANTS = 6 };
 
@@ -48,8 +53,8 @@ static tvi_status evaluate_event_on_curve(tvi_event_search *search, int event_in
     return status == TVI_OK ? tvi_search_evaluate_event(search, event_index, search->scratch_state, g) : status;
 }
 
-/* A zero between a and b of the polynomial through the samples of g, by the secant method. The polynomial has Newton's
- * form, with differences divided by factorials. */
+/* Estimates a zero between `left` and `right` by the secant method, applied to the polynomial through all samples of g.
+ * The polynomial has Newton's form, with divided differences. */
 static double guess_root_by_interpolation(const double g_samples[], double left, double g_left, double right,
                                           double g_right)
 {
@@ -68,6 +73,7 @@ static double guess_root_by_interpolation(const double g_samples[], double left,
     return at;
 }
 
+/* One event, as the argument of the function that tvi_narrow_bracket calls. */
 typedef struct {
     tvi_event_search *search;
     int event_index;
@@ -88,7 +94,8 @@ tvi_status tvi_search_find_curve_root(tvi_event_search *search, const tvi_event_
     return status;
 }
 
-/* Adds a root between a and b with the sign `after` behind it, if this direction is wanted. */
+/* Adds a root between the samples `left` and `right` to the search, if the user has asked for this direction of the
+ * sign change. sign_after is the sign of g after the root. Returns NULL if the direction was not asked for. */
 static tvi_event_root *add_root(tvi_event_search *search, int event_index, int sign_after, tvi_event_sample left,
                                 tvi_event_sample right)
 {
@@ -106,7 +113,7 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int s
     return added;
 }
 
-/* Sets *near to the point beside a sample with g = 0, at the distance `way`. */
+/* Evaluates g at the given distance from a sample where g is 0. */
 static tvi_status sample_beside(tvi_event_search *search, int event_index, double theta, double distance,
                                 tvi_event_sample *sample)
 {
@@ -114,8 +121,8 @@ static tvi_status sample_beside(tvi_event_search *search, int event_index, doubl
     return evaluate_event_on_curve(search, event_index, sample->theta, &sample->g);
 }
 
-/* Adds the roots beside a point where g has another sign than at a and b, or is 0. If g is 0 there, it may have the
- * other sign before the point or after it, or only touch 0. */
+/* Adds two roots, before and after the point `middle`, where g is 0 or has another sign than at `left` and `right`. If
+ * g is 0 there, samples beside it decide whether g has the other sign or only touches 0, which is one root. */
 static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_event_sample left,
                                 tvi_event_sample middle, tvi_event_sample right)
 {
@@ -133,7 +140,7 @@ static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_e
     return TVI_OK;
 }
 
-/* Searches a dip of |g| in the middle of the five points for another sign of g, until g has it, or cannot have it. */
+/* Samples g near a dip of |g| until a sample has another sign, which shows two roots, or until there can be none. */
 static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index,
                                        const tvi_event_sample dip[TVI_DIP_SAMPLES])
 {
@@ -148,21 +155,22 @@ static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index
     return TVI_OK;
 }
 
-/* Tells whether |g| has a dip at the sample g[0]. */
+/* Tells whether |g| has a local minimum at the sample g[0]. */
 static bool is_local_minimum_of_size(const double g[])
 {
     return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
 }
 
-/* Tells whether |g| falls or is flat at the start of the step, by the slope of the polynomial through five samples.
- * With stride -1 the samples are read from the end of the step. */
+/* Tells whether |g| falls at the start of the step, or rises by less than the part FLAT of its mean slope. The slope is
+ * that of the polynomial through five samples. With stride = -1 the samples are read backwards from the end of the
+ * step. */
 static bool is_not_rising_at_boundary(const double g[], int stride, double rise)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
     return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * rise;
 }
 
-/* The largest change from a sample to the next one. */
+/* Returns the largest |g[j + 1] - g[j]| of neighbouring samples. */
 static double largest_sample_change(const double g[])
 {
     double change = 0;
@@ -170,8 +178,9 @@ static double largest_sample_change(const double g[])
     return change;
 }
 
-/* Tells whether |g| has a kink or a peak near the start of the step, or with stride -1 near the end. Such a g may
- * change its sign there, unseen by the polynomial. Its fourth difference there, or its eighth, is large. */
+/* Tells whether |g| may have a kink or a peak near the start of the step, or with stride = -1 near its end. Its
+ * fourth or eighth difference is large in this case, and the polynomial through the samples cannot show a sign
+ * change there. */
 static bool has_kink_at_boundary(const double g[], int stride)
 {
     const double fourth = g[0] - 4 * g[stride] + 6 * g[2 * stride] - 4 * g[3 * stride] + g[4 * stride];
@@ -182,25 +191,27 @@ static bool has_kink_at_boundary(const double g[], int stride)
     return (size > noise) & ((size >= KINKED * largest_sample_change(first)) | (size >= fabs(g[0])));
 }
 
-/* Tells whether |g| may have a dip in the first part of the step, or with stride -1 in the last one. */
+/* Tells whether |g| may have a dip between the start of the step and the first sample, or with stride = -1 between the
+ * last two samples. */
 static bool may_have_dip_at_boundary(const double g[], int stride)
 {
     const double rise = fabs(g[stride]) - fabs(g[0]);
-    const bool rises = stride > 0 ? rise >= 0 : rise > 0; /* equal values at the end are a dip there */
+    /* If the last two values are equal, the dip is at the end of the step, and is found there. */
+    const bool rises = stride > 0 ? rise >= 0 : rise > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
            (is_not_rising_at_boundary(g, stride, rise) || has_kink_at_boundary(g, stride));
 }
 
-/* The result of comparing two jet_v2. */
+/* The type of a comparison of two jet_v2, vectors of two numbers. */
 typedef long long long_v2 JET_VECTOR(long long, 2);
 
-/* Tells whether g has no root: it is finite, of one sign, without a dip. Most steps end here, so the samples are
- * compared in pairs and without branches. */
+/* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
+ * steps end here; for speed the samples are compared in pairs and without branches. */
 static bool has_certainly_no_root(const double g[])
 {
     double size[TVI_SAMPLES + 2];
     for (int j = 0; j <= TVI_SAMPLES; j++) size[j] = fabs(g[j]);
-    size[TVI_SAMPLES + 1] = -1; /* none at the end */
+    size[TVI_SAMPLES + 1] = -1; /* The last sample has no successor, so it is no dip. */
     long_v2 found = {0, 0};
     for (int j = 0; j < TVI_SAMPLES; j += 2) {
         const jet_v2 now = *(const jet_v2 *)(size + j), next = *(const jet_v2 *)(size + j + 1);
@@ -211,8 +222,8 @@ static bool has_certainly_no_root(const double g[])
     return !(found[0] | found[1] || may_have_dip_at_boundary(g, 1) || may_have_dip_at_boundary(g + TVI_SAMPLES, -1));
 }
 
-/* Searches a dip in the first or the last part of the step. The value next to the end distinguishes a dip inside from
- * one in the next step. */
+/* Searches a dip between an end of the step and the sample next to it. A value very near the end distinguishes a dip
+ * inside the step from one in the next step. */
 static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_index, bool is_last)
 {
     const double *g = search->watched_events[event_index].g_samples, part = 1.0 / TVI_SAMPLES;
@@ -228,8 +239,8 @@ static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_ind
     return TVI_OK;
 }
 
-/* Adds the roots between the samples a and b that the signs show, b included. If g is 0 at a sample, its sign is taken
- * beside it: another root may be hidden there. */
+/* Adds the roots that the signs of two neighbouring samples show, with one at `right` itself. If g is 0 at a sample,
+ * its sign beside the sample is used, since another root may be hidden there. */
 static tvi_status search_between_samples(tvi_event_search *search, int event_index, tvi_event_sample left,
                                          tvi_event_sample right, bool may_interpolate)
 {
@@ -250,8 +261,8 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
     return TVI_OK;
 }
 
-/* Drops the roots of an event whose g is only roundoff. g is tested if it changes from sample to sample by as much as
- * its size. */
+/* Drops the roots of an event, from number first_root on, if its g is only roundoff over the whole step. This is tested
+ * if g changes from sample to sample by as much as its own size. */
 static tvi_status drop_roots_of_roundoff(tvi_event_search *search, int event_index, int first_root)
 {
     const double *g = search->watched_events[event_index].g_samples;
@@ -262,7 +273,7 @@ static tvi_status drop_roots_of_roundoff(tvi_event_search *search, int event_ind
     return status;
 }
 
-/* Adds all roots of one event in the step: the points where g loses its sign. */
+/* Adds all roots of one event in the step to the search. */
 static tvi_status search_event_for_roots(tvi_event_search *search, int event_index)
 {
     const double *g = search->watched_events[event_index].g_samples;
@@ -271,7 +282,9 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     if (!tvi_all_finite(TVI_SAMPLES, g + 1))
         return add_event_to_error(event_index, tvi_refuse_as("event function", TVI_ENONFINITE));
     tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x =
-                                                                             all + 1; /* one more beyond each end */
+                                                                             /* The array has a missing sample beyond
+                                                                              * each end. */
+                                                                         all + 1;
     for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
     x[TVI_SAMPLES + 1] = all[0];
     const bool may_return = !search->watched_events[event_index].leaves_at_start && may_have_dip_at_boundary(g, 1);
@@ -288,7 +301,8 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
                                                            : status;
 }
 
-/* Finds the event, and the operation in its own recording, that made the tape of all events fail at a sample. */
+/* Finds the event whose function is undefined at a sample, after the joint tape has failed, and sets the error text
+ * accordingly. */
 static tvi_status refuse_failing_event(tvi_event_search *search)
 {
     double g;
@@ -299,8 +313,8 @@ static tvi_status refuse_failing_event(tvi_event_search *search)
     return tvi_refuse_as("event function", TVI_EDOMAIN);
 }
 
-/* Samples g of all events. If the step continues the last one that was searched, its first sample is the last one of
- * that step. */
+/* Evaluates the functions of all events at the sample points of the last step. If the step before was searched, too,
+ * the values at its end are the values at the start of this one. */
 static tvi_status sample_all_events(tvi_event_search *search)
 {
     const long step = search->integrator->stats.steps;
@@ -320,7 +334,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
         if (w->g_samples[0] == 0) status = tvi_start_find_leaving_sign(search, event_index);
         w->was_reported_at_stop = false;
     }
-    search->start_kind = TVI_FROM_ANY; /* an observer may change the state */
+    search->start_kind = TVI_FROM_ANY; /* An observer may change the state before the next step. */
     search->searched_step = step;
     return status;
 }

@@ -1,4 +1,4 @@
-/* search_open.c - Opens and closes the search for events (search.h). */
+/* search_open.c - Allocates and frees the memory of the search for events (search.h). */
 #include "run/search.h"
 #include "run/start.h"
 
@@ -7,7 +7,8 @@
 /* The most roots of one event in a step. Each sample and each dip between samples has two at most. */
 enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
 
-/* Allocates the block of a tape, prepared for its inputs. */
+/* Allocates the memory in which a tape is evaluated, and writes the tape's constants to it. Returns NULL if memory is
+ * exhausted. */
 static double *allocate_tape_block(const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
@@ -27,7 +28,7 @@ void tvi_search_set_parameters(tvi_event_search *search)
     jet_tape_set_parameters(search->joint_tape, search->tape_samples, TVI_SAMPLES, count, 1, value);
 }
 
-/* The range from the first component that is used to the last one. */
+/* Returns the range from the first component that is used to the last one. */
 static tvi_range find_used_range(const bool used[], int n)
 {
     tvi_range range = {0, n};
@@ -36,7 +37,7 @@ static tvi_range find_used_range(const bool used[], int n)
     return range;
 }
 
-/* Creates the tape of all events, and finds the components of the state that it uses. */
+/* Creates the tape that evaluates all events together, and finds the components of q and p that it depends on. */
 static tvi_status create_joint_tape(tvi_event_search *search, const tvi_event *const events[])
 {
     bool used[2 * TVI_MAX_DIMENSION + 1];

@@ -1,10 +1,10 @@
-/* start.c - Determines the sign of each event function at the start of a step, for search.c.
+/* start.c - Determines the sign of each event function g at the start of a step (start.h). search.c calls it.
  *
- * A run that goes on from the integrator's own state takes the value of g from the end of the step before. An event
- * that was reported where a run stopped counts as g = 0 there, whatever roundoff makes of g. Any other state is on an
- * event if |g| is at most its roundoff. A g that leaves 0 has the sign of its first Taylor coefficient along the motion
- * that is above roundoff. That is the sign of g(x + d) - g(x), with the increment d of a tiny step of the method, to
- * roundoff of d. */
+ * If a run goes on from the end of the integrator's last step, g at the start is its value at the end of that step. If
+ * a run goes on from a state where an event has stopped it, this event has g = 0 there, whatever value roundoff gives
+ * to g. Any other state lies on an event if |g| is at most its roundoff. If a step begins on an event, g first leaves 0
+ * with the sign of its first Taylor coefficient along the motion that is larger than roundoff. This is the sign of g(x
+ * + d) - g(x), where d is the increment of a tiny step of the method. */
 #include "run/start.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -13,13 +13,14 @@
 #include <math.h>
 #include <string.h>
 
-/* A rise below UNITS units of roundoff of its terms has no sign. */
+/* A change of g that is less than UNITS units of roundoff of its terms has no certain sign. */
 static const double UNITS = 64;
-/* The roundoff of a state that steps computed, in units of its size. A state is a sum, and so is a point of the
- * curve. */
+/* The roundoff of a state after a step, or on the curve, is counted as OF_STEPS units of roundoff of its components,
+ * since such a state is a sum. */
 static const double OF_STEPS = 4;
-/* Parts of the step: the first theta that is tried, and in s, where it has to move the time; the least theta at which
- * an event may return; and the factor from one theta to the next. */
+/* The sign of g just after the start is tested at growing theta. FIRST is the first theta in systems whose steps are
+ * steps in time, FIRST_IN_S in rescaled ones, where the time must move; then come LEAST and its multiples by FARTHER.
+ * An event may return to 0 from theta = LEAST on. */
 static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FARTHER = 16;
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
@@ -54,7 +55,7 @@ bool tvi_stop_has_event(const tvi_stop *stop, const tvi_event *event)
     return false;
 }
 
-/* Computes g at the state x, with the momentum of the stop in place of its own. */
+/* Computes g at the state x, with its momentum replaced by that of the stop. */
 static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int event_index, const double x[], double *g)
 {
     const size_t n = (size_t)search->integrator->system->n;
@@ -63,7 +64,8 @@ static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int even
     return tvi_search_evaluate_event(search, event_index, search->scratch_increment, g);
 }
 
-/* Sets g[0] = 0 if the state x is on the event. */
+/* Sets g_samples[0] = 0 if the state x at the start of the run lies on the event: the event was reported at this stop,
+ * or |g| is at most its roundoff. */
 static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, const double x[])
 {
     tvi_watched_event *w = &search->watched_events[event_index];
@@ -73,7 +75,7 @@ static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, 
         search->start_kind == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
     if (w->was_reported_at_stop) w->g_samples[0] = 0;
     if (w->g_samples[0] == 0 || search->start_kind == TVI_FROM_OWN) return TVI_OK;
-    /* an event that does not depend on the new p stays as it is */
+    /* If the user has changed p at the stop and g has not changed, the event is where it was before. */
     if (search->start_kind == TVI_FROM_STOP && search->integrator->stop->count < TVI_STOP_EVENTS) {
         status = evaluate_with_stop_momentum(search, event_index, x, &before);
         if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, x, &here);
@@ -110,8 +112,8 @@ tvi_status tvi_start_evaluate_events(tvi_event_search *search)
 
 /* ---- Leaving an event -------------------------------------------------------------------------------------------- */
 
-/* Sets d to the increments of q and p over the part theta of the step, as accurately as they are known, and that of the
- * time. */
+/* Computes the increment [2n + 1] of q, p and t from the start of the step to theta, not as a difference of two states
+ * but to roundoff of the increment itself. */
 static tvi_status compute_increment_to(tvi_event_search *search, double theta, double increment[])
 {
     const int n = search->integrator->system->n;
@@ -119,7 +121,7 @@ static tvi_status compute_increment_to(tvi_event_search *search, double theta, d
     const tvi_run_state *start = &search->integrator->start, *state = &search->integrator->state;
     const tvi_status status = tvi_partial_step_compute_state(search->partial_step, theta * search->integrator->h);
     if (status != TVI_OK) return status;
-    if (theta == 1) { /* the step itself */
+    if (theta == 1) { /* The increment of the full step is the difference of its states. */
         for (int i = 0; i < n; i++) {
             increment[i] = state->q[i] - start->q[i];
             increment[n + i] = state->p[i] - start->p[i];
@@ -153,7 +155,7 @@ tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, dou
     return tvi_search_evaluate_event(search, event_index, search->scratch_state, rise);
 }
 
-/* Sets *sign to the sign of the rise of g at theta; 0 if it is not known. */
+/* Finds the sign of g(theta) - g(0) in a step that begins on the event. *sign = 0 means that it is below roundoff. */
 static tvi_status find_sign_of_rise(tvi_event_search *search, int event_index, double theta, int *sign)
 {
     double rise = 0;
@@ -163,13 +165,14 @@ static tvi_status find_sign_of_rise(tvi_event_search *search, int event_index, d
     return status;
 }
 
-/* The theta at which the time has moved by its resolution. search->move holds the increments at the first theta. */
-static double first_theta_that_moves_time(const tvi_event_search *search, double first)
+/* Returns the theta at which the time has changed by a unit of its roundoff. search->scratch_increment holds the
+ * increments up to first_theta. */
+static double first_theta_that_moves_time(const tvi_event_search *search, double first_theta)
 {
     const int n = search->integrator->system->n;
     const double resolution =
         DBL_EPSILON * fmax(fabs(search->integrator->start.q[n]), fabs(search->integrator->state.q[n]));
-    const double theta = resolution * first / fabs(search->scratch_increment[2 * n]);
+    const double theta = resolution * first_theta / fabs(search->scratch_increment[2 * n]);
     return theta > LEAST && theta < tvi_sample_theta[0] ? theta : LEAST;
 }
 

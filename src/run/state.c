@@ -1,18 +1,18 @@
-/* state.c - Saves what an integrator holds between steps, and loads it, so that a run goes on as if it had not been
- * interrupted. The bytes are
+/* state.c - Saves everything that an integrator holds between steps as bytes, and loads it, so that a run goes on as
+ * if it had not been interrupted (tvi_state_save, tvi_state_load). The bytes are
  *
- *      identity | t | q | p | counts | parameters | stop | history | checksum
+ * * identity | t | q | p | counts | parameters | stop | history | checksum
  *
- * The identity describes the format, the method and the system; bytes with another one are refused (saved.h). t, q and
- * p serve readers without an integrator (tvi_state_peek). The history is all that one step leaves to the next
- * (arena.h). */
+ * * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h).
+ * t, q and p are there for readers without an integrator (tvi_state_peek). The history contains everything that one
+ * step leaves to the next one (algebra/arena.h). */
 #include "run/saved.h"
 #include "system/refuse.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Indices of the pieces. */
+/* The indices of the pieces of a saved integrator, in the order of the bytes. */
 enum { TIME, COORDINATES, MOMENTA, COUNTS, PARAMETERS, STOP, HISTORY };
 
 static void list_saved_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_saved_pieces *pieces)
@@ -38,7 +38,8 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
-/* Loads the history, which has t, q and p once more. Restores the old one if a run cannot go on from the loaded one. */
+/* Loads the history, which contains t, q and p a second time. If a run cannot go on from it, the integrator's former
+ * history is restored, and the call is refused. */
 static tvi_status load_history(tvi_integrator *it, const tvi_saved_pieces *pieces, const void *buffer)
 {
     char *own = malloc(it->history_bytes + 1);

@@ -1,4 +1,5 @@
-/* state_text.c - writes a state as text, and reads it. Both go through the words of one list, for instance
+/* state_text.c - Writes a state as text, and reads it (state_text.h). travel.c calls it. One function, transfer_state,
+ * lists the words of the text both for writing and for reading. An example of a text is
  *
  *     tvi state 1
  *     n 2
@@ -11,9 +12,9 @@
  *     p 0x1.4p-1 0x0p+0
  *     end 9ae16a3b2f90404f
  *
- * Numbers are as printf writes them by %a, with a point in every locale. Any blanks may stand between words, so that a
- * text may go through systems that end lines in other ways. The last word is FNV-1a of all words before it, each with a
- * blank behind it. The rows are those of the members of tvi_state_text. */
+ * Numbers are written as printf does by %a, with a point in every locale. Any white space may separate words, since
+ * other programs may change the ends of lines. The last word is the FNV-1a hash of all words before it, each followed
+ * by a blank. The fields of tvi_state_text tell the order of the rows. */
 #include "run/state_text.h"
 #include "tape.h"
 #include "algebra/sizes.h"
@@ -21,7 +22,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST = 31, MANTISSA = 13, DIGITS = 20 }; /* of a word, and hexadecimal and decimal digits in one */
+/* LONGEST is the number of characters of the longest word; MANTISSA and DIGITS are the largest numbers of hexadecimal
+ * digits of a mantissa and of digits of an integer. */
+enum { LONGEST = 31, MANTISSA = 13, DIGITS = 20 };
 
 static const char NO_STATE[] = "the text is no state", DAMAGED[] = "the text of the state is damaged or cut short";
 
@@ -36,7 +39,7 @@ bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameters)
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-/* Writes so many digits at least, and returns where they end. */
+/* Writes a number in the given base, with at least least_digits digits. Returns the address of the end of the text. */
 static char *write_digits(char *at, uint64_t number, unsigned base, int least_digits)
 {
     char digit[DIGITS];
@@ -47,7 +50,8 @@ static char *write_digits(char *at, uint64_t number, unsigned base, int least_di
     return at;
 }
 
-/* (-1)^sign 2^exponent 1.mantissa, or 0.mantissa where the exponent is the least one. */
+/* Writes a double as printf does by %a: its sign, 0x, the bits of its mantissa in hexadecimal, and its binary exponent.
+ * Denormal numbers begin with 0x0 and have the exponent -1022. */
 static void write_double(char *at, double number)
 {
     const uint64_t bits = tvi_bits(number), mantissa = bits << 12 >> 12;
@@ -63,7 +67,8 @@ static void write_double(char *at, double number)
     (void)write_digits(at, (uint64_t)abs(exponent), 10, 1);
 }
 
-/* Goes past up to `most` digits from *at on; as many less give a number that is as much too small. */
+/* Reads up to most_digits digits in the given base from *at on, and moves *at past them. Sets *count to the number of
+ * digits that were read, and returns the number that they form. */
 static uint64_t read_digits(const char **at, unsigned base, int most_digits, int *count)
 {
     uint64_t number = 0;
@@ -75,7 +80,7 @@ static uint64_t read_digits(const char **at, unsigned base, int most_digits, int
     return number;
 }
 
-/* Whether the word is a finite number. */
+/* Reads a word as a double. Returns whether it is a finite number in the form that write_double writes. */
 static bool read_double(const char *at, double *number)
 {
     int count;
@@ -127,7 +132,7 @@ static void skip_whitespace(text_stream *stream)
         stream->position++;
 }
 
-/* A word that is longer than any of a state ends within one, and fits nothing. */
+/* Reads the next word of the input. A longer word than LONGEST is cut, and matches nothing that is expected. */
 static void read_word(text_stream *stream, char word[LONGEST + 1])
 {
     size_t length = 0;
@@ -149,7 +154,7 @@ static void write_word(text_stream *stream, char separator, const char *word)
     stream->position += strlen(word);
 }
 
-/* Writes the word, or reads the one that stands there. */
+/* Writes a word to the output, or reads the next word of the input into `word`, and adds it to the hash. */
 static void transfer_word(text_stream *stream, char separator, char word[LONGEST + 1])
 {
     if (stream->input) read_word(stream, word);
@@ -186,7 +191,7 @@ static void transfer_rows(text_stream *stream, const char *label, int rows, int 
     }
 }
 
-/* Whether e follows. */
+/* Tells whether the next word of the input is "e". */
 static bool is_next_word_e(const text_stream *stream)
 {
     text_stream ahead = *stream;

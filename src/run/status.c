@@ -1,4 +1,4 @@
-/* status.c - Returns the texts of the statuses, and the version of the library. */
+/* status.c - Defines tvi_status_string, tvi_version and tvi_last_error. */
 #include "system/refuse.h"
 
 #define STATUS_TEXT(code, text) [code] = text,

@@ -1,5 +1,6 @@
-/* step.c - Makes steps of one member or of a batch. The stepper computes the increments of all members. Members whose
- * new state is accepted get it by compensated summation. */
+/* step.c - Makes steps of one member or of a batch of members (tvi_step). The stepper of the method computes the
+ * increments of the states, the steps that are too large are refused, and the increments of the others are added to the
+ * states by compensated summation. */
 #include "run/advance.h"
 #include "run/guard.h"
 #include "run/integrator.h"
@@ -26,13 +27,13 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     integrator->stats.largest_tail = 0;
 }
 
-/* Loops over the members stand in functions with the width as an argument, so that they are compiled for one member and
- * for any number. */
+/* Functions with a loop over the members have its length `width` as an argument. The compiler makes a version of them
+ * for width = 1 and one for any width. */
 
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 
-/* Computes the increments of one member by the stepper's own step. With a tolerance the step chooses its size, at most
- * *h. */
+/* Computes the increments of one member by the stepper's function for a single member. With a tolerance > 0 that
+ * function chooses the step size, at most *h, and sets *h to it. */
 static void compute_increments_of_one_member(tvi_integrator *it, double tolerance, double *h)
 {
     const tvi_stepper *stepper = it->stepper;
@@ -51,7 +52,7 @@ static void compute_increments_of_one_member(tvi_integrator *it, double toleranc
     it->passes[0] = (int)(it->stats.passes - passes);
 }
 
-/* Computes the increments of all members that are stepped. Their statuses are those of the stepper. */
+/* Computes the increments of all members that are being stepped. The stepper sets the status of each member. */
 JET_INLINE void compute_increments(tvi_integrator *it, int width, double tolerance, double *h)
 {
     const tvi_run_state *state = &it->state;
@@ -69,7 +70,8 @@ JET_INLINE void compute_increments(tvi_integrator *it, int width, double toleran
 
 /* ---- Whether they are to be added -------------------------------------------------------------------------------- */
 
-/* Tells whether the field has finite values at the start of the member's step; for a Lagrangian, at rest there. */
+/* Tells whether the forces, or the derivatives of the Lagrangian or Hamiltonian, are finite at the start of the
+ * member's step. A Lagrangian is evaluated at velocity 0. */
 static bool is_field_finite_at_start(tvi_integrator *it, int member)
 {
     const tvi_system *system = it->stepped;
@@ -86,13 +88,14 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     return is_finite;
 }
 
-/* The status of a step that overflows: the step is too large, unless the field is not finite at its start. */
+/* Returns the status for a step whose result is not finite: the step is too large (TVI_ETOOLARGE), or the field is not
+ * finite even at its start (TVI_ENONFINITE). */
 static tvi_status status_of_overflow(tvi_integrator *it, int member)
 {
     return is_field_finite_at_start(it, member) ? TVI_ETOOLARGE : TVI_ENONFINITE;
 }
 
-/* Explains why the stepper's step has failed. */
+/* Completes the error text after the stepper has failed to make the member's step, and returns the status. */
 static tvi_status explain_stepper_failure(tvi_integrator *it, int member)
 {
     const tvi_status status = it->status[member];
@@ -101,7 +104,7 @@ static tvi_status explain_stepper_failure(tvi_integrator *it, int member)
     return tvi_refuse_as("its equations", status);
 }
 
-/* Names the component of the member's new state that is not finite. */
+/* Returns the status of a member whose new state is not finite, with an error text that names the component. */
 static tvi_status refuse_overflowing_component(tvi_integrator *it, int member)
 {
     const int width = it->width, rows = it->stepped->n;
@@ -115,7 +118,8 @@ static tvi_status refuse_overflowing_component(tvi_integrator *it, int member)
     return TVI_OK;
 }
 
-/* Checks the time, which is a coordinate of a rescaled system. It must move in the direction of h. */
+/* Refuses the step of a rescaled system if its time, which is one of the coordinates, does not move in the direction of
+ * h. */
 static tvi_status check_time_moves_with_h(const tvi_integrator *it, int member, double h)
 {
     const int time = it->system->n * it->width + member;
@@ -140,7 +144,7 @@ JET_INLINE void find_overflows(tvi_integrator *it, int width)
     }
 }
 
-/* Sets the status of the members whose step of size h is refused. */
+/* Checks the new state of each member, and sets the status of those members whose step is refused. */
 JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool used_series)
 {
     find_overflows(it, width);
@@ -156,7 +160,7 @@ JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool u
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Adds the increments to the states of the members whose step is accepted. */
+/* Adds the increments to the states of all members whose step is accepted. */
 JET_INLINE void add_increments(tvi_integrator *it, int width)
 {
     const tvi_run_state *state = &it->state;
@@ -172,8 +176,9 @@ JET_INLINE void add_increments(tvi_integrator *it, int width)
     }
 }
 
-/* Makes a step of the members that are TVI_OK from their own states. With a tolerance the step chooses its size, at
- * most h. Members that fail keep their state, and get a status. Returns how many members have made the step. */
+/* Makes a step of all members whose status is TVI_OK. With a tolerance > 0 the step chooses its size, at most h. A
+ * member that fails keeps its state, and its status tells why. Returns the number of members that have made the
+ * step. */
 JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, double h)
 {
     const long expansions = it->stats.expansions;
@@ -207,7 +212,8 @@ void tvi_step_batch(tvi_integrator *it, long steps, double h)
     for (long k = 0, made = 1; k < steps && made > 0; k++) made = step_all_members(it, 0, h);
 }
 
-/* Makes steps without checks between them, all but the last one of a run. Returns how many were made. */
+/* Makes up to `steps` steps in one call of the stepper, as long as none needs a check of its energy. Returns the number
+ * of steps that were made. */
 static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
 {
     const int n = it->system->n;
@@ -221,7 +227,7 @@ static long make_unchecked_steps(tvi_integrator *it, long steps, double h, doubl
     return made;
 }
 
-/* Refuses an integrator's step that failed, with its size and its time. */
+/* Adds the size and the start of a failed step to the error text, and returns its status. */
 static tvi_status add_step_to_error(const tvi_integrator *it)
 {
     const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
@@ -229,7 +235,7 @@ static tvi_status add_step_to_error(const tvi_integrator *it)
                       jet_refusal());
 }
 
-/* Makes at least one step, until `steps` are made, one fails, or the time reaches t_end. */
+/* Makes steps until `steps` of them are made, or one fails, or the time reaches t_end. At least one step is made. */
 static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, double h, double t_end, double *t,
                              double q[], double p[])
 {

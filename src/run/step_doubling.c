@@ -1,5 +1,6 @@
-/* step_doubling.c - Steps two orbits side by side, with steps h and h/2, to estimate the error of a trial (trial.c). It
- * also follows a companion beside the orbit of the scout, to measure how the orbit stretches errors. */
+/* step_doubling.c - Integrates two orbits with steps h and h/2, and measures their distance (step_doubling.h). It also
+ * integrates a companion, an orbit near that of the scout (scout.h), to measure by which factor the motion stretches
+ * small errors. */
 #include "run/step_doubling.h"
 #include "run/integrator.h"
 #include "system/refuse.h"
@@ -9,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The lag along the orbit can be measured if the speed is at least this part of the largest one. */
+/* The lag of one orbit behind the other is measured only where the speed is at least this part of the largest speed. */
 static const double FAST = 1.0 / 30;
-/* The distance at which the companion starts from the scout. It is much larger than roundoff, and small enough to
- * grow. */
+/* The distance of the companion from the scout's orbit at its start. It is much larger than roundoff, and leaves room
+ * to grow. */
 static const double START_DISTANCE = 1e-7;
 
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
@@ -54,8 +55,8 @@ void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *stat
     tvi_scout_orbit_set_state(&doubling->half_step_orbit, doubling->n, state);
 }
 
-/* Sets doubling->rates_output to q' and p'. The two orbits of a rescaled system are at different times, and their
- * distance is corrected by the rate times the difference of times. */
+/* Computes the time derivatives q' and p' of full_step_orbit in a rescaled system. There the two orbits are at
+ * different times; their distance is corrected by the derivatives times the difference of the times. */
 static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
 {
     const size_t n = (size_t)doubling->n;
@@ -106,8 +107,8 @@ static void accumulate_difference(int n, const double a[], const double b[], dou
     }
 }
 
-/* d.rate / rate.rate is the lag of one orbit behind the other. This lag makes most of their distance where the motion
- * is fastest. */
+/* The lag of one orbit behind the other is d.rate / rate.rate. It causes the largest distance where the motion is
+ * fastest. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 {
     const tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
@@ -144,7 +145,8 @@ static const double *stored_state_of_scout(const tvi_orbit_scout *scout, int pos
     return scout->states + (size_t)position * (size_t)(2 * scout->n + 1);
 }
 
-/* Sets b to the given state, displaced by START_DISTANCE in the direction of a - b. */
+/* Sets half_step_orbit to the given state, displaced by START_DISTANCE in the direction of the present difference of
+ * the two orbits. */
 static void place_companion_orbit(tvi_step_doubling *doubling, const double *state)
 {
     const size_t n = (size_t)doubling->n;
@@ -159,8 +161,8 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
     tvi_integrator_reset(b->integrator);
 }
 
-/* Steps the companion along with the scout, from position number `first`. Returns the last position that it reached,
- * and sets apart[k] to its distance from the scout at position k. */
+/* Integrates the companion beside the scout's orbit, from position number `first` on. Sets apart[k] to their distance
+ * at position k, and returns the number of the last position that the companion has reached. */
 static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first, double apart[])
 {
     place_companion_orbit(doubling, stored_state_of_scout(scout, first));
@@ -169,7 +171,7 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
         apart[k] = doubling->distance;
-        /* to the energy of its state, as the scout's orbit */
+        /* The reset makes the step start with the energy of its own state, as the scout's step did. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
         if (k == scout->step_count ||
             step_orbit(doubling, &doubling->half_step_orbit, scout->positions[k + 1] - scout->positions[k]) != TVI_OK)
@@ -177,7 +179,8 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
     }
 }
 
-/* The ratio of the largest distances in the second and in the first half of the way. */
+/* Returns the largest distance in the second half of the way between two positions, divided by that in the first
+ * half. */
 static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first, int last, const double apart[])
 {
     const double middle = (scout->positions[first] + scout->positions[last]) / 2;

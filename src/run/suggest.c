@@ -1,20 +1,20 @@
-/* suggest.c - Suggests the step size for a wanted error at the end of a run. It explores the orbit, and makes trials
- * where the orbit is hardest.
+/* suggest.c - Suggests the step size with which a run ends with the error that the user wants (tvi_suggest_step).
  *
- * The scout (scout.h) finds where the orbit is hardest, and which step just resolves it there. A trial (trial.h)
- * estimates the error of a run with its h. For another step h' the estimate is (h'/h)^order times as large. Trials
- * follow one another until an estimate is near the aim, or the cost is used up. A trial that does not reach the hardest
- * position says nothing of it. A trial of the whole run measures the error itself, and no other h is then extrapolated
- * from it.
+ * * The scout (scout.h) explores the orbit with few large steps. It finds where the orbit is hardest, and which step
+ * size just resolves it there. A trial (trial.h) integrates a part of the run, with the hardest position if
+ * possible, and estimates the error of a run with its step size h. The estimate for another step size h' is
+ * (h'/h)^order times as large. Trials are made until an estimate is near the error that is aimed at, or until their
+ * budget is used up. A trial of the whole run measures the error itself, and no other step size is extrapolated from
+ * it.
  *
- * If the scout saw most of the run, a companion measures how the error grows over that part, and only the rest is
- * extrapolated: an unstable orbit makes the error much larger. If the growth in the second half of what the scout saw
- * exceeds 2^a, this excess is applied again for each further half of that length.
+ * * If the scout has explored most of the run, a companion orbit (step_doubling.h) measures how the error grows over
+ * that part, since an unstable orbit makes the error much larger. Only the rest of the run is extrapolated. Errors
+ * usually grow with the power a of the time. If the growth in the second half of the explored part exceeds 2^a, this
+ * excess is applied again for each further half of that length.
  *
- * A passage of a pericentre adds an error that depends on where in it the steps lie. The errors add up if each passage
- * is hit alike. An end where the motion is fast shows the error more than one where it is slow. Trials see one sample
- * of these errors. Samples differ more on orbits whose scales differ more, so h is divided by a logarithm of that
- * ratio. */
+ * * Each passage of a pericentre adds an error that depends on where in the passage the steps lie. A trial sees one
+ * sample of these errors. The samples differ more on orbits whose step sizes differ more, so the suggested step size
+ * is divided by a logarithm of that ratio. */
 #include "run/suggest.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -25,28 +25,31 @@
 #include <math.h>
 #include <string.h>
 
-/* The error that trials aim at, as a part of the wanted one. For a rescaled system it is AIM_LATER, since another
- * passage may be worse. */
+/* Trials aim at the part AIM of the error that the user wants, or AIM_LATER in a rescaled system, since another passage
+ * of a pericentre may be worse than the one that a trial sees. */
 static const double AIM = 0.08, AIM_LATER = 0.06;
-/* Below FLOOR a trial cannot tell an error from roundoff. */
+/* Two orbits that differ by less than FLOOR may differ by roundoff alone. */
 static const double FLOOR = 1e-13;
-/* Errors below TINY may be roundoff. */
+/* Trials whose orbits differ by less than TINY are tested for roundoff. */
 static const double TINY = 1e-10;
 static const double GROWTH = 1.25, GROWTH_LATER = 1.1;
-/* Factors of h: after a step that fails or a large error, and the same for a rescaled system, another passage of which
- * may be worse; at least elsewhere; for an error that has no order; and at the end, if no estimate was near the aim. */
+/* Factors of the step size h. After a failed step or a large error h is multiplied by FAILS, or by FAILS_LATER in a
+ * rescaled system. Otherwise the factor is at least LEAST_FACTOR. The error of a trial counts as at most 1 /
+ * OF_NO_ORDER times the aim. If no estimate was near the aim, the final h is multiplied by UNKNOWN. */
 static const double FAILS = 0.88, FAILS_LATER = 0.7, LEAST_FACTOR = 0.25, OF_NO_ORDER = 1e-3, UNKNOWN = 0.8;
-/* The first h is chosen as follows. A step that just resolves the orbit makes the error RESOLVED times its tail to the
- * power order / degree, and a trial covers the part KNOWN of the run. No h is longer than a step with MOST_TAILS times
- * the scout's tail. */
+/* Assumptions for the first step size: a step that just resolves the orbit makes the error RESOLVED tail^(order /
+ * degree), and a trial covers the part KNOWN of the run. No step size is longer than that whose tail is MOST_TAILS
+ * times the scout's. */
 static const double RESOLVED = 0.1, KNOWN = 0.05, MOST_TAILS = 40;
-/* A trial of the whole run shows that h serves if its error is at most KEPT of the wanted one. h is about the longest
- * if the error is at least FULL of it, or if NEARLY times as long a step does not serve. */
+/* A step size serves if a trial of the whole run has an error of at most KEPT of the wanted error. It is accepted as
+ * the longest if that error is at least FULL of the wanted error, or if a step NEARLY times as long does not serve. */
 static const double KEPT = 0.9, FULL = 0.02, NEARLY = 1.1;
-/* The factor of the logarithm of the ratio of scales, and the largest ratio that counts. */
+/* The final step size is divided by 1 + DRAWS log(r), where r is the ratio of the largest to the smallest resolving
+ * step size, at most MOST_DRAWS. */
 static const double DRAWS = 0.15, MOST_DRAWS = 30;
-/* The roundoff of the time is measured if it may make the part DOUBT of the wanted error. It is measured with a shift
- * of the time by SHIFT of a step, or by SHIFTS times its roundoff, and counts TIMES as often. */
+/* The effect of the time's roundoff is measured if it may be more than DOUBT of the wanted error. The time is shifted
+ * by SHIFT of a step for this, or by SHIFTS units of its roundoff if that is more. A run is taken to round the time
+ * TIMES sqrt(steps) times in one direction. */
 static const double DOUBT = 0.01, SHIFT = 1e-3, SHIFTS = 4, TIMES = 3;
 
 /* The search for a step size: the trials so far, and what they show. */
@@ -55,7 +58,7 @@ typedef struct {
     int order;                   /* the order of the method */
     double degree;               /* the degree of its curve, at least 1 */
     double wanted_error, aim;    /* the error that the user wants, and the smaller one that trials aim at */
-    double longest_allowed_step; /* no longer step size is tried or suggested */
+    double longest_allowed_step; /* No step size longer than this is tried or suggested. */
     /* A step size whose trial had a large error, and this error. No shorter step has had an error below a third of
      * it. */
     double step_of_large_error, large_error;
@@ -76,7 +79,7 @@ static double factor_after_failure(const suggestion_search *search)
     return search->trials.step_doubling.is_rescaled ? FAILS_LATER : FAILS;
 }
 
-/* The factor of h that the trial asks for. */
+/* Returns the factor by which the next step size differs from that of the trial. */
 static double step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return factor_after_failure(search);
@@ -84,14 +87,14 @@ static double step_size_factor(const suggestion_search *search, const tvi_step_s
     return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
 }
 
-/* The factor for the suggestion, if no other trial follows. */
+/* Returns the factor by which the suggested step size differs from that of the trial, if no other trial follows. */
 static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     return fmin(step_size_factor(search, trial), pow(TVI_TRIAL_BAND, 1.0 / search->order));
 }
 
-/* Records an error that is too large and yet tiny. It is roundoff if it stays as large with an h that should make it a
- * hundredth. */
+/* Records a trial whose error is above the aim but as tiny as roundoff may be. It is roundoff if it does not decrease
+ * with a step size that should make it a hundredth. */
 static void detect_roundoff(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->error == INFINITY ||
@@ -103,7 +106,7 @@ static void detect_roundoff(suggestion_search *search, const tvi_step_size_trial
         search->roundoff_error = fmin(trial->error, search->large_error);
 }
 
-/* Updates the longest h that serves, and the shortest that does not. */
+/* Updates the longest step size that serves and the shortest that does not, after a trial. */
 static void update_bracket_of_steps(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     const bool is_too_long = trial->is_finished && tvi_trial_error_is_far_above_aim(&search->trials, trial);
@@ -120,8 +123,8 @@ static void update_bracket_of_steps(suggestion_search *search, const tvi_step_si
     else if (is_too_long) search->longest_allowed_step = tvi_shorter(search->longest_allowed_step, FAILS * trial->h);
 }
 
-/* Tells whether a trial of the whole run may find a longer h than the best one. It uses *h, or an h between best and
- * worst. */
+/* Tells whether a trial of the whole run may find a longer step size than longest_good_step. It tries *h, or changes *h
+ * to a value between longest_good_step and shortest_bad_step. */
 static bool may_find_longer_step(const suggestion_search *search, double *h)
 {
     const bool has_worst = search->shortest_bad_step != 0;
@@ -134,8 +137,8 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
            tvi_trials_have_budget_for(&search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_length / *h)));
 }
 
-/* Tells whether the trial counts: it is near the aim and covers more of the run than others, or shows that its h is too
- * long. */
+/* Tells whether the suggestion should follow this trial: it covers about as much of the run as the longest one, or it
+ * shows that its step size is too long. *is_near_aim is set if its estimate is near the aim or below. */
 static bool is_trial_informative(const suggestion_search *search, const tvi_step_size_trial *trial, bool *is_near_aim)
 {
     const tvi_trials *trials = &search->trials;
@@ -146,7 +149,7 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aim));
 }
 
-/* Updates the suggestion from a trial. Returns whether another one follows, with *h. */
+/* Updates the suggestion after a trial. Returns true if another trial shall follow, with the step size *h. */
 static bool update_from_trial(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
                               tvi_step_suggestion *out)
 {
@@ -166,7 +169,8 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
     detect_roundoff(search, trial);
     update_bracket_of_steps(search, trial);
     if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high))
-        trials->reserved_steps = 0; /* leaves the steps to another trial */
+        /* If the budget is used up, the steps of the companion are released for another trial. */
+        trials->reserved_steps = 0;
     *h = tvi_shorter(trial->h * factor, search->longest_allowed_step);
     trials->run_steps *= trial->h / *h;
     if (search->longest_good_step != 0) return may_find_longer_step(search, h);
@@ -176,7 +180,8 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
-/* Corrects the estimate of the last trial by the growth of errors that the companion measures. */
+/* Corrects the error estimate of the last trial by the growth of errors that the companion measures
+ * (step_doubling.h). */
 static void correct_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial, tvi_step_suggestion *out)
 {
     tvi_trials *trials = &search->trials;
@@ -186,7 +191,7 @@ static void correct_by_companion_growth(suggestion_search *search, tvi_step_size
     const double growth_factor = tvi_step_doubling_measure_growth(&trials->step_doubling, &trials->scout,
                                                                   trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
-    /* the scout saw two halves */
+    /* The growth was measured between two halves of the part that the scout has explored. */
     const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
     out->error = trial->error = error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);
     out->h = trial->h * final_step_size_factor(search, trial);
@@ -194,7 +199,7 @@ static void correct_by_companion_growth(suggestion_search *search, tvi_step_size
 
 /* ---- Before and after them --------------------------------------------------------------------------------------- */
 
-/* Sets up the trials from what the scout saw. Returns the first h. */
+/* Prepares the trials from what the scout has found. Returns the first step size. */
 static double set_up_trials(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
@@ -215,8 +220,9 @@ static double set_up_trials(suggestion_search *search)
     return h;
 }
 
-/* Estimates the error from the roundoff of the time, in equations that depend on it. Each step rounds the time anew,
- * and the errors add up at random. If they may be large, one step at a shifted time measures them. */
+/* Estimates the error that the roundoff of the time causes, in a system whose equations depend on the time. Each step
+ * rounds the time anew, and the effects add up at random. If they may be large, one step at a shifted time measures
+ * them. */
 static tvi_status measure_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
@@ -251,7 +257,7 @@ static double spread_of_scales_factor(const suggestion_search *search)
     return 1 + DRAWS * log(fmin(longest / shortest, MOST_DRAWS));
 }
 
-/* Completes the suggestion. */
+/* Computes the final step size from the results of all trials. */
 static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *out)
 {
     const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),

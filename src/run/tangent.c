@@ -1,5 +1,6 @@
-/* tangent.c - Multiplies tangent vectors by the derivative M of a step, D <- M D, by the same method on the lifted
- * system (docs/method.md section 10). Each column takes one lifted step, whose history is cleared before. */
+/* tangent.c - Multiplies tangent vectors, the columns of D, by the Jacobian matrix M of a step: D <- M D (tangent.h).
+ * For each column the same method makes one step of the lifted system (docs/method.md section 10). Its history is
+ * cleared before, so that the columns do not depend on one another. */
 #include "run/tangent.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
@@ -22,7 +23,8 @@ static void free_tangent(tvi_tangent *tangent)
     free(tangent);
 }
 
-/* Allocates the blocks that a rescaled system needs. */
+/* Allocates the memory in which a rescaled system evaluates the derivatives of K, and the change of K along a
+ * column. */
 static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
 {
     const jet_tape *flow = it->stepped->field_values, *change = tangent->lifted_system->energy;
@@ -55,12 +57,12 @@ static tvi_status create_tangent(tvi_tangent **out, tvi_integrator *it)
     if (status != TVI_OK) return status;
     tangent->are_momenta_swapped = tangent->lifted_system->form != TVI_SEPARABLE;
     tvi_options options = it->options;
-    options.max_tail = -1;   /* the step itself is checked */
-    options.compiled = NULL; /* the generated code is for the system, not for its lift */
+    options.max_tail = -1;   /* The guard checks the integrator's own step only. */
+    options.compiled = NULL; /* The generated code serves the system itself, not the lifted system. */
     return tvi_integrator_create(&tangent->lifted_integrator, tangent->lifted_system, &options);
 }
 
-/* Provides memory for more columns, and keeps the contents. */
+/* Allocates memory for more columns of a run, and keeps the contents. */
 static tvi_status reserve_columns(tvi_integrator *it, int columns)
 {
     tvi_tangent *tangent = it->tangent;
@@ -77,7 +79,7 @@ static tvi_status reserve_columns(tvi_integrator *it, int columns)
     return TVI_OK;
 }
 
-/* Creates the integrator's tangent when it is first used, and provides memory for the columns. */
+/* Allocates the memory for tangent vectors when an integrator first uses them, or when it needs more columns. */
 tvi_status tvi_integrator_allocate_tangent(tvi_integrator *it, int columns)
 {
     if (!it->tangent) {
@@ -95,8 +97,8 @@ tvi_status tvi_integrator_allocate_tangent(tvi_integrator *it, int columns)
     return reserve_columns(it, columns);
 }
 
-/* The power of two that scales a column to the size of the state, so that neither dominates the corrector's measure. M
- * is linear, and powers of two are exact. */
+/* Returns the exponent of the power of two that scales a column to the size of the state. The corrector of the lifted
+ * step then measures both alike. M is linear and powers of two are exact, so the scale does not change the result. */
 static int find_scaling_exponent(int n, const double q[], const double p[], const double column[])
 {
     const double size_q = tvi_largest(n, q, 1), size_p = tvi_largest(n, p, 1);
@@ -107,7 +109,8 @@ static int find_scaling_exponent(int n, const double q[], const double p[], cons
     return exponent;
 }
 
-/* Sets the parameters of the step and their rates, which are those of the column at its scale. */
+/* Sets the parameters of the lifted system: the values that the step is made with, and the scaled components of the
+ * column that belong to the parameters. */
 static tvi_status set_lifted_parameters(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
 {
     tvi_tangent *tangent = it->tangent;
@@ -120,7 +123,7 @@ static tvi_status set_lifted_parameters(const tvi_integrator *it, const tvi_lift
     return tvi_integrator_set_parameters(tangent->lifted_integrator, tangent->parameters_and_rates);
 }
 
-/* Sets the lifted state: the state at the start of the step, and the scaled column. */
+/* Sets the state of the lifted system: the state at the start of the step, and the scaled column. */
 static void set_lifted_state(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -135,7 +138,7 @@ static void set_lifted_state(const tvi_integrator *it, const tvi_lifted_step *st
     }
 }
 
-/* Computes column <- M column. */
+/* Computes column <- M column for the step map in the steps' own variable, which is s in a rescaled system. */
 static tvi_status multiply_column_in_step_variable(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     tvi_tangent *tangent = it->tangent;
@@ -158,7 +161,7 @@ static tvi_status multiply_column_in_step_variable(const tvi_integrator *it, con
 
 /* ---- At equal times ---------------------------------------------------------------------------------------------- */
 
-/* Computes K_q and K_p of a rescaled system at a state. */
+/* Computes the gradient (K_q, K_p) of a rescaled system's Hamiltonian K at a state. */
 static tvi_status compute_transformed_gradient(const tvi_integrator *it, const double parameters[], const double q[],
                                                const double p[])
 {
@@ -173,8 +176,8 @@ static tvi_status compute_transformed_gradient(const tvi_integrator *it, const d
     return TVI_OK;
 }
 
-/* Sets the change of e in the column. A neighbour at the same time has its own e, with which K is 0 as well: dK = 0,
- * and K_e = g. */
+/* Sets the component of the column that belongs to e. A neighbouring orbit at the same time has its own e, for which K
+ * is 0 as well; this gives dK = 0, and K_e = g. */
 static tvi_status set_energy_change(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -192,8 +195,8 @@ static tvi_status set_energy_change(const tvi_integrator *it, const tvi_lifted_s
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* Projects the column to the time of the orbit. After a step in s the neighbour is at another time, and is moved back
- * along the flow: dq - dt K_p / g, dp + dt K_q / g. */
+/* Projects the column to the time of the orbit. After a step in s a neighbouring orbit is at another time. It is moved
+ * back along the flow by the difference dt of the times: dq - dt K_p / g, dp + dt K_q / g. */
 static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -208,7 +211,8 @@ static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const t
     return status;
 }
 
-/* Copies the user's column. In a rescaled system the change of e is 0 so far. */
+/* Copies a column of the user's matrix D to the tangent's memory. The component of a rescaled system that belongs to e
+ * is set to 0. */
 static void load_column(const tvi_integrator *it, const double D[], size_t row_stride)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -222,7 +226,8 @@ static void load_column(const tvi_integrator *it, const double D[], size_t row_s
     for (int i = 0; i < parameters; i++) rate[i] = D[(size_t)(2 * n + i) * row_stride];
 }
 
-/* Multiplies one column, out = M column, in rows of `stride`. */
+/* Computes the product of M and the loaded column, and writes it to `out`, a column of a matrix whose rows are
+ * row_stride numbers apart. */
 static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_lifted_step *step, double out[],
                                               size_t row_stride)
 {

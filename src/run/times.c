@@ -1,5 +1,5 @@
-/* times.c - Reports the results at given times of a run. Each is the state after a step of the method over the part of
- * the last step that leads there (between.h). */
+/* times.c - Reports the states at the given times of a run (times.h). Each state is computed by a partial step of the
+ * method from the start of the last step (partial_step.h). */
 #include "run/times.h"
 #include "run/columns.h"
 #include "algebra/sizes.h"
@@ -7,7 +7,8 @@
 
 #include <math.h>
 
-/* The index of the first time that is not finite, or not in the order of h, or before t; otherwise count. */
+/* Returns the index of the first given time that is not finite, or not in the direction of h from the time before it.
+ * Returns `count` if there is none. */
 static int first_out_of_order(double h, double t, const double times[], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -17,8 +18,8 @@ static int first_out_of_order(double h, double t, const double times[], int coun
     return count;
 }
 
-/* Tells whether the state is the end of the last step, in the direction of h, and all that this step left is still
- * there. */
+/* Tells whether the given state is the end of the integrator's last step, which went in the direction of h and can
+ * still be subdivided. */
 static bool last_step_ends_here(const tvi_integrator *it, double h, double t, const double q[], const double p[])
 {
     return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has_state(it, t, q, p);
@@ -39,7 +40,7 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
                : jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
 }
 
-/* Reports the next time, with its state. */
+/* Reports the next given time with its state q, p, by calling the observer. */
 static void report_next_time(tvi_times *times_progress, const double q[], const double p[])
 {
     const tvi_observers *observers = &times_progress->run->observers;
@@ -49,7 +50,7 @@ static void report_next_time(tvi_times *times_progress, const double q[], const 
         times_progress->is_stopped_by_observer = true;
 }
 
-/* Reports the next time, which is in the last step. */
+/* Computes the state at the next given time, which lies in the last step, and reports it. */
 static tvi_status report_time_inside_step(tvi_times *times_progress)
 {
     const tvi_partial_step *partial_step = &times_progress->partial_step;
@@ -62,8 +63,8 @@ static tvi_status report_time_inside_step(tvi_times *times_progress)
     return status;
 }
 
-/* Reports the times up to `until`: all of them, or until the observer stops the run. */
-static tvi_status report_times_until(tvi_times *times_progress, double last_time, bool all)
+/* Reports the given times up to last_time. It ends when the observer stops the run, unless reports_all is set. */
+static tvi_status report_times_until(tvi_times *times_progress, double last_time, bool reports_all)
 {
     const tvi_run_plan *plan = times_progress->run->plan;
     const double direction = plan->h > 0 ? 1 : -1;
@@ -71,7 +72,7 @@ static tvi_status report_times_until(tvi_times *times_progress, double last_time
     tvi_status status = TVI_OK;
     while (status == TVI_OK && !tvi_times_are_reported(times_progress) &&
            direction * (plan->times[times_progress->next_time_index] - last_time) <= 0 &&
-           (all || !times_progress->is_stopped_by_observer))
+           (reports_all || !times_progress->is_stopped_by_observer))
         status = report_time_inside_step(times_progress);
     if (times_progress->next_time_index > first)
         tvi_columns_restore_step_end(times_progress->integrator, &times_progress->run->columns);

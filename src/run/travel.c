@@ -1,6 +1,7 @@
-/* travel.c - gives the state of an integrator, or of a member of an ensemble, as text (state_text.h), and goes on from
- * one. The low-order parts of the state and the e of a rescaled system travel with it; the history of the steps does
- * not. */
+/* travel.c - Writes the state of an integrator, or of a member of an ensemble, as text, and loads such a text
+ * (tvi_state_to_text, tvi_state_from_text, tvi_ensemble_member_to_text, tvi_ensemble_member_from_text). The text
+ * (state_text.h) contains the low-order parts of the state and the e of a rescaled system, but not the history of the
+ * steps. */
 #include "run/ensemble.h"
 #include "run/saved.h"
 #include "run/state_text.h"
@@ -11,14 +12,15 @@
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
-/* The index in arrays of q or p of number k of t, q[n], p[n], e. */
+/* Returns the index, in a member array of q or p, of number k of the list t, q[n], p[n], e. */
 static size_t index_in_member_arrays(const tvi_integrator *it, int member, int k)
 {
     const int n = it->system->n, row = k == 0 ? n : k <= n ? k - 1 : k - n - 1;
     return (size_t)row * (size_t)it->width + (size_t)member;
 }
 
-/* Fills in the given state, with the low-order parts where it is the member's own. */
+/* Copies the user's state of a member to state_text. If the member has just computed this state, its low-order parts
+ * are copied, too. */
 static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it, int member,
                             const tvi_user_state *given)
 {
@@ -38,7 +40,8 @@ static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it
     }
 }
 
-/* Writes it as tvi_state_save writes bytes. */
+/* Writes the text to the buffer of *size characters, or only sets *size if the buffer is NULL, as tvi_state_save
+ * does. */
 static tvi_status write_state_text(const tvi_state_text *state_text, char *text, size_t *size)
 {
     const size_t needed = tvi_state_text_write(state_text, NULL);
@@ -60,8 +63,8 @@ static tvi_status read_state_text(tvi_state_text *state_text, const tvi_system *
     return jet_refuse(TVI_EINVAL, "%s", fault);
 }
 
-/* Makes it the state of the member, whose parameters are those of the text already. One without low-order parts is that
- * of a user, perhaps on an event, and begins a run as such. */
+/* Sets the member's state to that of the text. The parameters of the text have been set before. A state without
+ * low-order parts counts as a new state of the user, which may lie on an event. */
 static tvi_status set_member_state_from_text(tvi_integrator *it, int member, const tvi_state_text *state_text)
 {
     const int n = state_text->n;
@@ -99,8 +102,8 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     return status;
 }
 
-/* Makes the text's state the integrator's. own: room for the history and the parameters. If it fails, all is as it
- * was. */
+/* Sets the integrator's parameters and its state to those of the text. If this fails, the integrator is left as it was.
+ * `own` is scratch memory for its history and its parameters. */
 static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_state_text *state_text, char *own)
 {
     const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
@@ -172,7 +175,7 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
     return written;
 }
 
-/* The values of the member's parameters and those of the text change places. */
+/* Exchanges the values of the member's parameters with those of the text. A second call restores both. */
 static void swap_parameters_with_text(tvi_ensemble *ensemble, int member, const tvi_state_text *state_text)
 {
     for (int i = 0; i < state_text->parameter_count; i++) {

@@ -1,31 +1,34 @@
-/* trial.c - Makes a trial of a step size for suggest.c, by two orbits with steps h and h/2 (step_doubling.h). They
- * start where the run does, or at the hardest position if that comes late. Their distance e, relative to the largest
- * coordinate and the largest momentum, is the error of the first orbit up to a part 2^-order. If the trial covers the
- * part x of the run's error, the estimate at the end is e x^-a. The error of a symplectic method on a regular orbit
- * grows linearly, a = 1, and that of another method at most quadratically. a = 5/4 suits the scenes of the bench, 1.1
- * rescaled ones. With a drive, under which errors may decay, a is measured, and at most 5/4.
+/* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it. Two orbits with steps h and h/2 start at
+ * the start of the run, or at its hardest position if that comes late. Their distance e, relative to the largest
+ * coordinate and the largest momentum, is the error of the first orbit up to a part 2^-order (step_doubling.h). If
+ * the trial covers the part x of the run's error, the estimate at the end of the run is e x^-a. The error of a
+ * symplectic method on a regular orbit grows linearly, a = 1, and that of another method at most quadratically. a =
+ * 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may decay; there a
+ * is measured, and is at most 5/4.
  *
- * A trial goes on as long as its estimate is near the aim, and the cost allows. */
+ * * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
 #include "run/trial.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
 
-/* Errors of a trial above CEILING have no order. */
+/* If the two orbits differ by more than CEILING, their distance is not proportional to a power of the step size. */
 static const double CEILING = 0.05;
 static const double GROWTH = 1.25;
-/* The number of steps before the growth is measured, and how often it is. */
+/* With a drive the growth exponent of errors is measured after GROWTH_STEPS steps, and then at every GROWTH_EVERY-th
+ * step. */
 enum { GROWTH_STEPS = 8, GROWTH_EVERY = 4 };
-/* Before this number of steps a trial is not ended for a large estimate. */
+/* A trial is not ended because of a large estimate before it has made this number of steps. */
 enum { EARLY_STEPS = 4 };
-/* A trial begins at the start of the run if less than this part of its steps leads past the hardest position. */
+/* A trial begins at the start of the run if at most this part of its affordable steps leads past the hardest
+ * position. */
 static const double EARLY_PART = 0.6;
-/* The scout saw most of a run if it saw this part of it. */
+/* The companion is used if the scout has explored at least this part of the run. */
 static const double SEEN = 0.5;
 
 static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
-/* Updates the estimate by the distance e after the k-th step. */
+/* Updates the error estimate after the k-th step of the trial, at which the two orbits have the distance e. */
 static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long k, double e)
 {
     if (k > 1 && is_power_of_two(k - 1)) trial->previous_distance = trial->recent_distance, trial->recent_distance = 0;
@@ -37,14 +40,15 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
                                : INFINITY;
 }
 
-/* The position just after the hardest one. */
+/* Returns the position just after the hardest part of the orbit. */
 static double end_of_hardest_passage(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
     return tvi_shorter(s->positions[s->hardest_index] + s->resolving_step[s->hardest_index], trials->run_length);
 }
 
-/* Tells whether the trial is finished after k steps. */
+/* Tells whether the trial can be ended after k steps: its estimate is far above the aim, or far below it although the
+ * trial has passed the hardest position. */
 static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long k)
 {
     const bool is_early =
@@ -54,7 +58,7 @@ static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_tria
            trial->covered_part > trials->largest_part;
 }
 
-/* Makes the k-th step of the trial. Returns whether the trial goes on. */
+/* Makes the k-th step of the trial, and updates the trial. Returns true if the trial goes on. */
 static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long k)
 {
     const tvi_scout_orbit *whole = &trials->step_doubling.full_step_orbit;
@@ -77,8 +81,8 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
     return !trial->is_finished;
 }
 
-/* Releases the companion's steps to the trial, if it is too short to count without them. Returns whether it may go
- * on. */
+/* Gives the steps that are reserved for the companion to the trial, if the trial is too short to count without them.
+ * Returns true if the trial can then go on. */
 static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
     const bool takes = trials->reserved_steps > 0 && trial->covered_part < TVI_EQUALLY_LONG * trials->largest_part;
@@ -86,8 +90,9 @@ static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial
     return takes && tvi_trials_have_budget_for_step(trials);
 }
 
-/* Chooses where the trial begins: at the start, or at the hardest position if that is late. It begins earlier if it
- * would reach the end of the run, as long as it passes the hardest position. */
+/* Chooses the position at which the trial begins: the start of the run, or the hardest position if the trial could not
+ * reach that from the start. The trial begins earlier if it can still reach the end of the run, and still passes the
+ * hardest position. */
 static void choose_start_of_trial(tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
