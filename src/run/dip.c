@@ -34,11 +34,11 @@ static double lower_bound_between(tvi_event_sample a, double least_slope, tvi_ev
 /* Tells whether g cannot have a zero among the five samples. If g is convex where it is positive (concave where it is
  * negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a zero.
  * A function with a kink may be convex, too. */
-static bool is_zero_excluded(const tvi_event_sample from[TVI_DIP_SAMPLES])
+static bool is_zero_excluded(const tvi_event_sample samples[TVI_DIP_SAMPLES])
 {
     tvi_event_sample x[TVI_DIP_SAMPLES];
     for (int i = 0; i < TVI_DIP_SAMPLES; i++)
-        x[i] = (tvi_event_sample){from[i].theta, from[2].g > 0 ? from[i].g : -from[i].g};
+        x[i] = (tvi_event_sample){samples[i].theta, samples[2].g > 0 ? samples[i].g : -samples[i].g};
     const double first = chord_slope(x[0], x[1]), fall = chord_slope(x[1], x[2]);
     const double rise = chord_slope(x[2], x[3]), last = chord_slope(x[3], x[4]);
     const double least =
@@ -47,12 +47,12 @@ static bool is_zero_excluded(const tvi_event_sample from[TVI_DIP_SAMPLES])
     return first <= fall && rise <= last && least > 0;
 }
 
-bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_count, double *at)
+bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_count, double *theta)
 {
     const double change = fmax(fabs(x[1].g), fabs(x[3].g)) - fabs(x[2].g);
     if (sample_count >= MOST_SECTIONS || x[3].theta - x[1].theta <= LEAST_SECTION || is_zero_excluded(x)) return false;
     if (change <= UNITS * DBL_EPSILON * fabs(x[2].g)) return false;
-    *at = choose_next_theta(x, sample_count % 3 == 2);
+    *theta = choose_next_theta(x, sample_count % 3 == 2);
     return true;
 }
 

@@ -25,7 +25,7 @@ struct tvi_ensemble {
     char *memory;                /* [batches][history_bytes] the integrator's history of each batch between runs */
     size_t history_bytes;        /* the size of one history in bytes, a multiple of the arena's alignment */
     double *parameters;          /* [tvi_system_parameters][members] the values of each member's parameters */
-    /* [members][tvi_size_of_stop_in_bytes] a tvi_stop of each member, where events stopped it */
+    /* [members][tvi_size_of_stop_in_bytes] a tvi_event_stop of each member, where events stopped it */
     char *stops;
     tvi_status *failed;            /* [members] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;                  /* true if the ensemble has run since it was created or reset */

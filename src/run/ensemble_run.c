@@ -61,36 +61,37 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
 
 /* Loads the user's state of a member into lane m of the batch integrator. A member that has failed before and still has
  * the same state is not stepped: the status of that failure is returned. */
-static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int m, int member)
+static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int lane, int member)
 {
-    const tvi_user_state given = {segment->q + member, segment->p + member, (size_t)segment->ensemble->members,
-                                  segment->t[member]};
+    const tvi_user_state user_state = {segment->q + member, segment->p + member, (size_t)segment->ensemble->members,
+                                       segment->t[member]};
     const tvi_status failed = segment->ensemble->failed[member];
-    if (failed != TVI_OK && tvi_member_has_state(it, m, &given)) return failed;
-    return tvi_member_begin_step(it, m, &given);
+    if (failed != TVI_OK && tvi_member_has_state(it, lane, &user_state)) return failed;
+    return tvi_member_begin_step(it, lane, &user_state);
 }
 
 /* Copies the state of the first lane to lane m, which has no member, so that its numbers are finite. The lane is marked
  * as one that is not stepped. */
-static void fill_unused_lane(tvi_integrator *it, int m)
+static void fill_unused_lane(tvi_integrator *it, int lane)
 {
-    for (int i = 0; i <= it->stepped->n; i++) it->state.q[i * it->width + m] = it->state.q[i * it->width];
-    for (int i = 0; i < it->stepped->n; i++) it->state.p[i * it->width + m] = it->state.p[i * it->width];
-    it->status[m] = TVI_EINVAL;
+    for (int i = 0; i <= it->stepped->n; i++) it->state.q[i * it->width + lane] = it->state.q[i * it->width];
+    for (int i = 0; i < it->stepped->n; i++) it->state.p[i * it->width + lane] = it->state.p[i * it->width];
+    it->status[lane] = TVI_EINVAL;
 }
 
-static void step_batch_together(const run_segment *segment, tvi_integrator *it, int first, int count)
+static void step_batch_together(const run_segment *segment, tvi_integrator *it, int first_member, int member_count)
 {
     const size_t members = (size_t)segment->ensemble->members;
-    tvi_status *begun = segment->member_status + first;
-    for (int m = 0; m < count; m++) begun[m] = it->status[m] = load_member_state(segment, it, m, first + m);
-    for (int m = count; m < it->width; m++) fill_unused_lane(it, m);
+    tvi_status *begun = segment->member_status + first_member;
+    for (int lane = 0; lane < member_count; lane++)
+        begun[lane] = it->status[lane] = load_member_state(segment, it, lane, first_member + lane);
+    for (int lane = member_count; lane < it->width; lane++) fill_unused_lane(it, lane);
     tvi_step_batch(it, segment->plan.steps, segment->plan.h);
-    for (int m = 0; m < count; m++) {
-        const int at = first + m;
-        if (begun[m] == TVI_OK)
-            tvi_member_copy_state(it, m, &segment->t[at], segment->q + at, segment->p + at, members);
-        set_member_status(segment, at, it->status[m]);
+    for (int lane = 0; lane < member_count; lane++) {
+        const int at = first_member + lane;
+        if (begun[lane] == TVI_OK)
+            tvi_member_copy_state(it, lane, &segment->t[at], segment->q + at, segment->p + at, members);
+        set_member_status(segment, at, it->status[lane]);
     }
 }
 
@@ -98,13 +99,14 @@ static void run_batch_in_thread(void *ctx, int thread, int batch)
 {
     const run_segment *segment = ctx;
     tvi_ensemble_worker *worker = &segment->ensemble->worker[thread];
-    const int first = tvi_first_member_of_batch(segment->ensemble, batch),
-              count = tvi_count_members_of_batch(segment->ensemble, batch);
+    const int first_member = tvi_first_member_of_batch(segment->ensemble, batch),
+              member_count = tvi_count_members_of_batch(segment->ensemble, batch);
     tvi_worker_load_batch(worker, segment->ensemble, batch);
     if (worker->batch_integrator->width > 1 && segment->steps_batches_together)
-        step_batch_together(segment, worker->batch_integrator, first, count);
+        step_batch_together(segment, worker->batch_integrator, first_member, member_count);
     else
-        for (int member = first; member < first + count; member++) run_single_member(segment, worker, member);
+        for (int member = first_member; member < first_member + member_count; member++)
+            run_single_member(segment, worker, member);
     tvi_worker_store_batch(worker, segment->ensemble, batch);
 }
 

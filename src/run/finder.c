@@ -83,12 +83,12 @@ static bool is_short_correction(const tvi_event_root *root, double theta, double
                                                          root->bracket.right - (theta + distance)));
 }
 
-/* Returns the largest difference between the curve and finder->line_origin in the components from `first` on, divided
- * by the largest of these components. */
-static double relative_distance_to_curve(const tvi_event_finder *finder, int first, int count)
+/* Returns the largest difference between the curve and finder->line_origin in the component_count components from
+ * first_component on, divided by the largest of these components. */
+static double relative_distance_to_curve(const tvi_event_finder *finder, int first_component, int component_count)
 {
     double apart = 0, size = 0;
-    for (int i = first; i < first + count; i++) {
+    for (int i = first_component; i < first_component + component_count; i++) {
         apart = fmax(apart, fabs(finder->line_origin[i] - finder->chord_midpoint[i]));
         size = fmax(size, fabs(finder->line_origin[i]));
     }
@@ -113,13 +113,14 @@ static void copy_partial_step_state(tvi_event_finder *finder, double theta)
 
 /* ---- On a line --------------------------------------------------------------------------------------------------- */
 
-/* Computes the state x [2n + 1] on the line, x = line_origin + distance line_direction, and the value *g of the event
+/* Computes the state [2n + 1] on the line, state = line_origin + distance line_direction, and the value *g of the event
  * function there. */
-static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_index, double distance, double x[],
+static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_index, double distance, double state[],
                                          double *g)
 {
-    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + distance * finder->line_direction[i];
-    return tvi_search_evaluate_event(finder->search, event_index, x, g);
+    for (int i = 0; i < finder->state_size; i++)
+        state[i] = finder->line_origin[i] + distance * finder->line_direction[i];
+    return tvi_search_evaluate_event(finder->search, event_index, state, g);
 }
 
 /* One event, as the argument of the functions that tvi_narrow_bracket calls. */
@@ -185,20 +186,22 @@ static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_ro
     return status;
 }
 
-/* Sets the event's theta and state x to the point at this distance on the line. */
-static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *root, double distance, double x[])
+/* Sets the event's theta and state to the point at this distance on the line. */
+static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *root, double distance, double state[])
 {
     root->theta = finder->line_origin_theta + distance;
-    for (int i = 0; i < finder->state_size; i++) x[i] = finder->line_origin[i] + distance * finder->line_direction[i];
+    for (int i = 0; i < finder->state_size; i++)
+        state[i] = finder->line_origin[i] + distance * finder->line_direction[i];
 }
 
-/* Sets the event to the given theta. Its state x is computed by a partial step. */
-static tvi_status set_event_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta, double x[])
+/* Sets the event to the given theta. Its state is computed by a partial step. */
+static tvi_status set_event_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta,
+                                            double state[])
 {
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     copy_partial_step_state(finder, theta);
-    if (status == TVI_OK) set_event_on_line(finder, root, 0, x);
+    if (status == TVI_OK) set_event_on_line(finder, root, 0, state);
     return status;
 }
 
@@ -228,7 +231,7 @@ static tvi_status evaluate_after_partial_step(void *ctx, double theta, double *g
 
 /* Finds the root by narrowing its bracket, with one partial step for each value of g. It is used if the line has no
  * root or if the iteration over lines converges slowly. */
-static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root, double x[])
+static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     event_on_line line = {finder, root->event_index};
     tvi_sign_bracket bracket = {root->bracket.left, 0, root->bracket.right, 0};
@@ -249,12 +252,12 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
         tvi_has_sign_after_root(root, bracket.g_left) || !tvi_has_sign_after_root(root, bracket.g_right);
     if (root->is_only_on_curve) return TVI_OK;
     status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_after_partial_step, &line);
-    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, x) : status;
+    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
 /* Finds the root on the curve first, and then on lines. Each line begins at the root on the line before. The iteration
  * ends when two successive roots are near each other. */
-static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *root, double x[])
+static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
@@ -271,22 +274,22 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
         if (status != TVI_OK) return status;
         if (!finder->is_root_on_line) break;
         if (fabs(distance) <= fmax(finder->accurate_distance, DBL_EPSILON)) {
-            set_event_on_line(finder, root, distance, x);
+            set_event_on_line(finder, root, distance, state);
             return TVI_OK;
         }
         theta = fmin(fmax(theta + distance, 0), 1);
     }
-    return status == TVI_OK ? find_event_by_partial_steps(finder, root, x) : status;
+    return status == TVI_OK ? find_event_by_partial_steps(finder, root, state) : status;
 }
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
 /* Computes the time derivatives at a state, and sets finder->line_direction to dx/dtheta. */
-static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double x[])
+static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double state[])
 {
     const int last = finder->state_size - 1;
     const double h = finder->search->integrator->h;
-    const tvi_status status = tvi_rates_at(&finder->field_rates, x, finder->line_direction);
+    const tvi_status status = tvi_rates_at(&finder->field_rates, state, finder->line_direction);
     for (int i = 0; i < last; i++) finder->line_direction[i] *= h;
     finder->line_direction[last] = h;
     return status;
@@ -295,7 +298,8 @@ static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double
 /* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
  * derivatives of the state there. If the rest of the distance is long, they are computed again in its middle. *is_done
  * is set if the result is accurate. */
-static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_root *root, double x[], bool *is_done)
+static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
+                                            bool *is_done)
 {
     double g = 0, before = 0, after = 0, found = 0;
     const double h = finder->search->integrator->h;
@@ -322,9 +326,9 @@ static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_
         status = compute_rates_per_theta(finder, finder->trial_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
-    if (status == TVI_OK) set_event_on_line(finder, root, found, x);
+    if (status == TVI_OK) set_event_on_line(finder, root, found, state);
     *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - distance) <= REACH &&
-               tvi_all_finite(finder->state_size, x);
+               tvi_all_finite(finder->state_size, state);
     return status;
 }
 
@@ -353,7 +357,7 @@ static tvi_status compute_rise_per_theta(void *ctx, double theta, double *g)
 
 /* Finds the root at which g returns to 0 in a step that has begun on the event. The curve may have this root sooner
  * than the more accurate partial steps. */
-static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double x[])
+static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     event_on_line line = {finder, root->event_index};
     const double first = finder->search->watched_events[root->event_index].leaving_theta;
@@ -368,16 +372,17 @@ static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root 
     root->is_only_on_curve = !tvi_has_sign_after_root(root, bracket.g_right);
     if (root->is_only_on_curve) return TVI_OK;
     status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4 * first, compute_rise_per_theta, &line);
-    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, x) : status;
+    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
-tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double x[])
+tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     bool is_done = false;
     tvi_status status = TVI_OK;
-    if (root->is_return_to_event) return find_return_to_event(finder, root, x);
-    if (root->bracket.right == 1 && root->bracket.g_right == 0) return set_event_by_partial_step(finder, root, 1, x);
+    if (root->is_return_to_event) return find_return_to_event(finder, root, state);
+    if (root->bracket.right == 1 && root->bracket.g_right == 0)
+        return set_event_by_partial_step(finder, root, 1, state);
     if (has_guess_inside_bracket(root) && are_field_rates_accurate(finder))
-        status = find_event_by_field_rates(finder, root, x, &is_done);
-    return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, x);
+        status = find_event_by_field_rates(finder, root, state, &is_done);
+    return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, state);
 }

@@ -26,9 +26,9 @@ typedef struct {
 TVI_NODISCARD tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search);
 void tvi_finder_close(tvi_event_finder *finder);
 
-/* Computes root->theta and the state x [2n + 1] of an event in the last step, to roundoff. If g changes its sign
+/* Computes root->theta and state [2n + 1] of an event in the last step, to roundoff. If g changes its sign
  * only on the less accurate curve, since it nearly touches 0 there, root->is_only_on_curve is set instead. */
-TVI_NODISCARD tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double x[]);
+TVI_NODISCARD tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[]);
 
 /* Tells whether the value g has the sign that the event function has after the root, or is 0. */
 static inline bool tvi_has_sign_after_root(const tvi_event_root *root, double g)

@@ -18,11 +18,11 @@ double tvi_remaining_time(const tvi_integrator *it, double t_end)
     return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *slow)
+tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *slow_steps)
 {
     const double left = tvi_remaining_time(it, t_end);
-    *slow = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow + 1 : 0;
-    return *slow < 1 << 16
+    *slow_steps = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow_steps + 1 : 0;
+    return *slow_steps < 1 << 16
                ? TVI_OK
                : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
 }
@@ -49,9 +49,9 @@ void tvi_set_time_to_end(tvi_integrator *it, double t_end, double *t)
 
 /* Returns how many steps of size h can be made in one call. In steps in time the last steps are excluded, since
  * roundoff decides whether one more fits before t_end. */
-static long count_steps_without_checks(const tvi_integrator *it, const tvi_schedule *schedule, double rest)
+static long count_steps_without_checks(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
 {
-    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / schedule->plan->h)) - 1;
+    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(remaining_time / schedule->plan->h)) - 1;
     return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
 }
 
@@ -60,13 +60,13 @@ static long count_steps_without_checks(const tvi_integrator *it, const tvi_sched
 static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
                                          double p[], bool *is_last)
 {
-    const double h = schedule->plan->h, t_end = schedule->t_end, rest = tvi_remaining_time(it, t_end);
+    const double h = schedule->plan->h, t_end = schedule->t_end, remaining_time = tvi_remaining_time(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
-    const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(h) + roundoff;
+    const bool ends = !tvi_is_rescaled(it) && fabs(remaining_time) <= fabs(h) + roundoff;
     const double before_end = t_end - copysign(roundoff, h);
     tvi_status status =
-        ends ? tvi_step(it, rest, t, q, p)
-             : tvi_make_steps(it, count_steps_without_checks(it, schedule, rest), h, before_end, t, q, p);
+        ends ? tvi_step(it, remaining_time, t, q, p)
+             : tvi_make_steps(it, count_steps_without_checks(it, schedule, remaining_time), h, before_end, t, q, p);
     const double left = ends ? 0 : tvi_remaining_time(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
@@ -95,6 +95,6 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
 {
     const tvi_run_plan plan = {.h = h, .t_end = t_end};
     const tvi_observers observers = {.at_step = observer, .ctx = ctx};
-    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t, q,
-                          p);
+    return tvi_run_integrator(it, &(tvi_single_run){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t,
+                              q, p);
 }

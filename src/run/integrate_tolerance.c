@@ -56,8 +56,8 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
 {
     const tvi_run_plan plan = {.tolerance = tolerance, .t_end = t_end, .events = events, .event_count = count};
     const tvi_observers observers = {.at_step = observer, .on_event = on_event, .ctx = ctx};
-    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_TO_TOLERANCE, .plan = &plan, .observers = observers}, t,
-                          q, p);
+    return tvi_run_integrator(
+        it, &(tvi_single_run){.mode = TVI_RUN_TO_TOLERANCE, .plan = &plan, .observers = observers}, t, q, p);
 }
 
 tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],

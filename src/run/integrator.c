@@ -16,59 +16,59 @@ static void *corresponding_address_before_step(const tvi_integrator *it, const v
 }
 
 /* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) for members with this number of
- * coordinates. `take` is the function of the arena that allocates an array. */
-static void allocate_state_arrays(tvi_arena *arena, void *(*take)(tvi_arena *, size_t), int dimension, int width,
+ * coordinates. `allocate` is the function of the arena that allocates an array. */
+static void allocate_state_arrays(tvi_arena *arena, void *(*allocate)(tvi_arena *, size_t), int dimension, int width,
                                   double **const arrays[4])
 {
     /* The order is p, q, p_low, q_low. The arrays of q have one more component, the time or s. */
     for (size_t i = 0; i < 4; i++)
-        *arrays[i] = take(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
+        *arrays[i] = allocate(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
 }
 
 /* Allocates all arrays of the members: states, increments, results of a step, parameters. The stepper's work is
  * allocated separately. */
-static void allocate_member_arrays(tvi_integrator *laid, tvi_arena *arena)
+static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
 {
-    const int n = laid->system->n, dimension = laid->stepped->n, width = laid->width;
+    const int n = integrator->system->n, dimension = integrator->stepped->n, width = integrator->width;
     const size_t members = (size_t)width, row = members * sizeof(double);
-    tvi_run_state *state = &laid->state, *end = &laid->end, *member_state = &laid->member_state;
-    tvi_increments *increments = &laid->increments;
+    tvi_run_state *state = &integrator->state, *end = &integrator->end, *member_state = &integrator->member_state;
+    tvi_increments *increments = &integrator->increments;
     allocate_state_arrays(arena, tvi_arena_take, dimension, width,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
     allocate_state_arrays(arena, tvi_arena_history, dimension, width,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
-    laid->continues = tvi_arena_history(arena, members * sizeof *laid->continues);
-    laid->run_start = tvi_arena_ring(arena, (2 * (size_t)n + 1) * row);
-    laid->reference = tvi_arena_history(arena, members * sizeof *laid->reference);
-    laid->status = tvi_arena_take(arena, members * sizeof *laid->status);
-    laid->is_stepped = tvi_arena_take(arena, members * sizeof *laid->is_stepped);
-    laid->passes = tvi_arena_take(arena, members * sizeof *laid->passes);
-    laid->needs_energy = tvi_arena_take(arena, members * sizeof *laid->needs_energy);
-    double **const numbers[] = {&laid->tail, &laid->overflows, &laid->energy_change, &laid->energy_before,
-                                &laid->energy_after};
+    integrator->continues = tvi_arena_history(arena, members * sizeof *integrator->continues);
+    integrator->run_start = tvi_arena_ring(arena, (2 * (size_t)n + 1) * row);
+    integrator->reference = tvi_arena_history(arena, members * sizeof *integrator->reference);
+    integrator->status = tvi_arena_take(arena, members * sizeof *integrator->status);
+    integrator->is_stepped = tvi_arena_take(arena, members * sizeof *integrator->is_stepped);
+    integrator->passes = tvi_arena_take(arena, members * sizeof *integrator->passes);
+    integrator->needs_energy = tvi_arena_take(arena, members * sizeof *integrator->needs_energy);
+    double **const numbers[] = {&integrator->tail, &integrator->overflows, &integrator->energy_change,
+                                &integrator->energy_before, &integrator->energy_after};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_take(arena, row);
     end->q = tvi_arena_take(arena, ((size_t)dimension + 1) * row);
     end->p = tvi_arena_take(arena, (size_t)dimension * row);
     member_state->q = tvi_arena_doubles(arena, (size_t)dimension + 1);
     member_state->p = tvi_arena_doubles(arena, (size_t)dimension);
-    laid->parameters = tvi_arena_take(arena, (size_t)tvi_system_parameters(laid->system) * row);
-    laid->one_lane_parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(laid->system));
-    laid->stop = tvi_arena_take(arena, tvi_size_of_stop_in_bytes(n));
+    integrator->parameters = tvi_arena_take(arena, (size_t)tvi_system_parameters(integrator->system) * row);
+    integrator->one_lane_parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
+    integrator->stop = tvi_arena_take(arena, tvi_size_of_stop_in_bytes(n));
 }
 
 /* Allocates the memory in which energies and the field are evaluated: for one member, and for the energies of all
  * members of a batch at once. */
-static void allocate_energy_memory(tvi_integrator *laid, tvi_arena *arena)
+static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
-    const tvi_system *system = laid->system;
-    const bool uses_energy = system->energy && (tvi_is_rescaled(laid) || laid->options.max_tail >= 0);
-    if (uses_energy) tvi_energy_take(&laid->energy, arena, system);
-    if (tvi_is_rescaled(laid)) tvi_energy_take_precise(&laid->transformed, arena, laid->stepped);
-    laid->field = tvi_arena_block(arena, laid->stepped->field_values, 1, 1, 0);
-    laid->one_lane_blocks = arena->blocks;
+    const tvi_system *system = integrator->system;
+    const bool uses_energy = system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0);
+    if (uses_energy) tvi_energy_take(&integrator->energy, arena, system);
+    if (tvi_is_rescaled(integrator)) tvi_energy_take_precise(&integrator->transformed, arena, integrator->stepped);
+    integrator->field = tvi_arena_block(arena, integrator->stepped->field_values, 1, 1, 0);
+    integrator->one_lane_blocks = arena->blocks;
     arena->blocks = NULL;
-    if (uses_energy && laid->width > 1 && system->form != TVI_LAGRANGIAN)
-        tvi_energy_lanes_take(&laid->energies, arena, system, laid->width);
+    if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
+        tvi_energy_lanes_take(&integrator->energies, arena, system, integrator->width);
 }
 
 /* Lays out an integrator of `width` members with all its memory in the arena. It is called twice: first the arena only

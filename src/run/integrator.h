@@ -31,11 +31,11 @@ typedef struct {
     int64_t is_set, count;            /* 1 if there is a stop; the number of events that were reported there */
     uint64_t events[TVI_STOP_EVENTS]; /* [count] the hashes of these events (tvi_event.hash) */
     double state[];                   /* [2n + 1] q, p and t of the stop */
-} tvi_stop;
-/* Returns the size of a tvi_stop for n coordinates. */
+} tvi_event_stop;
+/* Returns the size of a tvi_event_stop for n coordinates. */
 static inline size_t tvi_size_of_stop_in_bytes(int n)
 {
-    return sizeof(tvi_stop) + (2 * (size_t)n + 1) * sizeof(double);
+    return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
 }
 
 struct tvi_integrator {
@@ -69,7 +69,7 @@ struct tvi_integrator {
     const long *continued;
     tvi_run_state state;             /* the current states of the members, in the history */
     tvi_run_state start;             /* the states at the start of the last step, in history_before */
-    tvi_stop *stop;                  /* where events have last stopped the member of an integrator of width 1 */
+    tvi_event_stop *stop;            /* where events have last stopped the member of an integrator of width 1 */
     long parameter_version;          /* the number of times that the parameters were set */
     bool is_in_observer;             /* true while an observer is called, during which steps are refused */
     bool has_dense;                  /* true if the stepper's memory holds the last step, for tvi_dense */
@@ -118,10 +118,11 @@ typedef struct {
 
 /* Prepares a step of the member from the given state. If the state differs from the result of the member's last step, a
  * new run begins: the state is loaded, and the history is cleared. */
-TVI_NODISCARD tvi_status tvi_member_begin_step(tvi_integrator *integrator, int member, const tvi_user_state *given);
+TVI_NODISCARD tvi_status tvi_member_begin_step(tvi_integrator *integrator, int member,
+                                               const tvi_user_state *user_state);
 /* Tells whether the member's current state equals the given one, bit for bit. A failed step does not change the current
  * state. */
-bool tvi_member_has_state(const tvi_integrator *integrator, int member, const tvi_user_state *given);
+bool tvi_member_has_state(const tvi_integrator *integrator, int member, const tvi_user_state *user_state);
 /* Copies the member's current state to the user's arrays. */
 void tvi_member_copy_state(const tvi_integrator *integrator, int member, double *t, double q[], double p[],
                            size_t stride);
@@ -158,7 +159,7 @@ static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, d
  * Returns the observer's value, or 0 if the observer is NULL. */
 int tvi_call_observer(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx);
-int tvi_call_event_observer(tvi_integrator *integrator, tvi_event_observer *observer, int which, double t,
+int tvi_call_event_observer(tvi_integrator *integrator, tvi_event_observer *observer, int event_index, double t,
                             const double q[], const double p[], void *ctx);
 
 /* Creates an integrator of `width` members for the same system and options. It has made no step. */

@@ -35,9 +35,9 @@ struct tvi_locator {
     double *scratch_sizes; /* [state_size] the sizes |x_i| of a state's components */
 };
 
-static double *cached_root_state(tvi_locator *locator, int kept)
+static double *cached_root_state(tvi_locator *locator, int found_index)
 {
-    return locator->cached_states + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)locator->state_size;
+    return locator->cached_states + (size_t)(found_index < KEPT ? found_index : KEPT) * (size_t)locator->state_size;
 }
 
 /* Tells whether root a comes before root b. Roots that are near each other are compared by their computed times, and at
@@ -91,13 +91,13 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
     return status;
 }
 
-/* Calls the observer of events with the state x of a root. Returns true if the observer asks to end the run. */
-static bool report_event(tvi_locator *locator, const tvi_event_root *root, const double x[])
+/* Calls the observer of events with the state of a root. Returns true if the observer asks to end the run. */
+static bool report_event(tvi_locator *locator, const tvi_event_root *root, const double state[])
 {
     const int n = locator->search.integrator->system->n;
     const tvi_observers *observers = &locator->run->observers;
-    return tvi_call_event_observer(locator->search.integrator, observers->on_event, root->event_index, x[2 * n], x,
-                                   x + n, observers->ctx) != 0;
+    return tvi_call_event_observer(locator->search.integrator, observers->on_event, root->event_index, state[2 * n],
+                                   state, state + n, observers->ctx) != 0;
 }
 
 /* Computes the tangent vectors at the root, if anybody may read them: the observer of events, or the user after a
@@ -112,40 +112,41 @@ static tvi_status move_columns_to_root(tvi_locator *locator, const tvi_event_roo
                    : TVI_OK;
 }
 
-/* Tells whether the root lies at the state x, at which the run stops, at theta. This is so if the times are equal. It
+/* Tells whether the root lies at the state at which the run stops, at theta. This is so if the times are equal. It
  * is also so if both are near and the sign of g at x contradicts the order of their theta. */
-static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double x[],
+static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double state[],
                                   bool *is_at_stop)
 {
-    const double t = x[locator->state_size - 1], covered = locator->search.integrator->covered;
+    const double t = state[locator->state_size - 1], covered = locator->search.integrator->covered;
     const double own = root->found_index < KEPT ? cached_root_state(locator, root->found_index)[locator->state_size - 1]
                                                 : t + (root->theta - theta) * covered;
     double g = 0;
     *is_at_stop = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
     if (*is_at_stop || fabs(root->theta - theta) > NEAR_STOP) return TVI_OK;
-    const tvi_status status = tvi_search_evaluate_event(&locator->search, root->event_index, x, &g);
+    const tvi_status status = tvi_search_evaluate_event(&locator->search, root->event_index, state, &g);
     *is_at_stop = tvi_has_sign_after_root(root, g) == (root->theta > theta);
     return status;
 }
 
-/* Tells whether the event has a root at the state x, at which the run stops, in the direction that the user has not
+/* Tells whether the event has a root at the state at which the run stops, in the direction that the user has not
  * asked for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
-static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_index, const double x[],
+static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_index, const double state[],
                                                bool *is_at_stop)
 {
     const tvi_watched_event *w = &locator->search.watched_events[event_index];
     double g = 0, roundoff = 0;
-    tvi_status status = tvi_search_evaluate_event(&locator->search, event_index, x, &g);
-    for (int i = 0; i < locator->state_size; i++) locator->scratch_sizes[i] = fabs(x[i]);
-    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->local_series, x, locator->scratch_sizes, &roundoff);
+    tvi_status status = tvi_search_evaluate_event(&locator->search, event_index, state, &g);
+    for (int i = 0; i < locator->state_size; i++) locator->scratch_sizes[i] = fabs(state[i]);
+    if (status == TVI_OK)
+        status = tvi_event_roundoff(w->event, &w->local_series, state, locator->scratch_sizes, &roundoff);
     *is_at_stop = fabs(g) <= roundoff;
     return status;
 }
 
-/* Tells whether an event lies at the state x, at which the run stops because of root number last_root. The event may
+/* Tells whether an event lies at the state at which the run stops because of root number last_root. The event may
  * have this root, an earlier root, or a later one at the same time. A later one is reported now, since the search
  * does not go on. */
-static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double x[],
+static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double state[],
                                    bool *is_at_stop)
 {
     const tvi_event_root *told = NULL, *next = NULL;
@@ -157,9 +158,9 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
         if (root->event_index == event_index && i < last_root) told = root;
         else if (root->event_index == event_index && i > last_root && !next) next = root;
     }
-    if (next) status = is_root_at_stop(locator, next, theta, x, &comes);
-    if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, x, &was_here);
-    const double resolved = SOON * fabs(x[locator->state_size - 1] /
+    if (next) status = is_root_at_stop(locator, next, theta, state, &comes);
+    if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, state, &was_here);
+    const double resolved = SOON * fabs(state[locator->state_size - 1] /
                                         /* The factor SOON also excludes a root just before the end of the step. */
                                         locator->search.integrator->covered);
     const bool has_other_way = locator->search.watched_events[event_index].event->direction != TVI_EITHER;
@@ -167,31 +168,31 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
     /* A root soon after the stop shows that the event is ahead; roundoff of g decides whether it is at the stop. */
     const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
-        status = is_unwanted_crossing_at_stop(locator, event_index, x, &was_here);
-    if (status == TVI_OK && comes) (void)report_event(locator, next, x);
+        status = is_unwanted_crossing_at_stop(locator, event_index, state, &was_here);
+    if (status == TVI_OK && comes) (void)report_event(locator, next, state);
     *is_at_stop = was_here || comes;
     return status;
 }
 
-/* Ends the run at the root number last_root with the state x, and reports other events at the same time. The
- * integrator's tvi_stop stores all of them, so that a run that goes on from x does not report them again. It also
+/* Ends the run at the root number last_root with the given state, and reports other events at the same time. The
+ * integrator's tvi_event_stop stores all of them, so that a run that goes on from x does not report them again. It also
  * stores those of the last stop if that was hardly earlier. */
-static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const double x[])
+static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const double state[])
 {
     tvi_integrator *it = locator->search.integrator;
-    tvi_stop *stop = it->stop;
-    const double t = x[locator->state_size - 1], before = stop->state[locator->state_size - 1];
+    tvi_event_stop *stop = it->stop;
+    const double t = state[locator->state_size - 1], before = stop->state[locator->state_size - 1];
     const bool is_soon = stop->is_set && fabs(t - before) <= SOON * fmax(fabs(t), fabs(before));
     if (!is_soon) stop->count = 0;
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;
-        const tvi_status status = is_event_at_stop(locator, event_index, last_root, x, &is_at_stop);
+        const tvi_status status = is_event_at_stop(locator, event_index, last_root, state, &is_at_stop);
         if (status != TVI_OK) return status;
         const tvi_event *event = locator->search.watched_events[event_index].event;
         if (is_at_stop && stop->count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
             stop->events[stop->count++] = event->hash;
     }
-    memcpy(stop->state, x, (size_t)locator->state_size * sizeof *x);
+    memcpy(stop->state, state, (size_t)locator->state_size * sizeof *state);
     stop->is_set =
         /* If an observer has set parameters just now, the stored events have other parameters and are not compared. */
         it->parameter_version == locator->partial_step.parameter_version;
@@ -210,33 +211,33 @@ static tvi_status update_event_parameters(tvi_locator *locator)
     return tvi_partial_step_update_parameters(&locator->partial_step);
 }
 
-/* Copies a state x [2n + 1] to the user's t, q and p. */
-static void copy_state_to_user(const tvi_locator *locator, const double x[], double *t, double q[], double p[])
+/* Copies a state [2n + 1] to the user's t, q and p. */
+static void copy_state_to_user(const tvi_locator *locator, const double state[], double *t, double q[], double p[])
 {
     const size_t n = (size_t)locator->search.integrator->system->n;
-    *t = x[2 * n];
-    memcpy(q, x, n * sizeof *q);
-    memcpy(p, x + n, n * sizeof *p);
+    *t = state[2 * n];
+    memcpy(q, state, n * sizeof *q);
+    memcpy(p, state + n, n * sizeof *p);
 }
 
 /* Reports root number i, and before it the given times that come first. Returns TVI_ESTOPPED if the run ends at this
  * root. */
-static tvi_status report_root(tvi_locator *locator, tvi_times *times, int i, double *t, double q[], double p[])
+static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, int i, double *t, double q[], double p[])
 {
     tvi_event_root *root = &locator->search.roots[i];
-    double *x = cached_root_state(locator, root->found_index);
-    tvi_status status = root->found_index >= KEPT ? tvi_finder_find_event(&locator->finder, root, x) : TVI_OK;
-    if (status == TVI_OK && times) status = tvi_times_report_until(times, x[locator->state_size - 1]);
+    double *state = cached_root_state(locator, root->found_index);
+    tvi_status status = root->found_index >= KEPT ? tvi_finder_find_event(&locator->finder, root, state) : TVI_OK;
+    if (status == TVI_OK && times) status = tvi_times_report_until(times, state[locator->state_size - 1]);
     if (status == TVI_OK) status = move_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
-    const bool ends = report_event(locator, root, x);
+    const bool ends = report_event(locator, root, state);
     if (!ends && !locator->search.watched_events[root->event_index].event->terminal) return TVI_OK;
-    status = stop_run_at_event(locator, i, x);
-    if (status == TVI_ESTOPPED) copy_state_to_user(locator, x, t, q, p);
+    status = stop_run_at_event(locator, i, state);
+    if (status == TVI_ESTOPPED) copy_state_to_user(locator, state, t, q, p);
     return status;
 }
 
-tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times *times, double *t, double q[], double p[])
+tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *times, double *t, double q[], double p[])
 {
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);

@@ -6,7 +6,7 @@
 #include "run/integrator.h"
 
 typedef struct tvi_locator tvi_locator;
-typedef struct tvi_times tvi_times;
+typedef struct tvi_times_progress tvi_times_progress;
 typedef struct tvi_single_run tvi_single_run;
 
 /* Tells whether all events were made for systems with the integrator's number of coordinates. If one was not, the error
@@ -20,7 +20,7 @@ void tvi_locator_close(tvi_locator *locator); /* does nothing if the locator is 
 /* Reports the events of the last step in the order of time. Before each event it reports the given times of the run
  * that come first; `times` is NULL if the run has none. If an event ends the run, it returns TVI_ESTOPPED, and t, q,
  * p and the tangent columns become those at the event. */
-TVI_NODISCARD tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times *times, double *t, double q[],
-                                                   double p[]);
+TVI_NODISCARD tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *times, double *t,
+                                                   double q[], double p[]);
 
 #endif

@@ -18,22 +18,23 @@ static double *element_of_member(const tvi_integrator *it, double *array, int i,
 
 /* Returns a number whose bits are 1 where the user's components differ from those of the member; 0 means that all are
  * equal. */
-JET_INLINE uint64_t differing_bits(int n, const double *given, size_t stride, const double *own, size_t width)
+JET_INLINE uint64_t differing_bits(int n, const double *user_state, size_t stride, const double *own, size_t width)
 {
     uint64_t any = 0;
-    for (int i = 0; i < n; i++, given += stride, own += width) any |= tvi_bits(*given) ^ tvi_bits(*own);
+    for (int i = 0; i < n; i++, user_state += stride, own += width) any |= tvi_bits(*user_state) ^ tvi_bits(*own);
     return any;
 }
 
-bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_user_state *given)
+bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_user_state *user_state)
 {
     const int n = it->system->n;
-    const size_t stride = given->stride, width = (size_t)it->width;
+    const size_t stride = user_state->stride, width = (size_t)it->width;
     const double *q = it->state.q + member, *p = it->state.p + member;
-    const uint64_t time = tvi_bits(given->t) ^ tvi_bits(*element_of_member(it, it->state.q, n, member));
+    const uint64_t time = tvi_bits(user_state->t) ^ tvi_bits(*element_of_member(it, it->state.q, n, member));
     if (stride == 1 && width == 1)
-        return (time | differing_bits(n, given->q, 1, q, 1) | differing_bits(n, given->p, 1, p, 1)) == 0;
-    return (time | differing_bits(n, given->q, stride, q, width) | differing_bits(n, given->p, stride, p, width)) == 0;
+        return (time | differing_bits(n, user_state->q, 1, q, 1) | differing_bits(n, user_state->p, 1, p, 1)) == 0;
+    return (time | differing_bits(n, user_state->q, stride, q, width) |
+            differing_bits(n, user_state->p, stride, p, width)) == 0;
 }
 
 void tvi_member_copy_state(const tvi_integrator *it, int member, double *t, double q[], double p[], size_t stride)
@@ -144,24 +145,24 @@ static tvi_status set_rescaled_energy(tvi_integrator *it, int member)
 }
 
 /* Refuses a state of the user that has a component which is not finite. The error text names the component. */
-static tvi_status refuse_state_not_finite(tvi_integrator *it, const tvi_user_state *given)
+static tvi_status refuse_state_not_finite(tvi_integrator *it, const tvi_user_state *user_state)
 {
     const int n = it->system->n;
-    bool is_finite = isfinite(given->t);
+    bool is_finite = isfinite(user_state->t);
     for (int i = 0; i < n; i++) {
-        it->member_state.q[i] = given->q[(size_t)i * given->stride];
-        it->member_state.p[i] = given->p[(size_t)i * given->stride];
+        it->member_state.q[i] = user_state->q[(size_t)i * user_state->stride];
+        it->member_state.p[i] = user_state->p[(size_t)i * user_state->stride];
         is_finite = is_finite && isfinite(it->member_state.q[i]) && isfinite(it->member_state.p[i]);
     }
-    return is_finite ? TVI_OK : tvi_refuse_state(n, given->t, it->member_state.q, "p", it->member_state.p);
+    return is_finite ? TVI_OK : tvi_refuse_state(n, user_state->t, it->member_state.q, "p", it->member_state.p);
 }
 
-tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_state *given)
+tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_state *user_state)
 {
     const int n = it->system->n;
     if (it->is_in_observer) return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not step it");
-    if (it->continues[member] && tvi_member_has_state(it, member, given)) return TVI_OK;
-    const tvi_status status = refuse_state_not_finite(it, given);
+    if (it->continues[member] && tvi_member_has_state(it, member, user_state)) return TVI_OK;
+    const tvi_status status = refuse_state_not_finite(it, user_state);
     if (status != TVI_OK) return status;
     clear_member_history(it, member);
     for (int i = 0; i < n; i++) {
@@ -170,6 +171,6 @@ tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_
         *element_of_member(it, it->state.p, i, member) = *element_of_member(it, it->run_start, n + 1 + i, member) =
             it->member_state.p[i];
     }
-    *element_of_member(it, it->state.q, n, member) = *element_of_member(it, it->run_start, n, member) = given->t;
+    *element_of_member(it, it->state.q, n, member) = *element_of_member(it, it->run_start, n, member) = user_state->t;
     return tvi_is_rescaled(it) ? set_rescaled_energy(it, member) : TVI_OK;
 }

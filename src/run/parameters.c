@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-static tvi_status no_integrator(void) { return jet_refuse(TVI_EINVAL, "integrator is NULL"); }
+static tvi_status refuse_null_integrator(void) { return jet_refuse(TVI_EINVAL, "integrator is NULL"); }
 
 void tvi_integrator_apply_parameters(tvi_integrator *it)
 {
@@ -46,15 +46,15 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
 
 tvi_status tvi_integrator_energy(const tvi_integrator *it, double t, const double q[], const double p[], double *H)
 {
-    return it ? tvi_energy_at(it->system, it->parameters, t, q, p, H) : no_integrator();
+    return it ? tvi_energy_at(it->system, it->parameters, t, q, p, H) : refuse_null_integrator();
 }
 
 tvi_status tvi_integrator_momentum(const tvi_integrator *it, double t, const double q[], const double v[], double p[])
 {
-    return it ? tvi_transform(it->system, it->parameters, t, q, v, p, true) : no_integrator();
+    return it ? tvi_transform(it->system, it->parameters, t, q, v, p, true) : refuse_null_integrator();
 }
 
 tvi_status tvi_integrator_velocity(const tvi_integrator *it, double t, const double q[], const double p[], double v[])
 {
-    return it ? tvi_transform(it->system, it->parameters, t, q, p, v, false) : no_integrator();
+    return it ? tvi_transform(it->system, it->parameters, t, q, p, v, false) : refuse_null_integrator();
 }

@@ -11,9 +11,9 @@
 typedef struct {
     bool is_found;
     const char *message;
-} contradiction;
+} plan_contradiction;
 
-static const char *first_contradiction(size_t count, const contradiction list[])
+static const char *find_first_contradiction(size_t count, const plan_contradiction list[])
 {
     for (size_t i = 0; i < count; i++)
         if (list[i].is_found) return list[i].message;
@@ -25,7 +25,7 @@ static const char *first_contradiction(size_t count, const contradiction list[])
 static const char *find_conflict_of_modes(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
-    const contradiction list[] = {
+    const plan_contradiction list[] = {
         {plan->size != 0 && plan->size != sizeof *plan, "size is not that of a tvi_run_plan of this version"},
         {plan->steps < 0, "steps is negative"},
         {plan->time_count < 0 || plan->event_count < 0 || plan->columns < 0, "a count is negative"},
@@ -41,14 +41,14 @@ static const char *find_conflict_of_modes(const tvi_run_plan *plan)
         {!by_tolerance && plan->largest_step != 0, "largest_step is given without tolerance"},
         {!(plan->largest_step >= 0 && isfinite(plan->largest_step)), "largest_step is negative or not finite"},
     };
-    return first_contradiction(sizeof list / sizeof *list, list);
+    return find_first_contradiction(sizeof list / sizeof *list, list);
 }
 
 /* Returns a message if an observer, the events, the times or the tangent vectors of the plan lack what belongs to them,
  * or do not go with the plan's mode; otherwise NULL. */
 static const char *find_misfit_with_mode(const tvi_run_plan *plan)
 {
-    const contradiction list[] = {
+    const plan_contradiction list[] = {
         {plan->columns > 0 && !plan->D, "columns is given, and D is NULL"},
         {plan->D && plan->columns == 0, "D is given, and columns is 0"},
         {plan->times && plan->time_count == 0, "times is given, and time_count is 0"},
@@ -57,7 +57,7 @@ static const char *find_misfit_with_mode(const tvi_run_plan *plan)
         {plan->event_count > 0 && !plan->events, "event_count is given, and events is NULL"},
         {plan->observer && plan->steps == 0, "observer is given without steps: it goes with steps alone"},
     };
-    return first_contradiction(sizeof list / sizeof *list, list);
+    return find_first_contradiction(sizeof list / sizeof *list, list);
 }
 
 tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
@@ -125,7 +125,7 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, doub
         .columns = {plan->D ? plan->D + member->member_index : NULL, plan->columns, (size_t)member->member_count},
         .steps_before_segment = member->steps_before_segment,
     };
-    return tvi_run_single(it, &run, t, q, p);
+    return tvi_run_integrator(it, &run, t, q, p);
 }
 
 tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, double q[], double p[])

@@ -42,7 +42,7 @@ static bool is_each_step_observed(const tvi_single_run *run)
     return run->plan->event_count > 0 || run->observers.at_step || run->columns.elements;
 }
 
-static tvi_status set_schedule_of_steps(const tvi_single_run *run, tvi_schedule *schedule)
+static tvi_status set_schedule_for_step_count(const tvi_single_run *run, tvi_schedule *schedule)
 {
     const long steps = run->plan->steps, at_once = is_each_step_observed(run) || steps == 0 ? 1 : steps;
     if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
@@ -51,8 +51,8 @@ static tvi_status set_schedule_of_steps(const tvi_single_run *run, tvi_schedule 
     return TVI_OK;
 }
 
-static tvi_status set_schedule_at_times(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
-                                        const double p[], tvi_schedule *schedule)
+static tvi_status set_schedule_for_times(const tvi_integrator *it, const tvi_single_run *run, double t,
+                                         const double q[], const double p[], tvi_schedule *schedule)
 {
     const int count = run->plan->time_count;
     const tvi_status status = tvi_times_check(it, run, t, q, p, &schedule->has_step);
@@ -67,8 +67,8 @@ static tvi_status set_schedule_at_times(const tvi_integrator *it, const tvi_sing
 }
 
 /* Checks those arguments that the run's mode needs, and sets the schedule of its steps. */
-static tvi_status set_schedule_of_mode(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
-                                       const double p[], tvi_schedule *schedule)
+static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
+                                        const double p[], tvi_schedule *schedule)
 {
     const double h = run->plan->h;
     if (!tvi_events_match_system(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
@@ -76,8 +76,8 @@ static tvi_status set_schedule_of_mode(const tvi_integrator *it, const tvi_singl
     if (h == 0 || !isfinite(h)) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, h}, "");
     if (run->mode == TVI_RUN_TO_TIME)
         return tvi_schedule_to_time(it, run->plan, t, is_each_step_observed(run), schedule);
-    if (run->mode == TVI_RUN_AT_TIMES) return set_schedule_at_times(it, run, t, q, p, schedule);
-    return set_schedule_of_steps(run, schedule);
+    if (run->mode == TVI_RUN_AT_TIMES) return set_schedule_for_times(it, run, t, q, p, schedule);
+    return set_schedule_for_step_count(run, schedule);
 }
 
 /* ---- Its steps --------------------------------------------------------------------------------------------------- */
@@ -87,8 +87,8 @@ typedef struct {
     tvi_integrator *integrator;
     const tvi_single_run *run;
     tvi_schedule schedule;
-    tvi_times *times;     /* NULL if the run has no given times */
-    tvi_locator *locator; /* NULL if the run has no events */
+    tvi_times_progress *times; /* NULL if the run has no given times */
+    tvi_locator *locator;      /* NULL if the run has no events */
 } run_in_progress;
 
 /* Makes the next step, and multiplies the tangent vectors by its Jacobian matrix. If that fails, the step is undone. */
@@ -104,8 +104,8 @@ static tvi_status make_next_step(const run_in_progress *run_progress, double *t,
 }
 
 /* Reports the given times and the events that lie in the step just made, and then the step itself. */
-static tvi_status report_step_and_its_points(const run_in_progress *run_progress, long step, double *t, double q[],
-                                             double p[])
+static tvi_status report_times_events_and_step(const run_in_progress *run_progress, long step, double *t, double q[],
+                                               double p[])
 {
     const tvi_observers *observers = &run_progress->run->observers;
     tvi_status status = run_progress->times ? tvi_times_update_parameters(run_progress->times) : TVI_OK;
@@ -126,13 +126,13 @@ static tvi_status make_all_steps(run_in_progress *run_progress, double *t, doubl
         has_events ? tvi_locator_open(&run_progress->locator, run_progress->integrator, run_progress->run, *t, state)
                    : TVI_OK;
     bool is_last = false;
-    int slow = 0;
+    int slow_steps = 0;
     for (long step = 1; step <= run_progress->schedule.steps && !is_last && status == TVI_OK; step++) {
         status = make_next_step(run_progress, t, q, p, &is_last);
-        if (status == TVI_OK) status = report_step_and_its_points(run_progress, step, t, q, p);
+        if (status == TVI_OK) status = report_times_events_and_step(run_progress, step, t, q, p);
         is_last = is_last || (run_progress->times && tvi_times_are_reported(run_progress->times));
         if (status == TVI_OK && run_progress->schedule.is_to_time && !is_last)
-            status = tvi_run_check_progress(run_progress->integrator, run_progress->schedule.t_end, &slow);
+            status = tvi_run_check_progress(run_progress->integrator, run_progress->schedule.t_end, &slow_steps);
     }
     tvi_locator_close(run_progress->locator);
     return status;
@@ -140,7 +140,7 @@ static tvi_status make_all_steps(run_in_progress *run_progress, double *t, doubl
 
 static tvi_status run_with_given_times(run_in_progress *run_progress, double *t, double q[], double p[])
 {
-    tvi_times times;
+    tvi_times_progress times;
     tvi_status status =
         tvi_times_open(&times, run_progress->integrator, run_progress->run, run_progress->schedule.has_step, *t, q, p);
     run_progress->times = &times;
@@ -149,11 +149,11 @@ static tvi_status run_with_given_times(run_in_progress *run_progress, double *t,
     return status;
 }
 
-tvi_status tvi_run_single(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
+tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
     if (!it || !t || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "");
     run_in_progress run_progress = {.integrator = it, .run = run};
-    tvi_status status = set_schedule_of_mode(it, run, *t, q, p, &run_progress.schedule);
+    tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &run_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangent(it, run->columns.count);
     if (status == TVI_OK && (run_progress.schedule.begins || it->is_in_observer))
@@ -170,7 +170,8 @@ tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const 
 {
     const tvi_run_plan plan = {.h = h, .steps = steps, .events = events, .event_count = count};
     const tvi_observers observers = {.at_step = observer, .on_event = on_event, .ctx = ctx};
-    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_STEPS, .plan = &plan, .observers = observers}, t, q, p);
+    return tvi_run_integrator(it, &(tvi_single_run){.mode = TVI_RUN_STEPS, .plan = &plan, .observers = observers}, t, q,
+                              p);
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

@@ -44,8 +44,8 @@ struct tvi_schedule {
 
 /* Runs the integrator. It returns TVI_ESTOPPED if an observer or an event ends the run, and otherwise the status of the
  * step that fails or of the argument that is refused. */
-TVI_NODISCARD tvi_status tvi_run_single(tvi_integrator *integrator, const tvi_single_run *run, double *t, double q[],
-                                        double p[]);
+TVI_NODISCARD tvi_status tvi_run_integrator(tvi_integrator *integrator, const tvi_single_run *run, double *t,
+                                            double q[], double p[]);
 
 /* Checks the plan of a run to a given time by steps of size h, and sets its schedule. If no observer sees each step,
  * the schedule makes several steps in one call. */

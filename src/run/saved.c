@@ -43,7 +43,7 @@ void tvi_saved_add_checksum(void *buffer, size_t size)
     memcpy((char *)buffer + before, &checksum, sizeof checksum);
 }
 
-tvi_status tvi_saved_write(const tvi_saved_identity *expected, const tvi_saved_pieces *pieces, void *buffer,
+tvi_status tvi_saved_write(const tvi_saved_identity *identity, const tvi_saved_pieces *pieces, void *buffer,
                            size_t *size)
 {
     const size_t bytes = tvi_saved_size_in_bytes(pieces);
@@ -51,8 +51,8 @@ tvi_status tvi_saved_write(const tvi_saved_identity *expected, const tvi_saved_p
     *size = bytes;
     if (!buffer) return TVI_OK;
     char *at = buffer;
-    memcpy(at, expected, sizeof *expected);
-    at += sizeof *expected;
+    memcpy(at, identity, sizeof *identity);
+    at += sizeof *identity;
     for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
         tvi_arena_copy(at, pieces->piece[i].data, pieces->piece[i].bytes);
     tvi_saved_add_checksum(buffer, bytes);
@@ -127,7 +127,7 @@ bool tvi_numbers_are_finite(const void *bytes, size_t size)
 bool tvi_saved_stops_are_valid(const void *bytes, int n, int members)
 {
     for (int m = 0; m < members; m++) {
-        tvi_stop stop;
+        tvi_event_stop stop;
         memcpy(&stop, (const char *)bytes + (size_t)m * tvi_size_of_stop_in_bytes(n), sizeof stop);
         if (stop.count < 0 || stop.count > TVI_STOP_EVENTS) return false;
     }

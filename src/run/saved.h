@@ -65,7 +65,7 @@ void tvi_saved_load_piece(const tvi_saved_pieces *pieces, int index, const void 
 bool tvi_saved_stats_are_valid(const void *bytes);
 /* Tells whether the bytes are finite numbers of type double. */
 bool tvi_numbers_are_finite(const void *bytes, size_t size);
-/* Tells whether the bytes are valid stops (tvi_stop) of this number of members, one after the other. */
+/* Tells whether the bytes are valid stops (tvi_event_stop) of this number of members, one after the other. */
 bool tvi_saved_stops_are_valid(const void *bytes, int n, int members);
 /* Tells whether steps can go on from the history that the integrator has loaded: its numbers are finite, and its
  * indices lie within their arrays. */

@@ -37,8 +37,8 @@ void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *stat
 static void update_sizes_of_orbit(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit)
 {
     for (int i = 0; i < scout->n; i++) {
-        scout->size_q = fmax(scout->size_q, fabs(orbit->q[i]));
-        scout->size_p = fmax(scout->size_p, fabs(orbit->p[i]));
+        scout->largest_q = fmax(scout->largest_q, fabs(orbit->q[i]));
+        scout->largest_p = fmax(scout->largest_p, fabs(orbit->p[i]));
     }
 }
 
@@ -62,12 +62,12 @@ static double estimate_resolving_step(const tvi_scout_orbit *orbit, double h)
 
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
  * the resolving step size of the step before is recorded for it then. */
-static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, double h, bool is_rest)
+static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, double h, bool is_last)
 {
     const double scale = estimate_resolving_step(orbit, h);
     scout->positions[scout->step_count + 1] = scout->positions[scout->step_count] + h;
     scout->resolving_step[scout->step_count] =
-        is_rest && scout->step_count > 0 ? scout->resolving_step[scout->step_count - 1] : scale;
+        is_last && scout->step_count > 0 ? scout->resolving_step[scout->step_count - 1] : scale;
     if (fabs(scout->resolving_step[scout->step_count]) <
         MUCH_HARDER * fabs(scout->resolving_step[scout->hardest_index]))
         scout->hardest_index = scout->step_count;
@@ -78,10 +78,10 @@ static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, 
 
 /* Tries a step of size h, or of the remaining time `left` if that is shorter. Returns the size of the next step, or of
  * another try if this one has failed or has been undone. */
-static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double h, double left)
+static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double h, double remaining_time)
 {
-    const bool is_rest = !tvi_is_rescaled(orbit->integrator) && fabs(left) <= fabs(h);
-    const double size = is_rest ? left : h;
+    const bool is_last = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
+    const double size = is_last ? remaining_time : h;
     store_current_state(scout, orbit);
     scout->steps_tried++;
     /* The reset makes the step start with the energy of its own state. */
@@ -90,7 +90,7 @@ static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, doub
     if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);
     const bool may_try = scout->step_count > 0 || scout->steps_tried < TVI_SCOUT_STEPS / 2;
     if (tvi_integrator_stats(orbit->integrator)->tail <= MOST_TAIL || !may_try)
-        return record_step(scout, orbit, size, is_rest);
+        return record_step(scout, orbit, size, is_last);
     tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
     return estimate_resolving_step(orbit, size);
 }
@@ -137,10 +137,10 @@ static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 
 /* Tells whether the first step was too large although its tail was small: the following steps are much shorter, or the
  * step did not conserve the energy. */
-static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double next)
+static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double next_step)
 {
     return scout->step_count == 1 &&
-           (fabs(next) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
+           (fabs(next_step) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
@@ -148,7 +148,7 @@ static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_scout_orbit 
 {
     tvi_scout_orbit_set_state(orbit, scout->n, scout->states);
     scout->step_count = scout->hardest_index = 0;
-    scout->size_q = scout->size_p = 0;
+    scout->largest_q = scout->largest_p = 0;
     update_sizes_of_orbit(scout, orbit);
     return FIRST_FAILS * scout->positions[1];
 }

@@ -33,8 +33,8 @@ typedef struct {
     double explored_part;                   /* the part of the run's duration that the scout has covered, 0 to 1 */
     /* true if the degree is at most 2, whose tails tell nothing: one step is made */
     bool has_too_low_degree;
-    double size_q, size_p;  /* the largest |q_i| and the largest |p_i| along the orbit */
-    tvi_status last_status; /* the status of the last step */
+    double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
+    tvi_status last_status;      /* the status of the last step */
 } tvi_orbit_scout;
 
 /* The tail (tvi_stats.tail) of a step that just resolves the orbit. */

@@ -30,10 +30,10 @@ static int sign_of(double g) { return (g > 0) - (g < 0); }
 
 static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
 
-tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double x[])
+tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[])
 {
     const int n = search->integrator->system->n;
-    return tvi_compute_dense_state(search->integrator, theta, &x[2 * n], x, x + n);
+    return tvi_compute_dense_state(search->integrator, theta, &state[2 * n], state, state + n);
 }
 
 static tvi_status add_event_to_error(int event_index, tvi_status status)
@@ -41,10 +41,10 @@ static tvi_status add_event_to_error(int event_index, tvi_status status)
     return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", event_index, jet_refusal());
 }
 
-tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double x[], double *g)
+tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double state[], double *g)
 {
     return add_event_to_error(event_index, tvi_event_value(search->watched_events[event_index].event,
-                                                           search->watched_events[event_index].tape_block, x, g));
+                                                           search->watched_events[event_index].tape_block, state, g));
 }
 
 static tvi_status evaluate_event_on_curve(tvi_event_search *search, int event_index, double theta, double *g)
@@ -156,7 +156,7 @@ static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index
 }
 
 /* Tells whether |g| has a local minimum at the sample g[0]. */
-static bool is_local_minimum_of_size(const double g[])
+static bool is_local_minimum_of_abs_g(const double g[])
 {
     return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
 }
@@ -292,7 +292,7 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
         if (!have_same_nonzero_sign(g[j - 1], g[j]))
             status = search_between_samples(search, event_index, x[j - 1], x[j], g[j - 1] != 0 && g[j] != 0);
-        else if (j < TVI_SAMPLES && have_same_nonzero_sign(g[j], g[j + 1]) && is_local_minimum_of_size(g + j))
+        else if (j < TVI_SAMPLES && have_same_nonzero_sign(g[j], g[j + 1]) && is_local_minimum_of_abs_g(g + j))
             status = search_dip_for_roots(search, event_index, x + j - 2);
     }
     if (status == TVI_OK && may_have_dip_at_boundary(g + TVI_SAMPLES, -1))
@@ -319,7 +319,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
 {
     const long step = search->integrator->stats.steps;
     const bool continues =
-        search->searched_step > 0 && *search->integrator->continued && step == search->searched_step + 1;
+        search->last_searched_step > 0 && *search->integrator->continued && step == search->last_searched_step + 1;
     for (int event_index = 0; event_index < search->event_count; event_index++)
         search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
     tvi_status status = continues ? TVI_OK : tvi_start_evaluate_events(search);
@@ -335,7 +335,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
         w->was_reported_at_stop = false;
     }
     search->start_kind = TVI_FROM_ANY; /* An observer may change the state before the next step. */
-    search->searched_step = step;
+    search->last_searched_step = step;
     return status;
 }
 

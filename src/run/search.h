@@ -50,7 +50,7 @@ typedef struct {
     tvi_run_start_kind start_kind;
     bool is_momentum_changed_at_stop; /* the run begins at the state of its last stop, but the user has changed p */
     bool returns_before_time_moves;   /* g returns to 0 before the time changes, as for a ball at rest on the floor */
-    long searched_step;               /* the number of the last step that was searched; 0 if there is none */
+    long last_searched_step;          /* the number of the last step that was searched; 0 if there is none */
     jet_tape *joint_tape;             /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated. It begins with the inputs [2n + 1][TVI_SAMPLES]. */
     double *tape_samples;
@@ -71,10 +71,10 @@ void tvi_search_set_parameters(tvi_event_search *search);
 /* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if an event returns
  * before the time moves. */
 TVI_NODISCARD tvi_status tvi_search_last_step(tvi_event_search *search);
-/* Computes the state x [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
-TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double x[]);
-/* Computes the value *g of one event function at the state x [2n + 1]. */
-TVI_NODISCARD tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double x[],
+/* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
+TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);
+/* Computes the value *g of one event function at the state [2n + 1]. */
+TVI_NODISCARD tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double state[],
                                                    double *g);
 
 /* Computes the theta of a root on the curve to roundoff, from its bracket. */

@@ -39,34 +39,35 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *it, double t, co
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
 
-static void copy_step_start(const tvi_event_search *search, double x[])
+static void copy_step_start(const tvi_event_search *search, double state[])
 {
     const tvi_integrator *it = search->integrator;
     const size_t n = (size_t)it->system->n;
-    memcpy(x, it->start.q, n * sizeof *x);
-    memcpy(x + n, it->start.p, n * sizeof *x);
-    x[2 * n] = it->start.q[n];
+    memcpy(state, it->start.q, n * sizeof *state);
+    memcpy(state + n, it->start.p, n * sizeof *state);
+    state[2 * n] = it->start.q[n];
 }
 
-bool tvi_stop_has_event(const tvi_stop *stop, const tvi_event *event)
+bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event)
 {
     for (int64_t i = 0; i < stop->count; i++)
         if (stop->events[i] == event->hash) return true;
     return false;
 }
 
-/* Computes g at the state x, with its momentum replaced by that of the stop. */
-static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int event_index, const double x[], double *g)
+/* Computes g at the given state, with its momentum replaced by that of the stop. */
+static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int event_index, const double state[],
+                                              double *g)
 {
     const size_t n = (size_t)search->integrator->system->n;
-    memcpy(search->scratch_increment, x, (2 * n + 1) * sizeof *x);
-    memcpy(search->scratch_increment + n, search->integrator->stop->state + n, n * sizeof *x);
+    memcpy(search->scratch_increment, state, (2 * n + 1) * sizeof *state);
+    memcpy(search->scratch_increment + n, search->integrator->stop->state + n, n * sizeof *state);
     return tvi_search_evaluate_event(search, event_index, search->scratch_increment, g);
 }
 
-/* Sets g_samples[0] = 0 if the state x at the start of the run lies on the event: the event was reported at this stop,
+/* Sets g_samples[0] = 0 if the state at the start of the run lies on the event: the event was reported at this stop,
  * or |g| is at most its roundoff. */
-static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, const double x[])
+static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, const double state[])
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     double before = 0, here = 0, roundoff;
@@ -77,12 +78,12 @@ static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, 
     if (w->g_samples[0] == 0 || search->start_kind == TVI_FROM_OWN) return TVI_OK;
     /* If the user has changed p at the stop and g has not changed, the event is where it was before. */
     if (search->start_kind == TVI_FROM_STOP && search->integrator->stop->count < TVI_STOP_EVENTS) {
-        status = evaluate_with_stop_momentum(search, event_index, x, &before);
-        if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, x, &here);
+        status = evaluate_with_stop_momentum(search, event_index, state, &before);
+        if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, state, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
     }
-    for (int i = 0; i < 2 * search->integrator->system->n + 1; i++) search->scratch_increment[i] = fabs(x[i]);
-    status = tvi_event_roundoff(w->event, &w->local_series, x, search->scratch_increment, &roundoff);
+    for (int i = 0; i < 2 * search->integrator->system->n + 1; i++) search->scratch_increment[i] = fabs(state[i]);
+    status = tvi_event_roundoff(w->event, &w->local_series, state, search->scratch_increment, &roundoff);
     if (status == TVI_OK && fabs(w->g_samples[0]) <= roundoff) w->g_samples[0] = 0;
     return status;
 }
@@ -91,20 +92,20 @@ tvi_status tvi_start_evaluate_events(tvi_event_search *search)
 {
     const int inputs = 2 * search->integrator->system->n + 1;
     const double *g = search->tape_samples;
-    double *x = search->scratch_state;
-    copy_step_start(search, x);
+    double *state = search->scratch_state;
+    copy_step_start(search, state);
     search->is_momentum_changed_at_stop =
         search->start_kind == TVI_FROM_STOP &&
-        !are_bitwise_equal(inputs / 2, x + inputs / 2, search->integrator->stop->state + inputs / 2);
+        !are_bitwise_equal(inputs / 2, state + inputs / 2, search->integrator->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
-        for (int k = 0; k < TVI_SAMPLES; k++) search->tape_samples[i * TVI_SAMPLES + k] = x[i];
+        for (int k = 0; k < TVI_SAMPLES; k++) search->tape_samples[i * TVI_SAMPLES + k] = state[i];
     const bool inside = jet_sweep_values(search->joint_tape, search->tape_samples, TVI_SAMPLES);
     for (int event_index = 0; event_index < search->event_count; event_index++) {
         double *first = &search->watched_events[event_index].g_samples[0];
         *first = g[(size_t)search->joint_tape->output[event_index] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
-        if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, x, first);
-        if (status == TVI_OK) status = zero_g_if_on_event(search, event_index, x);
+        if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, state, first);
+        if (status == TVI_OK) status = zero_g_if_on_event(search, event_index, state);
         if (status != TVI_OK) return status;
     }
     return TVI_OK;
@@ -114,7 +115,7 @@ tvi_status tvi_start_evaluate_events(tvi_event_search *search)
 
 /* Computes the increment [2n + 1] of q, p and t from the start of the step to theta, not as a difference of two states
  * but to roundoff of the increment itself. */
-static tvi_status compute_increment_to(tvi_event_search *search, double theta, double increment[])
+static tvi_status compute_increment_to_theta(tvi_event_search *search, double theta, double increment[])
 {
     const int n = search->integrator->system->n;
     const tvi_increments *increments = &search->partial_step->partial_step_integrator->increments;
@@ -143,7 +144,7 @@ tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, dou
     const tvi_watched_event *w = &search->watched_events[event_index];
     double scale;
     bool is_exact;
-    tvi_status status = compute_increment_to(search, theta, search->scratch_increment);
+    tvi_status status = compute_increment_to_theta(search, theta, search->scratch_increment);
     copy_step_start(search, search->scratch_state);
     if (status == TVI_OK)
         status = tvi_event_rise(w->event, &w->local_series, search->scratch_state, search->scratch_increment, rise,
@@ -201,7 +202,7 @@ tvi_status tvi_start_find_leaving_sign(tvi_event_search *search, int event_index
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_noise)
+tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff)
 {
     const tvi_watched_event *w = &search->watched_events[event_index];
     const tvi_integrator *it = search->integrator;
@@ -216,6 +217,6 @@ tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bo
     tvi_status status = tvi_event_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_start);
     tvi_integrator_copy_state(it, &search->scratch_state[2 * n], search->scratch_state, search->scratch_state + n);
     if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_end);
-    *is_noise = tvi_largest(TVI_SAMPLES, w->g_samples + 1, 1) <= OF_STEPS * (at_start + at_end);
+    *is_roundoff = tvi_largest(TVI_SAMPLES, w->g_samples + 1, 1) <= OF_STEPS * (at_start + at_end);
     return status;
 }

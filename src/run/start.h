@@ -10,7 +10,7 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *integrator, doub
                                           const double p[]);
 
 /* Tells whether the event was reported at the given stop of a run. */
-bool tvi_stop_has_event(const tvi_stop *stop, const tvi_event *event);
+bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
 
 /* Evaluates all events at the start of the last step, unless the search of the step before has done so. Sets
  * g_samples[0] of each event; it is set to 0 if the state lies on the event up to roundoff. */

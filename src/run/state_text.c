@@ -40,40 +40,40 @@ bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameters)
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 /* Writes a number in the given base, with at least least_digits digits. Returns the address of the end of the text. */
-static char *write_digits(char *at, uint64_t number, unsigned base, int least_digits)
+static char *write_digits(char *text, uint64_t number, unsigned base, int least_digits)
 {
     char digit[DIGITS];
     int count = 0;
     for (; number > 0 || count < least_digits; number /= base) digit[count++] = "0123456789abcdef"[number % base];
-    while (count > 0) *at++ = digit[--count];
-    *at = '\0';
-    return at;
+    while (count > 0) *text++ = digit[--count];
+    *text = '\0';
+    return text;
 }
 
 /* Writes a double as printf does by %a: its sign, 0x, the bits of its mantissa in hexadecimal, and its binary exponent.
  * Denormal numbers begin with 0x0 and have the exponent -1022. */
-static void write_double(char *at, double number)
+static void write_double(char *text, double number)
 {
     const uint64_t bits = tvi_bits(number), mantissa = bits << 12 >> 12;
     const int biased = (int)(bits >> 52 & 0x7ff), exponent = biased > 0 ? biased - 1023 : mantissa > 0 ? -1022 : 0;
-    if (bits >> 63) *at++ = '-';
-    *at++ = '0', *at++ = 'x', *at++ = biased > 0 ? '1' : '0';
+    if (bits >> 63) *text++ = '-';
+    *text++ = '0', *text++ = 'x', *text++ = biased > 0 ? '1' : '0';
     if (mantissa > 0) {
-        *at++ = '.';
-        at = write_digits(at, mantissa, 16, MANTISSA);
-        while (at[-1] == '0') at--;
+        *text++ = '.';
+        text = write_digits(text, mantissa, 16, MANTISSA);
+        while (text[-1] == '0') text--;
     }
-    *at++ = 'p', *at++ = exponent < 0 ? '-' : '+';
-    (void)write_digits(at, (uint64_t)abs(exponent), 10, 1);
+    *text++ = 'p', *text++ = exponent < 0 ? '-' : '+';
+    (void)write_digits(text, (uint64_t)abs(exponent), 10, 1);
 }
 
-/* Reads up to most_digits digits in the given base from *at on, and moves *at past them. Sets *count to the number of
- * digits that were read, and returns the number that they form. */
-static uint64_t read_digits(const char **at, unsigned base, int most_digits, int *count)
+/* Reads up to most_digits digits in the given base from *text on, and moves *text past them. Sets *count to the
+ * number of digits that were read, and returns the number that they form. */
+static uint64_t read_digits(const char **text, unsigned base, int most_digits, int *count)
 {
     uint64_t number = 0;
-    for (*count = 0; *count < most_digits && **at; ++*count, ++*at) {
-        const char *const digits = "0123456789abcdef", *digit = memchr(digits, **at, base);
+    for (*count = 0; *count < most_digits && **text; ++*count, ++*text) {
+        const char *const digits = "0123456789abcdef", *digit = memchr(digits, **text, base);
         if (!digit) break;
         number = number * base + (uint64_t)(digit - digits);
     }
@@ -81,27 +81,27 @@ static uint64_t read_digits(const char **at, unsigned base, int most_digits, int
 }
 
 /* Reads a word as a double. Returns whether it is a finite number in the form that write_double writes. */
-static bool read_double(const char *at, double *number)
+static bool read_double(const char *text, double *number)
 {
     int count;
-    const bool is_negative = *at == '-';
-    at += is_negative;
-    if (strncmp(at, "0x0", 3) != 0 && strncmp(at, "0x1", 3) != 0) return false;
-    const bool is_normal = at[2] == '1';
+    const bool is_negative = *text == '-';
+    text += is_negative;
+    if (strncmp(text, "0x0", 3) != 0 && strncmp(text, "0x1", 3) != 0) return false;
+    const bool is_normal = text[2] == '1';
     uint64_t mantissa = 0;
-    at += 3;
-    if (*at == '.') {
-        at++;
-        mantissa = read_digits(&at, 16, MANTISSA, &count);
+    text += 3;
+    if (*text == '.') {
+        text++;
+        mantissa = read_digits(&text, 16, MANTISSA, &count);
         if (count == 0) return false;
         mantissa <<= 4 * (MANTISSA - count);
     }
-    if (strncmp(at, "p+", 2) != 0 && strncmp(at, "p-", 2) != 0) return false;
-    const int sign = at[1] == '-' ? -1 : 1;
-    at += 2;
-    const int exponent = sign * (int)read_digits(&at, 10, 4, &count);
+    if (strncmp(text, "p+", 2) != 0 && strncmp(text, "p-", 2) != 0) return false;
+    const int sign = text[1] == '-' ? -1 : 1;
+    text += 2;
+    const int exponent = sign * (int)read_digits(&text, 10, 4, &count);
     const bool is_one = is_normal ? exponent >= -1022 && exponent <= 1023 : mantissa == 0 || exponent == -1022;
-    if (count == 0 || *at || !is_one) return false;
+    if (count == 0 || *text || !is_one) return false;
     const uint64_t biased = is_normal ? (uint64_t)(exponent + 1023) : 0;
     const uint64_t bits = (uint64_t)is_negative << 63 | biased << 52 | mantissa;
     memcpy(number, &bits, sizeof *number);
@@ -178,15 +178,15 @@ static void transfer_expected_count(text_stream *stream, const char *label, int 
     transfer_expected_word(stream, ' ', word, fault);
 }
 
-static void transfer_rows(text_stream *stream, const char *label, int rows, int columns, double *number)
+static void transfer_rows(text_stream *stream, const char *label, int rows, int columns, double *numbers)
 {
     char word[LONGEST + 1];
     for (int i = 0; i < rows && !stream->first_fault; i++) {
         transfer_expected_word(stream, '\n', label, DAMAGED);
-        for (int k = 0; k < columns; k++, number++) {
-            if (!stream->input) write_double(word, *number);
+        for (int k = 0; k < columns; k++, numbers++) {
+            if (!stream->input) write_double(word, *numbers);
             transfer_word(stream, ' ', word);
-            record_fault(stream, stream->input && !read_double(word, number), DAMAGED);
+            record_fault(stream, stream->input && !read_double(word, numbers), DAMAGED);
         }
     }
 }

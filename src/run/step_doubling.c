@@ -114,8 +114,8 @@ double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
     const tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     const double lag = a->t - b->t;
     orbit_difference d = {0};
-    accumulate_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->size_q, &d);
-    accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->size_p, &d);
+    accumulate_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->largest_q, &d);
+    accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->largest_p, &d);
     doubling->distance = d.largest_difference;
     doubling->largest_rate = fmax(doubling->largest_rate, d.largest_rate);
     const bool is_fast = d.largest_rate > FAST * doubling->largest_rate;
@@ -124,25 +124,25 @@ double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 }
 
 tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state, double h,
-                                                double shift, double *apart)
+                                                double shift, double *distance)
 {
     tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
-    *apart = 0;
+    *distance = 0;
     tvi_step_doubling_set_state(doubling, state);
     b->t += shift;
     if (step_orbit(doubling, a, h) == TVI_OK && step_orbit(doubling, b, h) == TVI_OK &&
         compute_rates_of_full_orbit(doubling) == TVI_OK) {
         b->t -= shift;
-        *apart = tvi_step_doubling_measure_distance(doubling);
+        *distance = tvi_step_doubling_measure_distance(doubling);
     }
     return doubling->has_exhausted_memory ? TVI_ENOMEM : TVI_OK;
 }
 
 /* ---- Stretch ----------------------------------------------------------------------------------------------------- */
 
-static const double *stored_state_of_scout(const tvi_orbit_scout *scout, int position)
+static const double *stored_state_of_scout(const tvi_orbit_scout *scout, int position_index)
 {
-    return scout->states + (size_t)position * (size_t)(2 * scout->n + 1);
+    return scout->states + (size_t)position_index * (size_t)(2 * scout->n + 1);
 }
 
 /* Sets half_step_orbit to the given state, displaced by START_DISTANCE in the direction of the present difference of
@@ -161,16 +161,17 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
     tvi_integrator_reset(b->integrator);
 }
 
-/* Integrates the companion beside the scout's orbit, from position number `first` on. Sets apart[k] to their distance
- * at position k, and returns the number of the last position that the companion has reached. */
-static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first, double apart[])
+/* Integrates the companion beside the scout's orbit, from position number first_position on. Sets distances[k] to
+ * their distance at position k, and returns the number of the last position that the companion has reached. */
+static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position,
+                                  double distances[])
 {
-    place_companion_orbit(doubling, stored_state_of_scout(scout, first));
-    for (int k = first; true; k++) {
+    place_companion_orbit(doubling, stored_state_of_scout(scout, first_position));
+    for (int k = first_position; true; k++) {
         tvi_scout_orbit_set_state(&doubling->full_step_orbit, doubling->n, stored_state_of_scout(scout, k));
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
-        apart[k] = doubling->distance;
+        distances[k] = doubling->distance;
         /* The reset makes the step start with the energy of its own state, as the scout's step did. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
         if (k == scout->step_count ||
@@ -181,35 +182,37 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
 
 /* Returns the largest distance in the second half of the way between two positions, divided by that in the first
  * half. */
-static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first, int last, const double apart[])
+static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first_position, int last_position,
+                                           const double distances[])
 {
-    const double middle = (scout->positions[first] + scout->positions[last]) / 2;
+    const double middle = (scout->positions[first_position] + scout->positions[last_position]) / 2;
     double most[] = {0, 0};
-    for (int k = first; k <= last; k++) {
+    for (int k = first_position; k <= last_position; k++) {
         const bool is_later = fabs(scout->positions[k]) > fabs(middle);
-        most[is_later] = fmax(most[is_later], apart[k]);
+        most[is_later] = fmax(most[is_later], distances[k]);
     }
     return most[1] / most[0];
 }
 
-double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, double from,
-                                        double to, double *growth)
+double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                        double start_position, double end_position, double *growth)
 {
     int first = 0;
-    double apart[TVI_SCOUT_STEPS + 1], sum = 0;
-    while (scout->positions[first] != from) first++;
+    double distances[TVI_SCOUT_STEPS + 1], sum = 0;
+    while (scout->positions[first] != start_position) first++;
     do first++;
-    while (first < scout->step_count && fabs(scout->positions[first + 1] - to) < fabs(scout->positions[first] - to));
+    while (first < scout->step_count &&
+           fabs(scout->positions[first + 1] - end_position) < fabs(scout->positions[first] - end_position));
     const int last = first < scout->step_count && doubling->distance > 0
-                         ? follow_companion_orbit(doubling, scout, first, apart)
+                         ? follow_companion_orbit(doubling, scout, first, distances)
                          : first;
     if (last <= first) return 0;
     for (int k = 1; k <= last; k++) {
         const int at = k > first ? k : first;
-        const double before = at > first ? apart[at - 1] : 0, after = at < last ? apart[at + 1] : 0;
-        sum += tvi_scout_error_weight(scout, scout->positions[k - 1], scout->positions[k]) * apart[last] /
-               fmax(apart[at], fmax(before, after));
+        const double before = at > first ? distances[at - 1] : 0, after = at < last ? distances[at + 1] : 0;
+        sum += tvi_scout_error_weight(scout, scout->positions[k - 1], scout->positions[k]) * distances[last] /
+               fmax(distances[at], fmax(before, after));
     }
-    *growth = ratio_of_distances_in_halves(scout, first, last, apart);
-    return sum / tvi_scout_error_weight(scout, from, to);
+    *growth = ratio_of_distances_in_halves(scout, first, last, distances);
+    return sum / tvi_scout_error_weight(scout, start_position, end_position);
 }

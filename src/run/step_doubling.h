@@ -13,7 +13,7 @@ typedef struct {
     int n; /* the number of coordinates of an orbit */
     bool is_rescaled;
     tvi_scout_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
-    double size_q, size_p;              /* the largest |q_i| and |p_i| so far, by which differences are divided */
+    double largest_q, largest_p;        /* the largest |q_i| and |p_i| so far, by which differences are divided */
     tvi_rates field_rates;              /* computes dq/dt and dp/dt of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
     double *scout_states;               /* memory for tvi_orbit_scout.states */
@@ -40,18 +40,20 @@ TVI_NODISCARD tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling
 TVI_NODISCARD tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state,
                                                               double h, double shift, double *distance);
 
-/* Measures `distance`, the largest difference of a component of q or p between the orbits, divided by size_q or size_p.
- * In a rescaled system one orbit may lag behind the other; this error shows only where the motion is fast. The return
- * value is the distance, or the one that the present lag would cause where the motion is fastest, if that is larger. */
+/* Measures `distance`, the largest difference of a component of q or p between the orbits, divided by largest_q or
+ * largest_p. In a rescaled system one orbit may lag behind the other; this error shows only where the motion is
+ * fast. The return value is the distance, or the one that the present lag would cause where the motion is fastest,
+ * if that is larger. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling);
 
-/* Returns the factor by which the error of a trial between the positions `from` and `to` must be multiplied to give
- * the error of the whole part of the run that the scout has explored. The factor sums the error that is made at each
- * position times its growth to the end, divided by the trial's own error. The growth is measured by a companion, an
- * orbit that starts near the scout's orbit at the end of the trial, displaced in the direction of the trial's error.
- * `from` must be one of the scout's positions. The result is 0 if no companion could be followed. *growth is the
- * largest distance of the companion in the second half of its way divided by that in the first half. */
-double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, double from,
-                                        double to, double *growth);
+/* Returns the factor by which the error of a trial between the positions start_position and end_position must be
+ * multiplied to give the error of the whole part of the run that the scout has explored. The factor sums the error
+ * that is made at each position times its growth to the end, divided by the trial's own error. The growth is
+ * measured by a companion, an orbit that starts near the scout's orbit at the end of the trial, displaced in the
+ * direction of the trial's error. start_position must be one of the scout's positions. The result is 0 if no
+ * companion could be followed. *growth is the largest distance of the companion in the second half of its way
+ * divided by that in the first half. */
+double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                        double start_position, double end_position, double *growth);
 
 #endif

@@ -144,14 +144,15 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
     const tvi_trials *trials = &search->trials;
     *is_near_aim =
         trial->has_passed_hardest && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
-    const bool is_long = trial->has_passed_hardest && trial->covered_part >= TVI_EQUALLY_LONG * trials->largest_part;
+    const bool is_long =
+        trial->has_passed_hardest && trial->covered_part >= TVI_EQUALLY_LONG * trials->largest_covered_part;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aim));
 }
 
 /* Updates the suggestion after a trial. Returns true if another trial shall follow, with the step size *h. */
 static bool update_from_trial(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
-                              tvi_step_suggestion *out)
+                              tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
     const bool failed = trial->error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
@@ -159,20 +160,22 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
     bool is_near_aim;
     const bool is_new = is_trial_informative(search, trial, &is_near_aim);
     const double factor = is_new ? step_size_factor(search, trial) : 1;
-    if (is_new) out->h = trial->h * final_step_size_factor(search, trial), search->is_step_known = is_near_aim;
-    else if (!search->is_step_known) out->h = out->h == 0 ? trial->h : tvi_shorter(out->h, trial->h);
+    if (is_new) suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_step_known = is_near_aim;
+    else if (!search->is_step_known)
+        suggestion->h = suggestion->h == 0 ? trial->h : tvi_shorter(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_step_known))
-        out->tried_step = trial->h, out->covered_part = trial->covered_part, out->error = trial->error;
+        suggestion->tried_step = trial->h, suggestion->covered_part = trial->covered_part,
+        suggestion->error = trial->error;
     if (!failed)
-        out->explored_duration_part = fmax(out->explored_duration_part, trial->duration_part),
-        trials->largest_part = fmax(trials->largest_part, trial->covered_part);
+        suggestion->explored_duration_part = fmax(suggestion->explored_duration_part, trial->duration_part),
+        trials->largest_covered_part = fmax(trials->largest_covered_part, trial->covered_part);
     detect_roundoff(search, trial);
     update_bracket_of_steps(search, trial);
     if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high))
         /* If the budget is used up, the steps of the companion are released for another trial. */
         trials->reserved_steps = 0;
     *h = tvi_shorter(trial->h * factor, search->longest_allowed_step);
-    trials->run_steps *= trial->h / *h;
+    trials->run_step_count *= trial->h / *h;
     if (search->longest_good_step != 0) return may_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
     return !is_last && tvi_trials_have_budget_for_step(trials) &&
@@ -182,19 +185,21 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
 
 /* Corrects the error estimate of the last trial by the growth of errors that the companion measures
  * (step_doubling.h). */
-static void correct_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial, tvi_step_suggestion *out)
+static void correct_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial,
+                                        tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
-    if (trials->reserved_steps == 0 || out->tried_step != trial->h || trial->error == INFINITY) return;
+    if (trials->reserved_steps == 0 || suggestion->tried_step != trial->h || trial->error == INFINITY) return;
     double growth;
-    const double error = trials->step_doubling.distance, part = trials->scout.explored_part;
+    const double wanted_error = trials->step_doubling.distance, part = trials->scout.explored_part;
     const double growth_factor = tvi_step_doubling_measure_growth(&trials->step_doubling, &trials->scout,
                                                                   trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
     /* The growth was measured between two halves of the part that the scout has explored. */
     const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
-    out->error = trial->error = error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);
-    out->h = trial->h * final_step_size_factor(search, trial);
+    suggestion->error = trial->error =
+        wanted_error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);
+    suggestion->h = trial->h * final_step_size_factor(search, trial);
 }
 
 /* ---- Before and after them --------------------------------------------------------------------------------------- */
@@ -205,18 +210,18 @@ static double set_up_trials(suggestion_search *search)
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
     const double scale = s->resolving_step[s->hardest_index], end = s->positions[s->step_count];
-    const double error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->degree);
+    const double wanted_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->degree);
     trials->step_doubling.steps_tried = s->steps_tried;
-    trials->step_doubling.size_q = s->size_q, trials->step_doubling.size_p = s->size_p;
+    trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
     trials->run_length = end / s->explored_part;
     trials->run_weight = tvi_scout_error_weight(s, 0, end) / s->explored_part;
     search->longest_allowed_step = scale * pow(MOST_TAILS, 1 / search->degree);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step = tvi_shorter(search->longest_allowed_step, trials->duration);
     const double part = pow(KNOWN, trials->growth_exponent);
-    const double h =
-        tvi_shorter(scale * pow(trials->aim * part / error, 1.0 / (search->order + 1)), search->longest_allowed_step);
-    trials->run_steps = fabs(trials->run_length / h);
+    const double h = tvi_shorter(scale * pow(trials->aim * part / wanted_error, 1.0 / (search->order + 1)),
+                                 search->longest_allowed_step);
+    trials->run_step_count = fabs(trials->run_length / h);
     return h;
 }
 
@@ -239,16 +244,16 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
         return TVI_OK;
     const tvi_status status = tvi_step_doubling_measure_time_shift(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
-    const double error = often * apart / shift * ulp / 2;
-    if (error > search->wanted_error)
+    const double wanted_error = often * apart / shift * ulp / 2;
+    if (wanted_error > search->wanted_error)
         return jet_refuse(TVI_EINVAL, "error = %g is below what the roundoff of t = %g makes of such a run, about %.0e",
-                          search->wanted_error, last, error);
-    trials->aim = fmax(trials->aim, error);
+                          search->wanted_error, last, wanted_error);
+    trials->aim = fmax(trials->aim, wanted_error);
     trials->roundoff_floor = fmax(trials->roundoff_floor, apart / shift * ulp);
     return TVI_OK;
 }
 
-static double spread_of_scales_factor(const suggestion_search *search)
+static double factor_for_spread_of_step_sizes(const suggestion_search *search)
 {
     const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
@@ -258,18 +263,19 @@ static double spread_of_scales_factor(const suggestion_search *search)
 }
 
 /* Computes the final step size from the results of all trials. */
-static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *out)
+static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *suggestion)
 {
     const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),
                  unknown = search->is_step_known ? 1 : UNKNOWN;
-    out->h = tvi_shorter(out->h * of_aim, search->longest_allowed_step) * unknown / spread_of_scales_factor(search);
+    suggestion->h = tvi_shorter(suggestion->h * of_aim, search->longest_allowed_step) * unknown /
+                    factor_for_spread_of_step_sizes(search);
     if (search->longest_good_step != 0)
-        out->h = out->tried_step = search->longest_good_step, out->covered_part = 1,
-        out->error = search->error_of_good_step;
-    if (out->explored_duration_part > 1 - 1e-9) out->explored_duration_part = 1;
+        suggestion->h = suggestion->tried_step = search->longest_good_step, suggestion->covered_part = 1,
+        suggestion->error = search->error_of_good_step;
+    if (suggestion->explored_duration_part > 1 - 1e-9) suggestion->explored_duration_part = 1;
 }
 
-static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *out)
+static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
     tvi_step_size_trial trial;
@@ -279,23 +285,24 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     double h = set_up_trials(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
-    out->explored_duration_part = trials->scout.has_too_low_degree ? 0 : trials->scout.explored_part;
+    suggestion->explored_duration_part = trials->scout.has_too_low_degree ? 0 : trials->scout.explored_part;
     do trial = tvi_make_step_size_trial(trials, h);
-    while (trial.status != TVI_ENOMEM && update_from_trial(search, &trial, &h, out));
-    correct_by_companion_growth(search, &trial, out);
-    out->step_count = trials->step_doubling.steps_tried;
+    while (trial.status != TVI_ENOMEM && update_from_trial(search, &trial, &h, suggestion));
+    correct_by_companion_growth(search, &trial, suggestion);
+    suggestion->step_count = trials->step_doubling.steps_tried;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory) return jet_refuse_memory(TVI_ENOMEM);
     if (search->roundoff_error > 0)
         return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run",
                           search->wanted_error, search->roundoff_error);
-    complete_suggestion(search, out);
-    if (out->tried_step != 0) return TVI_OK;
+    complete_suggestion(search, suggestion);
+    if (suggestion->tried_step != 0) return TVI_OK;
     return trial.status != TVI_OK ? trial.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
 }
 
 /* ---- The functions ----------------------------------------------------------------------------------------------- */
 
-static tvi_status open_search(suggestion_search *search, const tvi_system *system, const tvi_options *options)
+static tvi_status open_suggestion_search(suggestion_search *search, const tvi_system *system,
+                                         const tvi_options *options)
 {
     tvi_trials *trials = &search->trials;
     const tvi_status status = tvi_step_doubling_open(&trials->step_doubling, system, options);
@@ -313,25 +320,26 @@ static tvi_status open_search(suggestion_search *search, const tvi_system *syste
 }
 
 tvi_status tvi_compute_step_suggestion(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                                       const double p[], double duration, double error, tvi_step_suggestion *out)
+                                       const double p[], double duration, double wanted_error,
+                                       tvi_step_suggestion *suggestion)
 {
-    suggestion_search search = {.trials = {.t = t, .duration = duration}, .wanted_error = error};
+    suggestion_search search = {.trials = {.t = t, .duration = duration}, .wanted_error = wanted_error};
     tvi_step_doubling *pair = &search.trials.step_doubling;
-    *out = (tvi_step_suggestion){0};
-    tvi_status status = open_search(&search, system, options);
+    *suggestion = (tvi_step_suggestion){0};
+    tvi_status status = open_suggestion_search(&search, system, options);
     if (status == TVI_OK) status = tvi_refuse_state(system->n, t, q, "p", p);
     if (status == TVI_OK) {
         pair->full_step_orbit.t = t;
         memcpy(pair->full_step_orbit.q, q, (size_t)system->n * sizeof *q);
         memcpy(pair->full_step_orbit.p, p, (size_t)system->n * sizeof *p);
-        status = search_step_size(&search, out);
+        status = search_step_size(&search, suggestion);
     }
     tvi_step_doubling_close(pair);
     return status;
 }
 
 tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                                 const double p[], double duration, double error, double *h, double *seen)
+                                 const double p[], double duration, double wanted_error, double *h, double *seen)
 {
     static const char *const name[] = {"system", "q", "p", "h", "seen"};
     const void *const pointer[] = {system, q, p, h, seen};
@@ -341,16 +349,16 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
         return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
     if (isfinite(t) && !(fabs(duration) > TVI_LEAST_STEPS * DBL_EPSILON * fabs(t)))
         return jet_refuse(TVI_EINVAL, "duration = %g is roundoff of t = %g", duration, t);
-    if (!(error >= DBL_EPSILON && error < 1))
-        return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", error);
-    const tvi_status status = tvi_compute_step_suggestion(system, options, t, q, p, duration, error, &found);
+    if (!(wanted_error >= DBL_EPSILON && wanted_error < 1))
+        return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", wanted_error);
+    const tvi_status status = tvi_compute_step_suggestion(system, options, t, q, p, duration, wanted_error, &found);
     if (status == TVI_OK) *h = found.h, *seen = found.explored_duration_part;
     return status;
 }
 
 tvi_status tvi_suggest_step(const tvi_system *system, const tvi_options *options, double t, const double q[],
-                            const double p[], double duration, double error, double *h)
+                            const double p[], double duration, double wanted_error, double *h)
 {
     double seen;
-    return tvi_suggest_step_seen(system, options, t, q, p, duration, error, h, &seen);
+    return tvi_suggest_step_seen(system, options, t, q, p, duration, wanted_error, h, &seen);
 }

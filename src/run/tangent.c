@@ -38,11 +38,11 @@ static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
     return TVI_OK;
 }
 
-static tvi_status create_tangent(tvi_tangent **out, tvi_integrator *it)
+static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
 {
     const size_t n = (size_t)it->stepped->n;
     const size_t parameters = (size_t)tvi_system_parameters(it->system);
-    tvi_tangent *tangent = *out = calloc(1, sizeof *tangent);
+    tvi_tangent *tangent = *product = calloc(1, sizeof *tangent);
     if (!tangent) return TVI_ENOMEM;
     tangent->n = it->stepped->n;
     tangent->lifted_q = calloc(8 * n + 3 * parameters, sizeof *tangent->lifted_q);
@@ -228,7 +228,7 @@ static void load_column(const tvi_integrator *it, const double D[], size_t row_s
 
 /* Computes the product of M and the loaded column, and writes it to `out`, a column of a matrix whose rows are
  * row_stride numbers apart. */
-static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_lifted_step *step, double out[],
+static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_lifted_step *step, double product[],
                                               size_t row_stride)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -239,22 +239,22 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tv
     if (status == TVI_OK) status = multiply_column_in_step_variable(it, step);
     if (status == TVI_OK && rescaled) status = project_column_to_orbit_time(it, step);
     for (int row = 0; row < n; row++) {
-        out[(size_t)row * row_stride] = dq[row];
-        out[(size_t)(n + row) * row_stride] = dp[row];
+        product[(size_t)row * row_stride] = dq[row];
+        product[(size_t)(n + row) * row_stride] = dp[row];
     }
     if (status != TVI_OK || (tvi_all_finite(n, dq) && tvi_all_finite(n, dp))) return status;
     return jet_refuse(TVI_ENONFINITE, "it overflows");
 }
 
 tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *it, const tvi_lifted_step *step,
-                                            const tvi_tangent_columns *columns, const tvi_tangent_columns *out)
+                                            const tvi_tangent_columns *columns, const tvi_tangent_columns *product)
 {
     const size_t row_stride = (size_t)columns->count * columns->element_spacing,
-                 out_row_stride = (size_t)out->count * out->element_spacing;
+                 out_row_stride = (size_t)product->count * product->element_spacing;
     for (int i = 0; i < columns->count; i++) {
         load_column(it, columns->elements + (size_t)i * columns->element_spacing, row_stride);
-        const tvi_status status =
-            multiply_column_by_jacobian(it, step, out->elements + (size_t)i * out->element_spacing, out_row_stride);
+        const tvi_status status = multiply_column_by_jacobian(
+            it, step, product->elements + (size_t)i * product->element_spacing, out_row_stride);
         if (status != TVI_OK) return jet_refuse(status, "column %d of D: %s", i, jet_refusal());
     }
     return TVI_OK;

@@ -41,7 +41,7 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
 }
 
 /* Reports the next given time with its state q, p, by calling the observer. */
-static void report_next_time(tvi_times *times_progress, const double q[], const double p[])
+static void report_next_time(tvi_times_progress *times_progress, const double q[], const double p[])
 {
     const tvi_observers *observers = &times_progress->run->observers;
     const int which = times_progress->next_time_index++;
@@ -51,7 +51,7 @@ static void report_next_time(tvi_times *times_progress, const double q[], const 
 }
 
 /* Computes the state at the next given time, which lies in the last step, and reports it. */
-static tvi_status report_time_inside_step(tvi_times *times_progress)
+static tvi_status report_time_inside_step(tvi_times_progress *times_progress)
 {
     const tvi_partial_step *partial_step = &times_progress->partial_step;
     tvi_status status = tvi_partial_step_compute_state_at_time(
@@ -64,7 +64,7 @@ static tvi_status report_time_inside_step(tvi_times *times_progress)
 }
 
 /* Reports the given times up to last_time. It ends when the observer stops the run, unless reports_all is set. */
-static tvi_status report_times_until(tvi_times *times_progress, double last_time, bool reports_all)
+static tvi_status report_times_until(tvi_times_progress *times_progress, double last_time, bool reports_all)
 {
     const tvi_run_plan *plan = times_progress->run->plan;
     const double direction = plan->h > 0 ? 1 : -1;
@@ -79,25 +79,25 @@ static tvi_status report_times_until(tvi_times *times_progress, double last_time
     return status;
 }
 
-tvi_status tvi_times_report_until(tvi_times *times_progress, double last_time)
+tvi_status tvi_times_report_until(tvi_times_progress *times_progress, double last_time)
 {
     return report_times_until(times_progress, last_time, times_progress->run->plan->event_count > 0);
 }
 
-bool tvi_times_are_reported(const tvi_times *times_progress)
+bool tvi_times_are_reported(const tvi_times_progress *times_progress)
 {
     return times_progress->next_time_index == times_progress->run->plan->time_count;
 }
 
-tvi_status tvi_times_update_parameters(tvi_times *times_progress)
+tvi_status tvi_times_update_parameters(tvi_times_progress *times_progress)
 {
     return tvi_partial_step_update_parameters(&times_progress->partial_step);
 }
 
-tvi_status tvi_times_open(tvi_times *times_progress, tvi_integrator *it, const tvi_single_run *run, bool has_last_step,
-                          double t, const double q[], const double p[])
+tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it, const tvi_single_run *run,
+                          bool has_last_step, double t, const double q[], const double p[])
 {
-    *times_progress = (tvi_times){.integrator = it, .run = run};
+    *times_progress = (tvi_times_progress){.integrator = it, .run = run};
     while (!has_last_step && !times_progress->is_stopped_by_observer && !tvi_times_are_reported(times_progress) &&
            run->plan->times[times_progress->next_time_index] == t) {
         report_next_time(times_progress, q, p);
@@ -110,7 +110,7 @@ tvi_status tvi_times_open(tvi_times *times_progress, tvi_integrator *it, const t
     return status == TVI_OK && times_progress->is_stopped_by_observer ? TVI_ESTOPPED : status;
 }
 
-void tvi_times_close(tvi_times *times_progress)
+void tvi_times_close(tvi_times_progress *times_progress)
 {
     if (times_progress->partial_step.full_step_integrator) tvi_partial_step_close(&times_progress->partial_step);
 }
@@ -120,6 +120,6 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
 {
     const tvi_run_plan plan = {.h = h, .times = times, .time_count = count};
     const tvi_observers observers = {.at_time = observer, .ctx = ctx};
-    return tvi_run_single(it, &(tvi_single_run){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t, q,
-                          p);
+    return tvi_run_integrator(it, &(tvi_single_run){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t,
+                              q, p);
 }

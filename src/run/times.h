@@ -6,13 +6,13 @@
 #include "run/run.h"
 
 /* The progress of a run along its given times. */
-typedef struct tvi_times {
+typedef struct tvi_times_progress {
     tvi_integrator *integrator;
     const tvi_single_run *run;     /* run->plan->times are the given times */
     int next_time_index;           /* index of the first time that has not been reported */
     tvi_partial_step partial_step; /* computes the states at times inside the last step */
     bool is_stopped_by_observer;
-} tvi_times;
+} tvi_times_progress;
 
 /* Refuses times that are not finite, or that do not follow the state and one another in the direction of h. Sets
  * *has_last_step if the state is the end of the integrator's last step; then times may also lie in that step. */
@@ -20,15 +20,16 @@ TVI_NODISCARD tvi_status tvi_times_check(const tvi_integrator *integrator, const
                                          const double q[], const double p[], bool *has_last_step);
 /* Prepares `times` for the steps of a run. It reports the times that equal the start of the run, or with has_last_step
  * those in the step that ended there. */
-TVI_NODISCARD tvi_status tvi_times_open(tvi_times *times, tvi_integrator *integrator, const tvi_single_run *run,
-                                        bool has_last_step, double t, const double q[], const double p[]);
-void tvi_times_close(tvi_times *times);
+TVI_NODISCARD tvi_status tvi_times_open(tvi_times_progress *times, tvi_integrator *integrator,
+                                        const tvi_single_run *run, bool has_last_step, double t, const double q[],
+                                        const double p[]);
+void tvi_times_close(tvi_times_progress *times);
 /* Copies the parameters that the last step was made with, if they have changed since the step before. */
-TVI_NODISCARD tvi_status tvi_times_update_parameters(tvi_times *times);
+TVI_NODISCARD tvi_status tvi_times_update_parameters(tvi_times_progress *times);
 /* Reports the times of the last step up to `last_time`. After an observer has stopped the run, it reports no further
  * time, except in a run with events, where an event may come later in the same step. */
-TVI_NODISCARD tvi_status tvi_times_report_until(tvi_times *times, double last_time);
+TVI_NODISCARD tvi_status tvi_times_report_until(tvi_times_progress *times, double last_time);
 /* Tells whether all given times have been reported. */
-bool tvi_times_are_reported(const tvi_times *times);
+bool tvi_times_are_reported(const tvi_times_progress *times);
 
 #endif

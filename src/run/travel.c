@@ -22,16 +22,16 @@ static size_t index_in_member_arrays(const tvi_integrator *it, int member, int k
 /* Copies the user's state of a member to state_text. If the member has just computed this state, its low-order parts
  * are copied, too. */
 static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it, int member,
-                            const tvi_user_state *given)
+                            const tvi_user_state *user_state)
 {
     const int n = state_text->n;
     const tvi_run_state *state = &it->state;
     for (int i = 0; i < n; i++) {
-        state_text->numbers[2 * (1 + i)] = given->q[(size_t)i * given->stride];
-        state_text->numbers[2 * (1 + n + i)] = given->p[(size_t)i * given->stride];
+        state_text->numbers[2 * (1 + i)] = user_state->q[(size_t)i * user_state->stride];
+        state_text->numbers[2 * (1 + n + i)] = user_state->p[(size_t)i * user_state->stride];
     }
-    state_text->numbers[0] = given->t;
-    if (!it->continues[member] || !tvi_member_has_state(it, member, given)) return;
+    state_text->numbers[0] = user_state->t;
+    if (!it->continues[member] || !tvi_member_has_state(it, member, user_state)) return;
     state_text->has_rescaled_energy = tvi_is_rescaled(it);
     for (int k = 0; k <= 2 * n + state_text->has_rescaled_energy; k++) {
         const size_t at = index_in_member_arrays(it, member, k);
@@ -69,10 +69,10 @@ static tvi_status set_member_state_from_text(tvi_integrator *it, int member, con
 {
     const int n = state_text->n;
     const tvi_run_state *state = &it->state;
-    const tvi_user_state given = {state_text->numbers + 2, state_text->numbers + 2 * (1 + n), 2,
-                                  state_text->numbers[0]};
+    const tvi_user_state user_state = {state_text->numbers + 2, state_text->numbers + 2 * (1 + n), 2,
+                                       state_text->numbers[0]};
     it->continues[member] = false;
-    const tvi_status status = tvi_member_begin_step(it, member, &given);
+    const tvi_status status = tvi_member_begin_step(it, member, &user_state);
     if (status != TVI_OK) return status;
     for (int k = 0; k <= 2 * n + (state_text->has_rescaled_energy && tvi_is_rescaled(it)); k++) {
         const size_t at = index_in_member_arrays(it, member, k);
@@ -103,12 +103,12 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
 }
 
 /* Sets the integrator's parameters and its state to those of the text. If this fails, the integrator is left as it was.
- * `own` is scratch memory for its history and its parameters. */
-static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_state_text *state_text, char *own)
+ * `scratch` is scratch memory for its history and its parameters. */
+static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_state_text *state_text, char *scratch)
 {
     const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
-    double *const values = (double *)(own + it->history_bytes);
-    tvi_arena_copy(own, it->history, it->history_bytes);
+    double *const values = (double *)(scratch + it->history_bytes);
+    tvi_arena_copy(scratch, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, state_text->parameter_values, bytes);
     tvi_integrator_apply_parameters(it);
@@ -118,7 +118,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
         it->stop->is_set = false;
         return TVI_OK;
     }
-    tvi_arena_copy(it->history, own, it->history_bytes);
+    tvi_arena_copy(it->history, scratch, it->history_bytes);
     memcpy(it->parameters, values, bytes);
     tvi_integrator_apply_parameters(it);
     return status;
@@ -134,23 +134,23 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
     tvi_state_text state_text;
     tvi_status status = read_state_text(&state_text, it->system, text, size);
     if (status != TVI_OK) return status;
-    char *own =
+    char *scratch =
         malloc(it->history_bytes + (size_t)state_text.parameter_count * sizeof *state_text.parameter_values + 1);
-    status = own ? set_integrator_state_from_text(it, &state_text, own) : jet_refuse_memory(TVI_ENOMEM);
+    status = scratch ? set_integrator_state_from_text(it, &state_text, scratch) : jet_refuse_memory(TVI_ENOMEM);
     if (status == TVI_OK) tvi_integrator_copy_state(it, t, q, p);
-    free(own);
+    free(scratch);
     free(state_text.parameter_values);
     return status;
 }
 
 /* ---- Of a member of an ensemble ---------------------------------------------------------------------------------- */
 
-static tvi_status refuse_member_arguments(const tvi_ensemble *ensemble, int member, const void *const pointer[4],
-                                          const char *last)
+static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int member, const void *const pointers[4],
+                                         const char *last_name)
 {
-    const void *const all[] = {ensemble, pointer[0], pointer[1], pointer[2], pointer[3]};
+    const void *const all[] = {ensemble, pointers[0], pointers[1], pointers[2], pointers[3]};
     for (int i = 0; i < 5; i++)
-        if (!all[i]) return tvi_refuse_null(5, all, (const char *const[]){"ensemble", "t", "q", "p", last});
+        if (!all[i]) return tvi_refuse_null(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
     if (member < 0 || member >= ensemble->members)
         return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->members - 1);
     return tvi_ensemble_refuse_if_running(ensemble);
@@ -159,7 +159,7 @@ static tvi_status refuse_member_arguments(const tvi_ensemble *ensemble, int memb
 tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[], const double q[],
                                        const double p[], char *text, size_t *size)
 {
-    const tvi_status status = refuse_member_arguments(ensemble, member, (const void *const[]){t, q, p, size}, "size");
+    const tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, size}, "size");
     if (status != TVI_OK) return status;
     tvi_state_text state_text;
     const int parameters = tvi_system_parameters(ensemble->system);
@@ -168,8 +168,8 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
     for (int i = 0; i < parameters; i++)
         state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
     tvi_worker_load_batch(ensemble->worker, ensemble, member / ensemble->width);
-    const tvi_user_state given = {q + member, p + member, members, t[member]};
-    fill_state_text(&state_text, ensemble->worker->batch_integrator, member % ensemble->width, &given);
+    const tvi_user_state user_state = {q + member, p + member, members, t[member]};
+    fill_state_text(&state_text, ensemble->worker->batch_integrator, member % ensemble->width, &user_state);
     const tvi_status written = write_state_text(&state_text, text, size);
     free(state_text.parameter_values);
     return written;
@@ -179,16 +179,16 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
 static void swap_parameters_with_text(tvi_ensemble *ensemble, int member, const tvi_state_text *state_text)
 {
     for (int i = 0; i < state_text->parameter_count; i++) {
-        double *own = &ensemble->parameters[(size_t)i * (size_t)ensemble->members + (size_t)member];
-        const double kept = *own;
-        *own = state_text->parameter_values[i], state_text->parameter_values[i] = kept;
+        double *scratch = &ensemble->parameters[(size_t)i * (size_t)ensemble->members + (size_t)member];
+        const double kept = *scratch;
+        *scratch = state_text->parameter_values[i], state_text->parameter_values[i] = kept;
     }
 }
 
 tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],
                                          double q[], double p[])
 {
-    tvi_status status = refuse_member_arguments(ensemble, member, (const void *const[]){t, q, p, text}, "text");
+    tvi_status status = check_member_arguments(ensemble, member, (const void *const[]){t, q, p, text}, "text");
     tvi_state_text state_text;
     if (status == TVI_OK) status = read_state_text(&state_text, ensemble->system, text, size);
     if (status != TVI_OK) return status;

@@ -55,7 +55,7 @@ static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_tria
         k < EARLY_STEPS && fmax(trial->recent_distance, trial->previous_distance) < TVI_TRIAL_BAND * trials->aim;
     if (trial->error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early)) return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest && is_power_of_two(k) &&
-           trial->covered_part > trials->largest_part;
+           trial->covered_part > trials->largest_covered_part;
 }
 
 /* Makes the k-th step of the trial, and updates the trial. Returns true if the trial goes on. */
@@ -68,7 +68,7 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
     trial->error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
-    trials->run_steps = fabs(trials->run_length / trial->h);
+    trials->run_step_count = fabs(trials->run_length / trial->h);
     trial->end_position = trials->start_position + (double)k * trial->h;
     trial->duration_part = (whole->t - trials->t) / trials->duration;
     trial->covered_part = fmin(
@@ -85,7 +85,8 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
  * Returns true if the trial can then go on. */
 static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    const bool takes = trials->reserved_steps > 0 && trial->covered_part < TVI_EQUALLY_LONG * trials->largest_part;
+    const bool takes =
+        trials->reserved_steps > 0 && trial->covered_part < TVI_EQUALLY_LONG * trials->largest_covered_part;
     if (takes) trials->reserved_steps = 0;
     return takes && tvi_trials_have_budget_for_step(trials);
 }
@@ -105,7 +106,7 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
            fabs(end - s->positions[first - 1]) <= early)
         first--;
     trials->start_position = s->positions[first];
-    trials->state = s->states + (size_t)first * (size_t)(2 * s->n + 1);
+    trials->start_state = s->states + (size_t)first * (size_t)(2 * s->n + 1);
     trials->reserved_steps = s->explored_part >= SEEN ? s->step_count - first - 1 : 0;
 }
 
@@ -113,7 +114,7 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
 {
     tvi_step_size_trial trial = {.h = h, .error = INFINITY};
     choose_start_of_trial(trials, h);
-    tvi_step_doubling_set_state(&trials->step_doubling, trials->state);
+    tvi_step_doubling_set_state(&trials->step_doubling, trials->start_state);
     for (long k = 1; (tvi_trials_have_budget_for_step(trials) || release_reserved_steps(trials, &trial)) &&
                      make_trial_step(trials, &trial, k);
          k++)

@@ -29,11 +29,11 @@ typedef struct {
     tvi_orbit_scout scout;
     /* The position of the scout at the end of the run, and tvi_scout_error_weight of the whole run. */
     double run_length, run_weight;
-    double start_position; /* the scout's position at which the last trial began */
-    const double *state;   /* [2n + 1] q, p and t at start_position */
-    long reserved_steps;   /* steps of the budget that are reserved for the companion (step_doubling.h) */
-    double run_steps;      /* the number of steps of the run with the current step size */
-    double largest_part;   /* the largest part of the run's error that a trial has covered */
+    double start_position;       /* the scout's position at which the last trial began */
+    const double *start_state;   /* [2n + 1] q, p and t at start_position */
+    long reserved_steps;         /* steps of the budget that are reserved for the companion (step_doubling.h) */
+    double run_step_count;       /* the number of steps of the run with the current step size */
+    double largest_covered_part; /* the largest part of the run's error that a trial has covered */
 } tvi_trials;
 
 /* A trial of one step size, and the error that it estimates. */
@@ -59,7 +59,7 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h);
 /* Returns the number of steps that the scout and all trials may make together. */
 static inline double tvi_trials_step_budget(const tvi_trials *trials)
 {
-    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_steps), TVI_MOST_STEPS);
+    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_step_count), TVI_MOST_STEPS);
 }
 /* Tells whether the budget allows this number of further steps. */
 static inline bool tvi_trials_have_budget_for(const tvi_trials *trials, double steps)
