@@ -30,7 +30,7 @@ static double direction_of(line along, double dq, double dp, double time)
 static double energy_of(tvi_integrator *it, int m)
 {
     double H;
-    return tvi_member_energy(it, m, it->end.q, it->end.p, &H) == TVI_OK ? H : NAN;
+    return tvi_member_compute_energy(it, m, it->end.q, it->end.p, &H) == TVI_OK ? H : NAN;
 }
 
 /* H(factor q + distance d, 0), where q is where the member's step starts and d the direction of the line. */
@@ -85,7 +85,7 @@ static double first_size(tvi_integrator *it, int m)
 {
     double H;
     const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    return tvi_member_energy(it, m, q, p, &H) == TVI_OK ? fabs(H) : NAN;
+    return tvi_member_compute_energy(it, m, q, p, &H) == TVI_OK ? fabs(H) : NAN;
 }
 
 void tvi_energy_zero_find(tvi_integrator *it, int m, double H, double roundoff)

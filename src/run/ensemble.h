@@ -18,14 +18,17 @@ typedef struct {
 
 struct tvi_ensemble {
     const tvi_system *system;
-    int n, members, threads; /* n is the number of coordinates of one member */
-    /* The number of members in a batch, and the number of batches. The last batch may have fewer members. */
+    /* n is the number of coordinates of a member, threads the largest number of threads of a run */
+    int n, members, threads;
+    /* width is the number of members in a batch, and batches the number of batches. The last batch may have fewer
+     * members. */
     int width, batches;
     tvi_ensemble_worker *worker; /* [threads] the memory of each thread */
     char *memory;                /* [batches][history_bytes] the integrator's history of each batch between runs */
     size_t history_bytes;        /* the size of one history in bytes, a multiple of the arena's alignment */
     double *parameters;          /* [tvi_system_parameters][members] the values of each member's parameters */
-    /* [members][tvi_size_of_stop_in_bytes] a tvi_event_stop of each member, where events stopped it */
+    /* [members][tvi_size_of_stop_in_bytes] the tvi_event_stop of each member, the state at which events have stopped
+     * its run */
     char *stops;
     tvi_status *failed;            /* [members] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;                  /* true if the ensemble has run since it was created or reset */

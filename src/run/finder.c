@@ -64,7 +64,7 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
         finder->line_direction[i] = (high - low) / (b - a);
         finder->chord_midpoint[i] = (low + high) / 2;
     }
-    /* In this case the slope has an error proportional to CHORD^2 only. */
+    /* The difference quotient then has an error proportional to CHORD^2 only. */
     finder->is_chord_inside_step = a > 0 && b < 1;
     return status;
 }

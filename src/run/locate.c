@@ -17,7 +17,7 @@ static const double SAME_TIME = 2 * DBL_EPSILON;
 /* If the run stops at an event within the relative time SOON after its last stop, both count as one stop. A root within
  * NEAR_STOP of a stop, a distance in theta, may be the same point up to the roundoff of g. */
 static const double SOON = 32 * DBL_EPSILON, NEAR_STOP = 1e-6;
-/* Two roots of one event with the same sign change, whose theta differ by less than this, are one root. */
+/* Two roots of one event in the same direction are one root if their theta differ by less than this. */
 static const double SAME_ROOT = 1e-12;
 /* The computed states of the first KEPT roots of a step are stored until the roots are reported. The states of further
  * roots are computed again. */
@@ -160,12 +160,11 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
     }
     if (next) status = is_root_at_stop(locator, next, theta, state, &comes);
     if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, state, &was_here);
-    const double resolved = SOON * fabs(state[locator->state_size - 1] /
-                                        /* The factor SOON also excludes a root just before the end of the step. */
-                                        locator->search.integrator->covered);
+    /* A crossing back is looked for only if the end of the step is clearly later than the stop. */
+    const double resolved = SOON * fabs(state[locator->state_size - 1] / locator->search.integrator->covered);
     const bool has_other_way = locator->search.watched_events[event_index].event->direction != TVI_EITHER;
     const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
-    /* A root soon after the stop shows that the event is ahead; roundoff of g decides whether it is at the stop. */
+    /* If the event's next root is soon after the stop, the event is ahead, even if |g| is below its roundoff. */
     const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
         status = is_unwanted_crossing_at_stop(locator, event_index, state, &was_here);
@@ -193,9 +192,8 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
             stop->events[stop->count++] = event->hash;
     }
     memcpy(stop->state, state, (size_t)locator->state_size * sizeof *state);
-    stop->is_set =
-        /* If an observer has set parameters just now, the stored events have other parameters and are not compared. */
-        it->parameter_version == locator->partial_step.parameter_version;
+    /* The stop is not valid if an observer has just set parameters, since the events' functions change with them. */
+    stop->is_set = it->parameter_version == locator->partial_step.parameter_version;
     tvi_integrator_reset(it);
     return TVI_ESTOPPED;
 }

@@ -82,7 +82,7 @@ static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_sing
 
 /* ---- Its steps --------------------------------------------------------------------------------------------------- */
 
-/* A run whose arguments have been checked. */
+/* A run whose arguments have been checked: its integrator, its plan, and what reports its times and events. */
 typedef struct {
     tvi_integrator *integrator;
     const tvi_single_run *run;

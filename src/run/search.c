@@ -202,7 +202,7 @@ static bool may_have_dip_at_boundary(const double g[], int stride)
            (is_not_rising_at_boundary(g, stride, rise) || has_kink_at_boundary(g, stride));
 }
 
-/* The type of a comparison of two jet_v2, vectors of two numbers. */
+/* The type of the result of comparing two jet_v2, which are vectors of two doubles. */
 typedef long long long_v2 JET_VECTOR(long long, 2);
 
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
@@ -211,7 +211,7 @@ static bool has_certainly_no_root(const double g[])
 {
     double size[TVI_SAMPLES + 2];
     for (int j = 0; j <= TVI_SAMPLES; j++) size[j] = fabs(g[j]);
-    size[TVI_SAMPLES + 1] = -1; /* The last sample has no successor, so it is no dip. */
+    size[TVI_SAMPLES + 1] = -1; /* The last sample has no successor, so it cannot be a dip. */
     long_v2 found = {0, 0};
     for (int j = 0; j < TVI_SAMPLES; j += 2) {
         const jet_v2 now = *(const jet_v2 *)(size + j), next = *(const jet_v2 *)(size + j + 1);
@@ -281,10 +281,8 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     if (has_certainly_no_root(g)) return TVI_OK;
     if (!tvi_all_finite(TVI_SAMPLES, g + 1))
         return add_event_to_error(event_index, tvi_refuse_as("event function", TVI_ENONFINITE));
-    tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x =
-                                                                             /* The array has a missing sample beyond
-                                                                              * each end. */
-                                                                         all + 1;
+    /* x[-1] and x[TVI_SAMPLES + 1], beyond the ends of the step, are missing samples. */
+    tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1;
     for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
     x[TVI_SAMPLES + 1] = all[0];
     const bool may_return = !search->watched_events[event_index].leaves_at_start && may_have_dip_at_boundary(g, 1);

@@ -171,9 +171,8 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
         trials->largest_covered_part = fmax(trials->largest_covered_part, trial->covered_part);
     detect_roundoff(search, trial);
     update_bracket_of_steps(search, trial);
-    if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high))
-        /* If the budget is used up, the steps of the companion are released for another trial. */
-        trials->reserved_steps = 0;
+    /* If the budget is used up, the steps of the companion are released for another trial. */
+    if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high)) trials->reserved_steps = 0;
     *h = tvi_shorter(trial->h * factor, search->longest_allowed_step);
     trials->run_step_count *= trial->h / *h;
     if (search->longest_good_step != 0) return may_find_longer_step(search, h);
