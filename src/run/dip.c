@@ -25,7 +25,8 @@ static double chord_slope(tvi_event_sample a, tvi_event_sample b) { return (b.g 
 
 /* Returns a lower bound between the points a and b of a convex function that has the given values there, whose slope is
  * nowhere less than least_slope or more than largest_slope. */
-static double lower_bound_between(tvi_event_sample a, double least_slope, tvi_event_sample b, double largest_slope)
+static double lower_bound_of_convex_function(tvi_event_sample a, double least_slope, tvi_event_sample b,
+                                             double largest_slope)
 {
     const double width = b.theta - a.theta;
     return a.g + least_slope / (least_slope - largest_slope) * (b.g - a.g - largest_slope * width);
@@ -41,8 +42,8 @@ static bool is_zero_excluded(const tvi_event_sample samples[TVI_DIP_SAMPLES])
         x[i] = (tvi_event_sample){samples[i].theta, samples[2].g > 0 ? samples[i].g : -samples[i].g};
     const double first = chord_slope(x[0], x[1]), fall = chord_slope(x[1], x[2]);
     const double rise = chord_slope(x[2], x[3]), last = chord_slope(x[3], x[4]);
-    const double least =
-        fmin(lower_bound_between(x[1], first, x[2], rise), lower_bound_between(x[2], fall, x[3], last));
+    const double least = fmin(lower_bound_of_convex_function(x[1], first, x[2], rise),
+                              lower_bound_of_convex_function(x[2], fall, x[3], last));
     /* All comparisons are false if a sample is missing, since its g is NAN. */
     return first <= fall && rise <= last && least > 0;
 }

@@ -255,8 +255,8 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
     return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
-/* Finds the root on the curve first, and then on lines. Each line begins at the root on the line before. The iteration
- * ends when two successive roots are near each other. */
+/* Finds the root on the curve first, and then on straight lines near it. Each line begins at the root on the line
+ * before. The iteration ends when two successive roots are near each other. */
 static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
@@ -332,8 +332,8 @@ static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_
     return status;
 }
 
-/* Tells whether lines along the field are accurate enough: the solution of the method differs from that of the field by
- * the square of the tail (tvi_stats.tail). */
+/* Tells whether a line in the direction of the field is accurate enough, since the solution of the method differs from
+ * that of the field only by the square of the tail (tvi_stats.tail). */
 static bool are_field_rates_accurate(const tvi_event_finder *finder)
 {
     const tvi_integrator *it = finder->search->integrator;

@@ -1,4 +1,5 @@
-/* narrow.c - Narrows the bracket of a sign change (narrow.h). */
+/* narrow.c - Narrows a bracket of a sign change of a function until it contains the zero to the wanted accuracy, by the
+ * ITP method (narrow.h). */
 #include "run/narrow.h"
 
 #include <float.h>

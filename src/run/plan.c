@@ -89,16 +89,16 @@ static int call_member_observer(const tvi_member_run *member_run, tvi_member_obs
     return stop;
 }
 
-static int call_event_observer(int which, double t, const double q[], const double p[], void *ctx)
+static int call_event_observer(int event_index, double t, const double q[], const double p[], void *ctx)
 {
     const tvi_member_run *member_run = ctx;
-    return call_member_observer(member_run, member_run->plan->on_event, which, t, q, p);
+    return call_member_observer(member_run, member_run->plan->on_event, event_index, t, q, p);
 }
 
-static int call_time_observer(long which, double t, const double q[], const double p[], void *ctx)
+static int call_time_observer(long time_number, double t, const double q[], const double p[], void *ctx)
 {
     const tvi_member_run *member_run = ctx;
-    return call_member_observer(member_run, member_run->plan->at_time, which, t, q, p);
+    return call_member_observer(member_run, member_run->plan->at_time, time_number, t, q, p);
 }
 
 static int call_step_observers(long step, double t, const double q[], const double p[], void *ctx)

@@ -67,7 +67,7 @@ static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int even
 
 /* Sets g_samples[0] = 0 if the state at the start of the run lies on the event: the event was reported at this stop,
  * or |g| is at most its roundoff. */
-static tvi_status zero_g_if_on_event(tvi_event_search *search, int event_index, const double state[])
+static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_index, const double state[])
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     double before = 0, here = 0, roundoff;
@@ -105,7 +105,7 @@ tvi_status tvi_start_evaluate_events(tvi_event_search *search)
         *first = g[(size_t)search->joint_tape->output[event_index] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
         if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, state, first);
-        if (status == TVI_OK) status = zero_g_if_on_event(search, event_index, state);
+        if (status == TVI_OK) status = set_g_to_zero_if_on_event(search, event_index, state);
         if (status != TVI_OK) return status;
     }
     return TVI_OK;

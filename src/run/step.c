@@ -27,8 +27,8 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     integrator->stats.largest_tail = 0;
 }
 
-/* Functions with a loop over the members have its length `width` as an argument. The compiler makes a version of them
- * for width = 1 and one for any width. */
+/* The functions below that loop over the members take their number as the argument `width`. The compiler makes one
+ * version of them for width = 1, and one for any width. */
 
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 

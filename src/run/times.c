@@ -9,7 +9,7 @@
 
 /* Returns the index of the first given time that is not finite, or not in the direction of h from the time before it.
  * Returns `count` if there is none. */
-static int first_out_of_order(double h, double t, const double times[], int count)
+static int find_first_time_out_of_order(double h, double t, const double times[], int count)
 {
     for (int i = 0; i < count; i++) {
         const double before = i > 0 ? times[i - 1] : t;
@@ -20,7 +20,8 @@ static int first_out_of_order(double h, double t, const double times[], int coun
 
 /* Tells whether the given state is the end of the integrator's last step, which went in the direction of h and can
  * still be subdivided. */
-static bool last_step_ends_here(const tvi_integrator *it, double h, double t, const double q[], const double p[])
+static bool does_last_step_end_at_state(const tvi_integrator *it, double h, double t, const double q[],
+                                        const double p[])
 {
     return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has_state(it, t, q, p);
 }
@@ -33,8 +34,8 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
     if (count < 0) return jet_refuse(TVI_EINVAL, "count is negative");
     if (count > 0 && !times) return jet_refuse(TVI_EINVAL, "times is NULL");
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
-    *has_last_step = last_step_ends_here(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
-    const int first = first_out_of_order(h, *has_last_step ? it->start.q[n] : t, times, count);
+    *has_last_step = does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
+    const int first = find_first_time_out_of_order(h, *has_last_step ? it->start.q[n] : t, times, count);
     return first == count
                ? TVI_OK
                : jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
