@@ -1,14 +1,14 @@
-/* compiler.h - Holds what is asked of the compilers, gcc and clang, each with its reason: attributes, pragmas, built-in
- * functions and barriers stand here, and nowhere else in ad/ and src/ but for OpenMP's, what isa.c asks, and the
- * visibility of bodies.c. None changes what is computed, but for the last bits where sums become vectors. Generated
- * code begins with this text. */
+/* compiler.h - Defines everything that the library asks of the compilers, gcc and clang: attributes, pragmas,
+ * built-in functions and barriers, each with its reason. Only OpenMP's pragmas, the processor queries of isa.c and
+ * the visibility of bodies.c stand elsewhere. The macros change at most the last bits of results, where a sum is
+ * computed as a vector. Generated code begins with this text. */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 
 #include "devices.h"
 
-/* A file of generated code needs only some of the text of all rules, and slots of jets leave out braces and
- * initialisers. */
+/* Generated code contains the text of all rules, of which it needs only some. Constant structures in it leave out
+ * braces and initialisers. */
 #ifdef JET_EMITTED
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-const-variable"
@@ -18,74 +18,81 @@
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-/* Compilers inline by size alone: of a function with many constants for arguments little is left. */
+/* Inlines a function in any case. Compilers decide by size alone, but little is left of a function many of whose
+ * arguments are constants. */
 #define JET_INLINE static inline __attribute__((always_inline))
 
-/* A function that is seldom called, or is large, costs its caller the registers that it takes. */
+/* Keeps a function from being inlined. It is large or rarely called, and would cost its caller registers. */
 #define JET_APART static __attribute__((noinline, unused))
 
-/* The arguments of a text are compared with it, the first of them being number `from`, 0 for a va_list. */
+/* Has the compiler compare the arguments of a printf-like function with its format. `text` is the number of the
+ * format among the parameters, and `from` that of the first argument; 0 for a va_list. */
 #define JET_FORMAT(text, from) __attribute__((format(printf, text, from)))
-/* Refusals: the way there is laid out behind all others. */
+/* Marks functions that are called only when something is refused. The compiler moves code that leads to them out of
+ * the way. */
 #define JET_COLD __attribute__((cold))
 
-/* Copies what the address sanitizer is told not to touch (arena.h). */
+/* Exempts a function from the address sanitizer, since it copies bytes that arena.h has declared inaccessible. */
 #define JET_UNCHECKED __attribute__((no_sanitize_address))
 
 /* ---- Vectors ----------------------------------------------------------------------------------------------------- */
 
-/* A vector of `count` numbers anywhere in an array: aligned as one of them, and an alias of any of them. */
+/* The attribute of a vector of `count` numbers anywhere in an array. It is aligned as a single number, and may alias
+ * any of the numbers. */
 #define JET_VECTOR(type, count) __attribute__((vector_size((count) * sizeof(type)), aligned(sizeof(type)), may_alias))
 
-/* The same as an argument of a function: a register. */
+/* The attribute of a vector that is passed to a function in a register. */
 #define JET_REGISTER(type, count) __attribute__((vector_size((count) * sizeof(type))))
 
-/* Between vectors of double and float. */
+/* Converts a vector to a vector of another number type, such as double to float. */
 #define JET_CONVERT(V, x) __builtin_convertvector(x, V)
 
-/* The two numbers of x in turn. gcc 11 has not clang's name. */
+/* Exchanges the two numbers of a vector. gcc 11 lacks the built-in function of clang. */
 #ifdef __clang__
 #define JET_SWAPPED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
 #else
 #define JET_SWAPPED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
 #endif
 
-/* a b + c of numbers, one operation where the processor has it; a call of the mathematical library elsewhere. */
+/* Computes a b + c for numbers, as one operation if the processor has one, otherwise by a call of the mathematical
+ * library. */
 #define JET_FMA_OF_NUMBERS(a, b, c) __builtin_fma(a, b, c)
-/* floor(x) without <math.h>, of a constant a constant. */
+/* Computes floor(x) without <math.h>. The result is a constant if x is one. */
 #define JET_FLOOR(x) __builtin_floor(x)
 
 /* ---- Loops ------------------------------------------------------------------------------------------------------- */
 
-/* Before a loop whose bound the compiler knows, so that what it sets stays in registers: of itself gcc unrolls at most
- * eight times, and by size. */
+/* Unrolls the following loop, whose bound the compiler knows, so that the numbers it sets stay in registers. By
+ * itself gcc unrolls at most eight times, and only short loops. */
 #define JET_UNROLL(most) JET_PRAGMA(GCC unroll most)
 #define JET_PRAGMA(text) _Pragma(#text)
 
-/* Before a loop over lanes. gcc unrolls it before it could make vectors of it, where it knows how many they are. */
+/* Stands before a loop over lanes. In generated code gcc knows the number of lanes, and would otherwise unroll the
+ * loop before it looks for vectors. */
 #ifdef JET_EMITTED
 #define JET_IN_VECTORS JET_UNROLL(1)
 #else
 #define JET_IN_VECTORS
 #endif
 
-/* Before loops that generated code unrolls whole, so that unknowns stay in registers. Elsewhere n is a variable, and 16
- * copies of a loop within 16 copies of another would only take the compiler many seconds. */
+/* Stands before loops that generated code unrolls completely, so that unknowns stay in registers. Elsewhere the
+ * bound is a variable, and 16 copies of a loop inside 16 copies of another would only cost compile time. */
 #ifdef JET_EMITTED
 #define JET_UNROLLED JET_UNROLL(16)
 #else
 #define JET_UNROLLED
 #endif
 
-/* In front of functions in which components and nodes stand side by side outside of loops: the flags of generated code
- * (Makefile) leave these alone, since most of it has vectors of its own. */
+/* Has gcc look for vectors among statements that stand outside of loops, in the following functions. The flags of
+ * generated code (Makefile) switch this off elsewhere, since most generated code has explicit vectors. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define JET_SIDE_BY_SIDE JET_PRAGMA(GCC optimize("tree-slp-vectorize"))
 #else
 #define JET_SIDE_BY_SIDE
 #endif
 
-/* Whether the compiler knows an order. JET_UPWARDS is for tests: it never does. */
+/* Tells whether an order of a series is a constant for the compiler. JET_UPWARDS, defined by tests, makes all orders
+ * count as variables. */
 #ifdef JET_UPWARDS
 #define JET_KNOWS(order) false
 #else
@@ -101,8 +108,9 @@
 #define JET_LEAVE_REGISTERS(array) ((void)(array))
 #else
 
-/* Stores each number of a short loop by itself. A vector load would otherwise wait for numbers that were just stored in
- * parts. Generated code with vectors of eight has not stored them in parts. */
+/* Stores each number of a short loop separately. The numbers are read again as parts of vectors, or one by one, and
+ * a load is delayed if its bytes come from several recent stores. Generated code with vectors of eight needs no such
+ * barrier. */
 #if defined(JET_EMITTED) && defined(__AVX512F__)
 #define JET_SINGLY(count, number) ((void)(count), (void)(number))
 #else
@@ -112,15 +120,15 @@
     } while (0)
 #endif
 
-/* A number in a register of its own, and no part of a vector. */
+/* Keeps a number in a register of its own, so that the compiler does not make it a part of a vector. */
 #ifdef __SSE2__
 #define JET_ALONE(number) __asm__("" : "+x"(number))
 #else
 #define JET_ALONE(number) JET_ANYWHERE(number)
 #endif
 
-/* A product with a number in memory is one operation, with one of a register's numbers two: what the array was is
- * unknown from here on. */
+/* Makes the compiler forget that the numbers of an array are in vector registers. A product with a number in memory
+ * takes one instruction, and with a part of a vector register two. */
 #define JET_LEAVE_REGISTERS(array) __asm__("" : "+r"(array))
 #endif
 

@@ -1,108 +1,116 @@
-/* derive.c - Records the gradient of a scalar into the same graph, by reverse accumulation. */
+/* derive.c - Records the gradient of a scalar into the scalar's own graph, by reverse accumulation (docs/jets.md,
+ * section 1). The systems call it, as in F = -V_q. */
 #include "graph.h"
 #include "rule.h"
 
 #include <stdlib.h>
 
-/* The contributions to the adjoints of all nodes, a list for each. */
+/* One contribution to the adjoint of a node, as an element of a linked list. */
 typedef struct {
     jet value;
-    int next; /* index of the node's next contribution; -1: none */
-} contribution;
+    int next_index; /* Index of the next contribution to the same node; -1 ends the list. */
+} adjoint_contribution;
 
+/* The contributions to the adjoints of all nodes, with one linked list for each node. */
 typedef struct {
-    contribution *all;
+    adjoint_contribution *contributions;
     int count, capacity;
-    int *last;    /* [nodes] the newest contribution of each; -1: none */
-    jet *summing; /* scratch for one node's list */
-    int summing_capacity;
-    bool failed;
-} adjoints;
+    int *newest;    /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
+    jet *sum_terms; /* Scratch for the contributions to one node. */
+    int sum_capacity;
+    bool is_out_of_memory;
+} adjoint_lists;
 
-static void contribute(adjoints *bar, const struct jet_node *node, jet value)
+static void add_adjoint_contribution(adjoint_lists *bar, const struct jet_node *node, jet value)
 {
     if (bar->count == bar->capacity) {
         const int capacity = bar->capacity ? 2 * bar->capacity : 256;
-        contribution *all = realloc(bar->all, (size_t)capacity * sizeof *all);
-        if (!all) {
-            bar->failed = true;
+        adjoint_contribution *contributions = realloc(bar->contributions, (size_t)capacity * sizeof *contributions);
+        if (!contributions) {
+            bar->is_out_of_memory = true;
             return;
         }
-        bar->all = all;
+        bar->contributions = contributions;
         bar->capacity = capacity;
     }
-    bar->all[bar->count] = (contribution){value, bar->last[node->index]};
-    bar->last[node->index] = bar->count++;
+    bar->contributions[bar->count] = (adjoint_contribution){value, bar->newest[node->index]};
+    bar->newest[node->index] = bar->count++;
 }
 
-/* Sums the contributions to the adjoint z-bar of a node. */
-static jet adjoint_of(adjoints *bar, int index)
+/* Records the sum of a node's contributions, which is the node's adjoint. */
+static jet sum_adjoint_contributions(adjoint_lists *bar, int node_index)
 {
     int count = 0;
-    for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) count++;
-    if (count > bar->summing_capacity) {
-        jet *summing = realloc(bar->summing, (size_t)count * sizeof *summing);
-        if (!summing) {
-            bar->failed = true;
+    for (int i = bar->newest[node_index]; i >= 0; i = bar->contributions[i].next_index) count++;
+    if (count > bar->sum_capacity) {
+        jet *sum_terms = realloc(bar->sum_terms, (size_t)count * sizeof *sum_terms);
+        if (!sum_terms) {
+            bar->is_out_of_memory = true;
             return jet_const(0);
         }
-        bar->summing = summing;
-        bar->summing_capacity = count;
+        bar->sum_terms = sum_terms;
+        bar->sum_capacity = count;
     }
-    int free_place = count;
-    /* room was made when the value was added. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
-    for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--free_place] = bar->all[i].value;
-    const jet sum = jet_sum(bar->summing, count);
-    bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also if no input needs it */
+    int free_index = count;
+    /* The buffer has room, since its size was set above. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+    for (int i = bar->newest[node_index]; i >= 0; i = bar->contributions[i].next_index)
+        bar->sum_terms[--free_index] = bar->contributions[i].value;
+    const jet sum = jet_sum(bar->sum_terms, count);
+    bar->is_out_of_memory |=
+        sum.node && !sum.node->graph &&
+        sum.node->index == TVI_ENOMEM; /* The failure counts even if no input depends on this node. */
     return sum;
 }
 
-/* Takes a constant factor out of the jet, so that factors meet in sums instead of being multiplied in one by one. */
-static double take_factor(jet *x)
+/* Splits a jet into a constant factor, which it returns, and the rest. In sums, constant factors are then added, and
+ * not multiplied one by one. */
+static double extract_constant_factor(jet *product)
 {
     double factor = 1;
-    if (!x->node) {
-        factor = x->number;
-        *x = jet_const(1);
-    } else if (x->node->op == OP_LINEAR && x->node->count == 1 && x->node->number == 0) {
-        factor = x->node->terms[0].coefficient;
-        *x = jet_of_node(x->node->terms[0].node);
+    if (!product->node) {
+        factor = product->number;
+        *product = jet_const(1);
+    } else if (product->node->op == OP_LINEAR && product->node->count == 1 && product->node->number == 0) {
+        factor = product->node->terms[0].coefficient;
+        *product = jet_from_node(product->node->terms[0].node);
     }
     return factor;
 }
 
-static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
+static void propagate_adjoint_to_operands(adjoint_lists *bar, struct jet_node *z, jet zbar)
 {
-    for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
+    for (int i = 0; i < z->count; i++)
+        add_adjoint_contribution(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = jet_rules[z->op];
     if (!rule) return;
-    const double factor = take_factor(&zbar); /* the rules are linear in z-bar */
-    contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
-    if (z->b) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));
+    const double factor = extract_constant_factor(&zbar); /* The rules are linear in z-bar. */
+    add_adjoint_contribution(bar, z->a, jet_mul(factor, rule->record_pullback(z, zbar, 0)));
+    if (z->b) add_adjoint_contribution(bar, z->b, jet_mul(factor, rule->record_pullback(z, zbar, 1)));
 }
 
-bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
+bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
 {
     for (int i = 0; i < inputs; i++) gradient[i] = jet_const(0);
     if (!output.node) return true;
-    if (output.node->graph != graph) { /* the output is poison, or of another recording: so is its gradient */
-        for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_unset() : output;
+    if (output.node->graph !=
+        graph) { /* If the output is poison or belongs to another recording, the gradient is poison. */
+        for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_make_unset() : output;
         return true;
     }
-    adjoints bar = {0};
+    adjoint_lists bar = {0};
     const int count = output.node->index + 1;
-    bar.last = malloc((size_t)count * sizeof *bar.last);
-    if (!bar.last) return false;
-    for (int i = 0; i < count; i++) bar.last[i] = -1;
-    contribute(&bar, output.node, jet_const(1));
-    for (int i = count - 1; i >= 0 && !bar.failed; i--) {
-        if (bar.last[i] < 0) continue;
-        const jet zbar = adjoint_of(&bar, i);
+    bar.newest = malloc((size_t)count * sizeof *bar.newest);
+    if (!bar.newest) return false;
+    for (int i = 0; i < count; i++) bar.newest[i] = -1;
+    add_adjoint_contribution(&bar, output.node, jet_const(1));
+    for (int i = count - 1; i >= 0 && !bar.is_out_of_memory; i--) {
+        if (bar.newest[i] < 0) continue;
+        const jet zbar = sum_adjoint_contributions(&bar, i);
         if (i < inputs) gradient[i] = zbar;
-        if (!bar.failed) pull_to_operands(&bar, jet_graph_node(graph, i), zbar);
+        if (!bar.is_out_of_memory) propagate_adjoint_to_operands(&bar, jet_graph_node_at(graph, i), zbar);
     }
-    free(bar.all);
-    free(bar.last);
-    free(bar.summing);
-    return !bar.failed;
+    free(bar.contributions);
+    free(bar.newest);
+    free(bar.sum_terms);
+    return !bar.is_out_of_memory;
 }

@@ -1,24 +1,28 @@
-/* devices.h - Names what is done for speed alone: a device each, with its file and the place where it is asked for.
- * Without them all is the same to roundoff. docs/adding.md says where each applies and when one stays; `make devices`
- * measures what each gives.
+/* devices.h - Names the devices: parts of the library that exist for speed alone, each with its file and the place
+ * where it is chosen. Without them all results are the same to roundoff. docs/adding.md says when a device applies and
+ * what it must gain to stay; `make devices` measures what each one gains.
  *
- * Built with TVI_PLAIN, as make PLAIN=1 does, the library has none of them. Built with TVI_DEVICES, as make devices
- * does, it has all but those of the mask jet_without, which then is a variable. */
+ * A library built with TVI_PLAIN, as by make PLAIN=1, has no devices. A library built with TVI_DEVICES, as by make
+ * devices, has all devices except those of the mask jet_without, a variable. */
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 
-#define JET_DEVICE_PAD       1   /* runs as long as whole vectors: tape_pad.c, asked for in tape.c */
-#define JET_DEVICE_TOGETHER  2   /* sine and cosine, and powers of one operand: rule_power.c, asked for in tape.c */
-#define JET_DEVICE_TERMS     4   /* sums of products as one operation: lowering.c */
-#define JET_DEVICE_SCATTERED 8   /* products read operands where they are: lowering.c */
-#define JET_DEVICE_ROOTS     16  /* a^(-3/2) from an estimate, with AVX-512: roots.h */
-#define JET_DEVICE_SPLIT     32  /* generated code has operations alone: tape_split.c, asked for in emit.c */
-#define JET_DEVICE_PAIRS     64  /* and two neighbours in one vector: sum_products.c, asked for in emit.c */
-#define JET_DEVICE_UNROLL    128 /* and orders of a series as constants: emit.c */
-#define JET_DEVICE_FRESH     256 /* and no 0 added to: emit_adjoints.c */
-#define JET_DEVICE_BARRIERS  512 /* for the compiler, which does not know what waits for stores: compiler.h */
+#define JET_DEVICE_PAD 1 /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
+/* Sine and cosine of one angle, and powers of one operand, are computed together: rule_power.c, chosen in tape.c. */
+#define JET_DEVICE_TOGETHER  2
+#define JET_DEVICE_TERMS     4  /* A sum of products is one operation: lowering.c. */
+#define JET_DEVICE_SCATTERED 8  /* Products read operands that are not adjacent: lowering.c. */
+#define JET_DEVICE_ROOTS     16 /* a^(-3/2) starts from an estimate, with AVX-512: roots.h. */
+#define JET_DEVICE_SPLIT     32 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
+/* Generated code computes two similar operations as one vector: sum_products.c, chosen in emit.c. */
+#define JET_DEVICE_PAIRS  64
+#define JET_DEVICE_UNROLL 128 /* Generated code has the orders of a series as constants: emit.c. */
+/* Generated code assigns the first contribution to an adjoint, instead of adding it to 0: emit_adjoints.c. */
+#define JET_DEVICE_FRESH 256
+/* Barriers keep the compiler from vectors that would wait for recent stores: compiler.h. */
+#define JET_DEVICE_BARRIERS 512
 
-/* Generated code is told in its first line (emit.c) of those that its text itself has. */
+/* The devices that the text of generated code contains. Its first line (emit.c) says which of them it goes without. */
 #define JET_DEVICES_OF_TEXT (JET_DEVICE_ROOTS | JET_DEVICE_PAIRS | JET_DEVICE_BARRIERS)
 #ifdef JET_EMITTED
 #elif defined TVI_PLAIN

@@ -1,11 +1,13 @@
-/* elementary.h - Computes elementary functions of many numbers, z[i] = f(a[i]), i < width: jet_all_sin(width, a, z) and
- * so on. The rules call it. z must not overlap a.
+/* elementary.h - Computes elementary functions of arrays: jet_array_sin(count, argument, result) sets result[i] =
+ * sin(argument[i]), i < count, and the other functions have the same form. The rules (rule_*.c) call them. The arrays
+ * must not overlap.
  *
- * With JET_SLEEF the functions are SLEEF's (N. Shibata and F. Petrogalli, IEEE Transactions on Parallel and Distributed
- * Systems 31, 2020), a vector at a time and within 1 ulp. Without it, and for numbers that SLEEF's do not serve, they
- * are those of the mathematical library, one by one. The result for a number never depends on its neighbours. Each
- * instruction set has vectors of one width, and the last numbers fill up a vector. Numbers for which SLEEF would
- * compute all of a vector in another way get a vector of their own. */
+ * If JET_SLEEF is defined, the functions call SLEEF (N. Shibata and F. Petrogalli, IEEE Transactions on Parallel and
+ * Distributed Systems 31, 2020), which computes one vector at a time within 1 ulp. Otherwise, and for arguments
+ * outside the ranges that SLEEF serves, they call the mathematical library for each number. The result for a number
+ * never depends on its neighbours: SLEEF always gets whole vectors, and the last, incomplete vector is filled up.
+ * SLEEF uses another algorithm for a whole vector as soon as one number is large; large numbers therefore get
+ * vectors of their own. */
 #ifndef TVI_AD_ELEMENTARY_H
 #define TVI_AD_ELEMENTARY_H
 
@@ -16,16 +18,16 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* A range of |a|. No number is in the range jet_nowhere. */
+/* A range of magnitudes |a|. The range jet_nowhere contains no number. */
 typedef struct {
     double least, most;
-} jet_range;
-static const jet_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = {15, 9e13}, jet_exponents = {0, 700},
-                       jet_sines = {0, 1}, jet_numbers = {0, DBL_MAX}, jet_normal_numbers = {DBL_MIN, DBL_MAX},
-                       jet_nowhere = {1, 0};
+} jet_magnitude_range;
+static const jet_magnitude_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = {15, 9e13},
+                                 jet_exponents = {0, 700}, jet_sines = {0, 1}, jet_numbers = {0, DBL_MAX},
+                                 jet_normal_numbers = {DBL_MIN, DBL_MAX}, jet_nowhere = {1, 0};
 
-/* Lists the functions: the name, the range near 0 where SLEEF's function serves, and the range beyond, in which SLEEF
- * reduces angles in another way. */
+/* Lists the functions. Each row has the name, the range near 0 in which SLEEF's function is used, and the range of
+ * larger numbers in which SLEEF reduces angles by another algorithm. */
 #define JET_ELEMENTARY_LIST(ROW)                                                                                       \
     ROW(sin, jet_angles, jet_far_angles)                                                                               \
     ROW(cos, jet_angles, jet_far_angles)                                                                               \
@@ -39,11 +41,11 @@ static const jet_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = 
     ROW(acos, jet_sines, jet_nowhere)                                                                                  \
     ROW(atan, jet_numbers, jet_nowhere)
 
-/* Calls the function of the mathematical library. */
+/* Defines a function that calls the mathematical library for each number. */
 #define JET_ONE_BY_ONE(name, near, far)                                                                                \
-    JET_INLINE void jet_all_##name(int width, const double *a, double *restrict z)                                     \
+    JET_INLINE void jet_array_##name(int count, const double *argument, double *restrict result)                       \
     {                                                                                                                  \
-        for (int i = 0; i < width; i++) z[i] = name(a[i]);                                                             \
+        for (int i = 0; i < count; i++) result[i] = name(argument[i]);                                                 \
     }
 JET_ONE_BY_ONE(asinh, , )
 JET_ONE_BY_ONE(acosh, , )
@@ -54,17 +56,18 @@ JET_ONE_BY_ONE(erf, , )
 
 JET_ELEMENTARY_LIST(JET_ONE_BY_ONE)
 
-/* z = sin a, w = cos a */
-JET_INLINE void jet_all_sincos(int width, const double *a, double *restrict z, double *restrict w)
+/* Sets result = sin(argument) and second_result = cos(argument). */
+JET_INLINE void jet_array_sincos(int count, const double *argument, double *restrict result,
+                                 double *restrict second_result)
 {
-    jet_all_sin(width, a, z);
-    jet_all_cos(width, a, w);
+    jet_array_sin(count, argument, result);
+    jet_array_cos(count, argument, second_result);
 }
 
-/* z = a^c */
-JET_INLINE void jet_all_pow(double c, int width, const double *a, double *restrict z)
+/* Sets result = argument^exponent. */
+JET_INLINE void jet_array_pow(double exponent, int count, const double *argument, double *restrict result)
 {
-    for (int i = 0; i < width; i++) z[i] = pow(a[i], c);
+    for (int i = 0; i < count; i++) result[i] = pow(argument[i], exponent);
 }
 
 #else
@@ -82,142 +85,162 @@ enum { JET_NATIVE = 2 };
 enum { JET_NATIVE = 2 };
 #define JET_SLEEF_OF(name) Sleef_##name##d2_u10
 #endif
-typedef double jet_native JET_REGISTER(double, JET_NATIVE);
+typedef double jet_native_vector JET_REGISTER(double, JET_NATIVE);
 
-/* A function, or two functions of one argument: of a vector, and of a number. c is the exponent of pow. */
-typedef void jet_of_vector(double c, jet_native x, jet_native out[2]);
-typedef void jet_of_number(double c, double x, double *z, double *w);
+/* The type of a function of one vector, and of one number. A function with two results, such as sine and cosine,
+ * sets both; all others set the first one. The exponent is for pow, and other functions ignore it. */
+typedef void jet_vector_function(double exponent, jet_native_vector x, jet_native_vector out[2]);
+typedef void jet_scalar_function(double exponent, double x, double *result, double *second_result);
 
-JET_INLINE bool jet_is_in(jet_range range, double x) { return range.least <= fabs(x) && fabs(x) <= range.most; }
+JET_INLINE bool jet_is_in_range(jet_magnitude_range range, double x)
+{
+    return range.least <= fabs(x) && fabs(x) <= range.most;
+}
 
-JET_INLINE bool jet_all_are_in(jet_range range, int width, const double *a)
+JET_INLINE bool jet_are_all_in_range(jet_magnitude_range range, int count, const double *argument)
 {
     int outside = 0;
     JET_IN_VECTORS
-    for (int i = 0; i < width; i++) outside |= !jet_is_in(range, a[i]);
+    for (int i = 0; i < count; i++) outside |= !jet_is_in_range(range, argument[i]);
     return !outside;
 }
 
-JET_INLINE void jet_block(jet_of_vector *f, double c, const double *a, double *z, double *w)
+JET_INLINE void jet_apply_to_vector(jet_vector_function *function, double exponent, const double *argument,
+                                    double *result, double *second_result)
 {
-    jet_native x, out[2];
-    memcpy(&x, a, sizeof x);
-    f(c, x, out);
-    memcpy(z, &out[0], sizeof x);
-    if (w) memcpy(w, &out[1], sizeof x);
+    jet_native_vector x, out[2];
+    memcpy(&x, argument, sizeof x);
+    function(exponent, x, out);
+    memcpy(result, &out[0], sizeof x);
+    if (second_result) memcpy(second_result, &out[1], sizeof x);
 }
 
-/* Computes the numbers of a block of at most JET_NATIVE that are in the range; 1 takes the place of the others. */
-JET_INLINE void jet_part(jet_of_vector *f, double c, jet_range range, int count, const double *a, double *z, double *w)
+/* Computes the function for those of `count` numbers, at most one vector, that are in the range. The vector has 1 in
+ * the place of all other numbers, whose results stay as they were. */
+JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, double exponent, jet_magnitude_range range,
+                                              int count, const double *argument, double *result, double *second_result)
 {
     double x[JET_NATIVE], of_z[JET_NATIVE], of_w[JET_NATIVE];
     bool is_in[JET_NATIVE], any = false;
     for (int i = 0; i < JET_NATIVE; i++) {
-        is_in[i] = i < count && jet_is_in(range, a[i]);
-        x[i] = is_in[i] ? a[i] : 1;
+        is_in[i] = i < count && jet_is_in_range(range, argument[i]);
+        x[i] = is_in[i] ? argument[i] : 1;
         any |= is_in[i];
     }
     if (!any) return;
-    jet_block(f, c, x, of_z, w ? of_w : NULL);
+    jet_apply_to_vector(function, exponent, x, of_z, second_result ? of_w : NULL);
     for (int i = 0; i < JET_NATIVE; i++) {
-        if (is_in[i]) z[i] = of_z[i];
-        if (is_in[i] && w) w[i] = of_w[i];
+        if (is_in[i]) result[i] = of_z[i];
+        if (is_in[i] && second_result) second_result[i] = of_w[i];
     }
 }
 
-/* Computes numbers in all ranges. */
-JET_INLINE void jet_mixed(jet_of_vector *f, jet_of_number *one, jet_range near, jet_range far, double c, int width,
-                          const double *a, double *z, double *w)
+/* Computes the function for numbers of every size, each by the method for its range. */
+JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar,
+                                        jet_magnitude_range near, jet_magnitude_range far, double exponent, int count,
+                                        const double *argument, double *result, double *second_result)
 {
-    for (int i = 0; i < width; i++)
-        if (!jet_is_in(near, a[i]) && !jet_is_in(far, a[i])) one(c, a[i], z + i, w ? w + i : NULL);
-    for (int here = 0; here < width; here += JET_NATIVE) {
-        double *const w_here = w ? w + here : NULL;
-        jet_part(f, c, near, width - here, a + here, z + here, w_here);
-        jet_part(f, c, far, width - here, a + here, z + here, w_here);
+    for (int i = 0; i < count; i++)
+        if (!jet_is_in_range(near, argument[i]) && !jet_is_in_range(far, argument[i]))
+            scalar(exponent, argument[i], result + i, second_result ? second_result + i : NULL);
+    for (int here = 0; here < count; here += JET_NATIVE) {
+        double *const w_here = second_result ? second_result + here : NULL;
+        jet_apply_to_numbers_in_range(function, exponent, near, count - here, argument + here, result + here, w_here);
+        jet_apply_to_numbers_in_range(function, exponent, far, count - here, argument + here, result + here, w_here);
     }
 }
 
-JET_INLINE void jet_near(jet_of_vector *f, jet_range near, double c, int width, const double *a, double *z, double *w)
+JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude_range near, double exponent, int count,
+                                    const double *argument, double *result, double *second_result)
 {
     int here = 0;
-    for (; here + JET_NATIVE <= width; here += JET_NATIVE) jet_block(f, c, a + here, z + here, w ? w + here : NULL);
-    if (here < width) jet_part(f, c, near, width - here, a + here, z + here, w ? w + here : NULL);
+    for (; here + JET_NATIVE <= count; here += JET_NATIVE)
+        jet_apply_to_vector(function, exponent, argument + here, result + here,
+                            second_result ? second_result + here : NULL);
+    if (here < count)
+        jet_apply_to_numbers_in_range(function, exponent, near, count - here, argument + here, result + here,
+                                      second_result ? second_result + here : NULL);
 }
 
-/* Defines jet_all_name for numbers that are all near 0, most of the time. */
-#define JET_ALL_OF(name, near, far, c, parameters, w)                                                                  \
-    JET_APART void jet_mixed_##name parameters                                                                         \
+/* Defines the function jet_array_NAME. It is inlined for numbers that are all in the range near 0; the code for
+ * other numbers is a function of its own. */
+#define JET_ALL_OF(name, near, far, exponent, parameters, second_result)                                               \
+    JET_APART void jet_any_range_##name parameters                                                                     \
     {                                                                                                                  \
-        jet_mixed(jet_vector_##name, jet_number_##name, near, far, c, width, a, z, w);                                 \
+        jet_apply_in_all_ranges(jet_vector_##name, jet_scalar_##name, near, far, exponent, count, argument, result,    \
+                                second_result);                                                                        \
     }                                                                                                                  \
-    JET_INLINE void jet_all_##name parameters
+    JET_INLINE void jet_array_##name parameters
 
 #define JET_ALL(name, near, far)                                                                                       \
-    extern jet_native JET_SLEEF_OF(name)(jet_native);                                                                  \
-    JET_INLINE void jet_vector_##name(double c, jet_native x, jet_native out[2])                                       \
+    extern jet_native_vector JET_SLEEF_OF(name)(jet_native_vector);                                                    \
+    JET_INLINE void jet_vector_##name(double exponent, jet_native_vector x, jet_native_vector out[2])                  \
     {                                                                                                                  \
-        (void)c;                                                                                                       \
+        (void)exponent;                                                                                                \
         out[0] = JET_SLEEF_OF(name)(x);                                                                                \
     }                                                                                                                  \
-    JET_INLINE void jet_number_##name(double c, double x, double *z, double *w)                                        \
+    JET_INLINE void jet_scalar_##name(double exponent, double x, double *result, double *second_result)                \
     {                                                                                                                  \
-        (void)c, (void)w;                                                                                              \
-        *z = name(x);                                                                                                  \
+        (void)exponent, (void)second_result;                                                                           \
+        *result = name(x);                                                                                             \
     }                                                                                                                  \
-    JET_ALL_OF(name, near, far, 0, (int width, const double *a, double *restrict z), NULL)                             \
+    JET_ALL_OF(name, near, far, 0, (int count, const double *argument, double *restrict result), NULL)                 \
     {                                                                                                                  \
-        if (jet_all_are_in(near, width, a)) jet_near(jet_vector_##name, near, 0, width, a, z, NULL);                   \
-        else jet_mixed_##name(width, a, z);                                                                            \
+        if (jet_are_all_in_range(near, count, argument))                                                               \
+            jet_apply_near_zero(jet_vector_##name, near, 0, count, argument, result, NULL);                            \
+        else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
 
-/* z = sin a, w = cos a */
+/* Sets result = sin(argument) and second_result = cos(argument). */
 typedef struct {
-    jet_native sine, cosine;
+    jet_native_vector sine, cosine;
 } jet_sine_and_cosine;
-extern jet_sine_and_cosine JET_SLEEF_OF(sincos)(jet_native);
-JET_INLINE void jet_vector_sincos(double c, jet_native x, jet_native out[2])
+extern jet_sine_and_cosine JET_SLEEF_OF(sincos)(jet_native_vector);
+JET_INLINE void jet_vector_sincos(double exponent, jet_native_vector x, jet_native_vector out[2])
 {
     const jet_sine_and_cosine both = JET_SLEEF_OF(sincos)(x);
-    (void)c;
+    (void)exponent;
     out[0] = both.sine;
     out[1] = both.cosine;
 }
-JET_INLINE void jet_number_sincos(double c, double x, double *z, double *w)
+JET_INLINE void jet_scalar_sincos(double exponent, double x, double *result, double *second_result)
 {
-    (void)c;
-    *z = sin(x);
-    *w = cos(x);
+    (void)exponent;
+    *result = sin(x);
+    *second_result = cos(x);
 }
-JET_ALL_OF(sincos, jet_angles, jet_far_angles, 0, (int width, const double *a, double *restrict z, double *restrict w),
-           w)
+JET_ALL_OF(sincos, jet_angles, jet_far_angles, 0,
+           (int count, const double *argument, double *restrict result, double *restrict second_result), second_result)
 {
-    if (jet_all_are_in(jet_angles, width, a)) jet_near(jet_vector_sincos, jet_angles, 0, width, a, z, w);
-    else jet_mixed_sincos(width, a, z, w);
+    if (jet_are_all_in_range(jet_angles, count, argument))
+        jet_apply_near_zero(jet_vector_sincos, jet_angles, 0, count, argument, result, second_result);
+    else jet_any_range_sincos(count, argument, result, second_result);
 }
 
-/* z = a^c, by SLEEF's pow if a and z are far from the limits of the exponent */
-extern jet_native JET_SLEEF_OF(pow)(jet_native, jet_native);
-JET_INLINE void jet_vector_pow(double c, jet_native x, jet_native out[2])
+/* Sets result = argument^exponent, by SLEEF's pow if both are far from overflow and underflow. */
+extern jet_native_vector JET_SLEEF_OF(pow)(jet_native_vector, jet_native_vector);
+JET_INLINE void jet_vector_pow(double exponent, jet_native_vector x, jet_native_vector out[2])
 {
-    out[0] = JET_SLEEF_OF(pow)(x, (jet_native){0} + c);
+    out[0] = JET_SLEEF_OF(pow)(x, (jet_native_vector){0} + exponent);
 }
-JET_INLINE void jet_number_pow(double c, double x, double *z, double *w)
+JET_INLINE void jet_scalar_pow(double exponent, double x, double *result, double *second_result)
 {
-    (void)w;
-    *z = pow(x, c);
+    (void)second_result;
+    *result = pow(x, exponent);
 }
-JET_INLINE jet_range jet_bases(double c)
+JET_INLINE jet_magnitude_range jet_pow_base_range(double exponent)
 {
-    const double bits = 1000 / fmax(fabs(c), 1), most = bits >= 1 ? ldexp(1, (int)bits) : 1;
-    return (jet_range){1 / most, most};
+    const double bits = 1000 / fmax(fabs(exponent), 1), most = bits >= 1 ? ldexp(1, (int)bits) : 1;
+    return (jet_magnitude_range){1 / most, most};
 }
-JET_ALL_OF(pow, jet_bases(c), jet_nowhere, c, (double c, int width, const double *a, double *restrict z), NULL)
+JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
+           (double exponent, int count, const double *argument, double *restrict result), NULL)
 {
-    const jet_range near = jet_bases(c);
-    if (jet_all_are_in(near, width, a)) jet_near(jet_vector_pow, near, c, width, a, z, NULL);
-    else jet_mixed_pow(c, width, a, z);
+    const jet_magnitude_range near = jet_pow_base_range(exponent);
+    if (jet_are_all_in_range(near, count, argument))
+        jet_apply_near_zero(jet_vector_pow, near, exponent, count, argument, result, NULL);
+    else jet_any_range_pow(exponent, count, argument, result);
 }
 
 #endif

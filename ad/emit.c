@@ -1,4 +1,4 @@
-/* emit.c - Writes a tape's sweeps as C text (emit.h). */
+/* emit.c - Writes the sweeps of a tape as C text (emit.h). src/compiled/ and the generated steps call it. */
 #include "emit.h"
 #include "devices.h"
 #include "emit_adjoints.h"
@@ -7,87 +7,92 @@
 
 #include <stdlib.h>
 
-/* Limits of what is compiled in a second. Tapes with up to APART_MOST operations have their sums apart, and tapes of
- * whole vectors with up to ALONE_MOST operations have all operations apart. Orders are unrolled if operations times
- * orders, and times the tangents beside each order, are at most UNROLLED_MOST. */
+/* Size limits that keep the time to compile a tape near one second. On tapes with up to APART_MOST operations each
+ * sum is a run of its own. On tapes with up to ALONE_MOST operations, of which only values of whole vectors are
+ * requested, each operation is a run of its own. The loop over orders is unrolled if the product of operations,
+ * orders, and 1 + tangent vectors beside each order is at most UNROLLED_MOST. */
 enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 900 };
 
-/* Values of up to INLINED_MOST operations are inlined at any number of lanes, and of up to INLINED_IN_REGISTER at the
- * lanes of one register. Larger ones are a function of their own. */
+/* Values of tapes with up to INLINED_MOST operations are inlined for any number of lanes. For the lanes of one
+ * register the limit is INLINED_IN_REGISTER operations. Larger tapes get a function that is called. */
 enum { INLINED_MOST = 64, INLINED_IN_REGISTER = 256 };
 
-/* REGISTER lanes are one vector, of a size that all instruction sets can divide; then the fewest and the most lanes. */
+/* The numbers of lanes of one vector register: REGISTER is a multiple that every instruction set can process in
+ * whole vectors, and the other two are the least and the greatest number. */
 enum { REGISTER = 4, LEAST_REGISTER = 2, MOST_REGISTER = 8 };
 
 extern const char *const jet_embedded_rules[];
 
-const char *const *jet_emit_lines(void) { return jet_embedded_rules; }
+const char *const *jet_embedded_source_lines(void) { return jet_embedded_rules; }
 
-void jet_emit_rules(jet_text *text)
+void jet_emit_rule_source(jet_text *text)
 {
-    jet_text_add(text, "#define JET_WITHOUT %d\n", JET_WITHOUT & JET_DEVICES_OF_TEXT);
-    jet_text_add(text, "#define JET_EMITTED\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n"
-                       "#include <stdint.h>\n");
-    for (const char *const *line = jet_embedded_rules; *line; line++) jet_text_add(text, "%s", *line);
+    jet_text_append(text, "#define JET_WITHOUT %d\n", JET_WITHOUT & JET_DEVICES_OF_TEXT);
+    jet_text_append(text, "#define JET_EMITTED\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n"
+                          "#include <stdint.h>\n");
+    for (const char *const *line = jet_embedded_rules; *line; line++) jet_text_append(text, "%s", *line);
 }
 
 /* ---- The tape as constants --------------------------------------------------------------------------------------- */
 
-static void emit_ints(jet_text *text, const char *name, const char *what, int count, const int value[])
+static void emit_int_array(jet_text *text, const char *name, const char *array_name, int count, const int value[])
 {
-    jet_text_add(text, "static const int %s_%s[] = {0", name, what);
-    for (int i = 0; i < count; i++) jet_text_add(text, i % 16 ? ", %d" : ",\n    %d", value[i]);
-    jet_text_add(text, "};\n");
+    jet_text_append(text, "static const int %s_%s[] = {0", name, array_name);
+    for (int i = 0; i < count; i++) jet_text_append(text, i % 16 ? ", %d" : ",\n    %d", value[i]);
+    jet_text_append(text, "};\n");
 }
 
-static void emit_doubles(jet_text *text, const char *name, const char *what, int count, const double value[])
+static void emit_double_array(jet_text *text, const char *name, const char *array_name, int count, const double value[])
 {
-    jet_text_add(text, "static const double %s_%s[] = {0", name, what);
-    for (int i = 0; i < count; i++) jet_text_add(text, i % 8 ? ", %a" : ",\n    %a", value[i]);
-    jet_text_add(text, "};\n");
+    jet_text_append(text, "static const double %s_%s[] = {0", name, array_name);
+    for (int i = 0; i < count; i++) jet_text_append(text, i % 8 ? ", %a" : ",\n    %a", value[i]);
+    jet_text_append(text, "};\n");
 }
 
-static void emit_run(jet_text *text, const jet_run *run)
+static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
-    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d, 0, %d},\n", (int)run->op,
-                 run->count, run->z, run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms,
-                 run->term, run->is_scattered, run->fresh);
+    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d, 0, %d},\n", (int)run->op,
+                    run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constants,
+                    run->first_constant, run->terms, run->term, run->is_scattered, run->assigned_operands);
 }
 
 typedef struct {
     jet_text *text;
     const jet_tape *tape;
-    const jet_emission *wanted;
-    int operations;
-    bool unrolled;    /* the orders are unrolled */
-    bool stand_alone; /* the operations stand alone */
-} emission;
+    const jet_emission_request *request;
+    int operation_count;
+    bool unrolls_orders;    /* The loop over orders is unrolled. */
+    bool splits_operations; /* Each operation is a run of its own. */
+} tape_emitter;
 
-static bool has_several_roots(const jet_tape *tape)
+static bool needs_several_positive_operands(const jet_tape *tape)
 {
     int roots = 0;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) roots += jet_needs_positive(run);
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) roots += jet_needs_positive_operand(run);
     return roots > 1;
 }
 
-/* Writes the arrays of constants. They begin with a 0, so that none is empty. */
-static void emit_constants(const emission *e)
+/* Writes the arrays of the tape as constants. Each array begins with an extra 0, since C has no empty arrays. */
+static void emit_tape_constants(const tape_emitter *emitter)
 {
-    const jet_tape *tape = e->tape;
-    const char *name = e->wanted->name;
-    emit_ints(e->text, name, "slot", tape->terms, tape->term_slot);
-    emit_ints(e->text, name, "operand_b", tape->terms, tape->term_operand_b);
-    emit_ints(e->text, name, "output", tape->outputs, tape->output);
-    emit_doubles(e->text, name, "coefficient", tape->terms, tape->term_coefficient);
-    emit_doubles(e->text, name, "base", tape->rows, tape->base);
-    jet_text_add(e->text, "static const jet_run %s_run[] = {\n", name);
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run(e->text, run);
-    jet_text_add(e->text, "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_is_watched = %d, %s_is_split = %d };\n",
-                 name, tape->slots, name, tape->outputs, name, has_several_roots(tape), name, e->stand_alone);
-    jet_text_add(
-        e->text,
+    const jet_tape *tape = emitter->tape;
+    const char *name = emitter->request->name;
+    emit_int_array(emitter->text, name, "slot", tape->terms, tape->term_slot);
+    emit_int_array(emitter->text, name, "operand_b", tape->terms, tape->term_operand_b);
+    emit_int_array(emitter->text, name, "output", tape->outputs, tape->output);
+    emit_double_array(emitter->text, name, "coefficient", tape->terms, tape->term_coefficient);
+    emit_double_array(emitter->text, name, "base", tape->rows, tape->constant_terms);
+    jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run_initialiser(emitter->text, run);
+    jet_text_append(emitter->text,
+                    "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_tracks_minimum = %d, %s_is_split = %d };\n",
+                    name, tape->slots, name, tape->outputs, name, needs_several_positive_operands(tape), name,
+                    emitter->splits_operations);
+    jet_text_append(
+        emitter->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
-        "    .base = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1, .term_operand_b = (int *)%s_operand_b + "
+        "    .constant_terms = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1, .term_operand_b = (int "
+        "*)%s_operand_b + "
         "1, .term_coefficient = (double *)%s_coefficient + 1};\n",
         name, tape->inputs, tape->constants, tape->slots, name, name, name, name, name);
 }
@@ -95,216 +100,234 @@ static void emit_constants(const emission *e)
 /* ---- The sweeps -------------------------------------------------------------------------------------------------- */
 
 #define RULE_NAME(op, name) [op] = #name,
-static const char *const rule_name[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
+static const char *const rule_names[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 
-/* Writes a line of the list in emitted.h. */
-static void emit_line(const emission *e, const jet_run *run)
+/* Writes the macro call of one run, such as RULE(T, i, name), for the lists T_RUNS and T_RUNS_BACK (emitted.h). */
+static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
 {
-    const char *name = e->wanted->name;
-    const int index = (int)(run - e->tape->run);
-    if (run->op == OP_LINEAR) jet_text_add(e->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
+    const char *name = emitter->request->name;
+    const int index = (int)(run - emitter->tape->run);
+    if (run->op == OP_LINEAR) jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
     else if (run->is_scattered)
-        jet_text_add(e->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
-    else if (rule_name[run->op]) jet_text_add(e->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_name[run->op]);
-    else jet_text_add(e->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
+        jet_text_append(emitter->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
+                        run->terms);
+    else if (rule_names[run->op])
+        jet_text_append(emitter->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_names[run->op]);
+    else
+        jet_text_append(emitter->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
+                        run->terms);
 }
 
-static bool begins_angles(const jet_tape *tape, const jet_run *run)
+static bool begins_sine_cosine_pair(const jet_tape *tape, const jet_run *run)
 {
-    return run >= tape->run && run->op == OP_SIN && run->together > 1;
+    return run >= tape->run && run->op == OP_SIN && run->fused_runs > 1;
 }
 
-/* Tells whether two runs are single products with the same second factor and adjacent first factors, neither of which
- * is the other's result. */
-static bool are_paired(const jet_tape *tape, const jet_run *run, const jet_run *next)
+/* Tells whether two runs are single products with the same second factor, whose first factors have adjacent slots.
+ * Neither product may be the factor of the other. */
+static bool are_products_with_common_factor(const jet_tape *tape, const jet_run *run, const jet_run *next)
 {
     const int a = tape->term_slot[run->term], b = tape->term_slot[next->term];
-    return run->op == OP_PRODUCTS && next->op == OP_PRODUCTS && run->count * run->terms == 1 &&
-           next->count * next->terms == 1 && abs(a - b) == 1 && b != run->z &&
+    return run->op == OP_PRODUCTS && next->op == OP_PRODUCTS && run->operation_count * run->terms == 1 &&
+           next->operation_count * next->terms == 1 && abs(a - b) == 1 && b != run->z &&
            tape->term_operand_b[run->term] == tape->term_operand_b[next->term] &&
            tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
 }
 
-/* Tells whether two paired products begin here. In a longer series, every two make a pair. */
-static bool begins_paired(const jet_tape *tape, const jet_run *run)
+/* Tells whether a pair of such products begins with this run. In a longer sequence the runs are paired two by two. */
+static bool begins_product_pair(const jet_tape *tape, const jet_run *run)
 {
-    return JET_HAS(PAIRS) && run >= tape->run && run + 1 < tape->run + tape->runs && are_paired(tape, run, run + 1) &&
-           !begins_paired(tape, run - 1);
+    return JET_HAS(PAIRS) && run >= tape->run && run + 1 < tape->run + tape->runs &&
+           are_products_with_common_factor(tape, run, run + 1) && !begins_product_pair(tape, run - 1);
 }
 
-/* Writes the line of a run. The first of two runs with the same angles, or of paired products, stands for both. */
-static void emit_lines(const emission *e, const jet_run *run)
+/* Writes the macro call of one run. Two runs that are computed together, such as sine and cosine of the same angles,
+ * share one call, which is written for the first of them. */
+static void emit_run_or_pair(const tape_emitter *emitter, const jet_run *run)
 {
-    const int index = (int)(run - e->tape->run);
-    if (begins_angles(e->tape, run - 1) || begins_paired(e->tape, run - 1)) return;
-    const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_paired(e->tape, run) ? "PAIRED" : NULL;
-    if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, index, index + 1);
-    else emit_line(e, run);
+    const int index = (int)(run - emitter->tape->run);
+    if (begins_sine_cosine_pair(emitter->tape, run - 1) || begins_product_pair(emitter->tape, run - 1)) return;
+    const char *both = begins_sine_cosine_pair(emitter->tape, run) ? "ANGLES"
+                       : begins_product_pair(emitter->tape, run)   ? "PAIRED"
+                                                                   : NULL;
+    if (both) jet_text_append(emitter->text, " \\\n    %s(%s, %d, %d)", both, emitter->request->name, index, index + 1);
+    else emit_run_macro_call(emitter, run);
 }
 
-static void emit_line_back(const emission *e, const jet_run *run)
+static void emit_run_reversed(const tape_emitter *emitter, const jet_run *run)
 {
-    const jet_run *first = jet_is_sum(run) ? jet_first_sum(e->tape, run) : NULL;
-    if (!first) emit_lines(e, run);
-    else if (jet_end_of_sums(e->tape, first) == run + 1)
-        jet_text_add(e->text, " \\\n    SUMS(%s, %d)", e->wanted->name, (int)(first - e->tape->run));
+    const jet_run *first = jet_is_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
+    if (!first) emit_run_or_pair(emitter, run);
+    else if (jet_end_of_adjacent_sums(emitter->tape, first) == run + 1)
+        jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name,
+                        (int)(first - emitter->tape->run));
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-static void emit_lists(const emission *e)
+static void emit_run_lists(const tape_emitter *emitter)
 {
-    const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR)", e->wanted->name);
-    for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR, SUMS)",
-                 e->wanted->name);
-    for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);
-    jet_text_add(e->text, "\n");
+    const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->runs;
+    jet_text_append(emitter->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR)",
+                    emitter->request->name);
+    for (const jet_run *run = begin; run < end; run++) emit_run_or_pair(emitter, run);
+    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR, SUMS)",
+                    emitter->request->name);
+    for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;) emit_run_reversed(emitter, run);
+    jet_text_append(emitter->text, "\n");
 }
 
 /* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
 
-/* Writes a function that returns the sweep of order k. k is a constant in each case if orders are unrolled; `behind`
- * follows k. */
-static void emit_orders(const emission *e, const char *sweep, const char *blocks, const char *behind)
+/* Writes a function body that calls the sweep of order k. If orders are unrolled, each order is a case with a
+ * constant k. The arguments of the call are `block_arguments`, k and `more_arguments`. */
+static void emit_dispatch_on_order(const tape_emitter *emitter, const char *sweep_name, const char *block_arguments,
+                                   const char *more_arguments)
 {
-    const char *name = e->wanted->name;
-    if (e->unrolled) jet_text_add(e->text, "    switch (k) {\n");
-    for (int k = 0; k <= e->wanted->top && e->unrolled; k++)
-        jet_text_add(e->text, "    case %d: return %s_%s(%s, %d%s);\n", k, name, sweep, blocks, k, behind);
-    if (e->unrolled) jet_text_add(e->text, "    }\n");
-    jet_text_add(e->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep, blocks, behind);
+    const char *name = emitter->request->name;
+    if (emitter->unrolls_orders) jet_text_append(emitter->text, "    switch (k) {\n");
+    for (int k = 0; k <= emitter->request->top && emitter->unrolls_orders; k++)
+        jet_text_append(emitter->text, "    case %d: return %s_%s(%s, %d%s);\n", k, name, sweep_name, block_arguments,
+                        k, more_arguments);
+    if (emitter->unrolls_orders) jet_text_append(emitter->text, "    }\n");
+    jet_text_append(emitter->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep_name, block_arguments,
+                    more_arguments);
 }
 
-/* Writes NAME_ORDERS(ORDER), which calls ORDER for all orders, with constants if they are unrolled. */
-static void emit_all_orders(const emission *e)
+/* Writes the macro NAME_ORDERS(ORDER), which calls ORDER(k) for all orders k. If orders are unrolled, each k is a
+ * constant. */
+static void emit_orders_macro(const tape_emitter *emitter)
 {
-    const char *name = e->wanted->name;
-    const int top = e->wanted->top;
-    jet_text_add(e->text, "enum { %s_top = %d };\n#define %s_ORDERS(ORDER) ORDER(0)", name, top, name);
-    for (int k = 1; k <= top && e->unrolled; k++) jet_text_add(e->text, " ORDER(%d)", k);
-    if (!e->unrolled) jet_text_add(e->text, " for (int k = 1; k <= %s_top; k++) { ORDER(k) }", name);
-    jet_text_add(e->text, "\n");
+    const char *name = emitter->request->name;
+    const int top = emitter->request->top;
+    jet_text_append(emitter->text, "enum { %s_top = %d };\n#define %s_ORDERS(ORDER) ORDER(0)", name, top, name);
+    for (int k = 1; k <= top && emitter->unrolls_orders; k++) jet_text_append(emitter->text, " ORDER(%d)", k);
+    if (!emitter->unrolls_orders)
+        jet_text_append(emitter->text, " for (int k = 1; k <= %s_top; k++) { ORDER(k) }", name);
+    jet_text_append(emitter->text, "\n");
 }
 
-/* Writes NAME_values_LANES. */
-static void emit_values_at(const emission *e, int lanes)
+/* Writes the function NAME_values_LANES, which computes the values for this number of lanes. */
+static void emit_value_function(const tape_emitter *emitter, int lanes)
 {
-    const char *name = e->wanted->name;
+    const char *name = emitter->request->name;
     const bool fits = lanes <= MOST_REGISTER;
-    if (e->stand_alone && !fits) jet_text_add(e->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
+    if (emitter->splits_operations && !fits)
+        jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
-        jet_text_add(e->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
-                     e->operations <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
+        jet_text_append(emitter->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
+                        emitter->operation_count <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
 }
 
-/* Writes the value functions that others inline, or call if they are large. Value functions for one register are always
- * written; unused ones cost nothing. */
-static void emit_inner(const emission *e)
+/* Writes the functions that other generated code inlines, or calls if they are large. Value functions for one
+ * register are always written; unused ones cost nothing. */
+static void emit_inlined_functions(const tape_emitter *emitter)
 {
-    const char *name = e->wanted->name;
-    const int *const wanted = e->wanted->lanes;
-    for (int lanes = LEAST_REGISTER; lanes <= MOST_REGISTER; lanes *= 2) emit_values_at(e, lanes);
-    for (const int *lanes = wanted; *lanes > 0; lanes++) {
+    const char *name = emitter->request->name;
+    const int *const lane_counts = emitter->request->lanes;
+    for (int lanes = LEAST_REGISTER; lanes <= MOST_REGISTER; lanes *= 2) emit_value_function(emitter, lanes);
+    for (const int *lanes = lane_counts; *lanes > 0; lanes++) {
         const bool is_register = *lanes == 2 || *lanes == 4 || *lanes == 8;
-        if (!is_register && !(lanes > wanted && *lanes == lanes[-1])) emit_values_at(e, *lanes);
+        if (!is_register && !(lanes > lane_counts && *lanes == lanes[-1])) emit_value_function(emitter, *lanes);
     }
-    if (wanted[0] == 1)
-        jet_text_add(e->text, "JET_GENERATED_SERIES(%s)\nJET_GENERATED_TANGENTS(%s)\nJET_GENERATED_ADJOINTS(%s)\n",
-                     name, name, name);
+    if (lane_counts[0] == 1)
+        jet_text_append(emitter->text,
+                        "JET_GENERATED_SERIES(%s)\nJET_GENERATED_TANGENTS(%s)\nJET_GENERATED_ADJOINTS(%s)\n", name,
+                        name, name);
 }
 
-static void emit_values(const emission *e)
+static void emit_values_sweep(const tape_emitter *emitter)
 {
-    const char *name = e->wanted->name;
-    jet_text_add(e->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
-    for (const int *lanes = e->wanted->lanes; *lanes > 0; lanes++)
-        jet_text_add(e->text, "    if (lanes == %d) return %s_values_%d(x);\n", *lanes, name, *lanes);
-    jet_text_add(e->text, "    return tape->interpreted->values(tape, x, lanes);\n}\n");
+    const char *name = emitter->request->name;
+    jet_text_append(emitter->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
+    for (const int *lanes = emitter->request->lanes; *lanes > 0; lanes++)
+        jet_text_append(emitter->text, "    if (lanes == %d) return %s_values_%d(x);\n", *lanes, name, *lanes);
+    jet_text_append(emitter->text, "    return tape->interpreter_sweeps->values(tape, x, lanes);\n}\n");
 }
 
-static void emit_series(const emission *e)
+static void emit_series_sweep(const tape_emitter *emitter)
 {
-    jet_text_add(e->text,
-                 "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
-                 "    if (lanes != 1) return tape->interpreted->series(tape, x, k, lanes);\n",
-                 e->wanted->name);
-    emit_orders(e, "series_of", "x", "");
+    jet_text_append(emitter->text,
+                    "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
+                    "    if (lanes != 1) return tape->interpreter_sweeps->series(tape, x, k, lanes);\n",
+                    emitter->request->name);
+    emit_dispatch_on_order(emitter, "series_of", "x", "");
 }
 
-/* Writes a function of tangents for each number of lanes. */
-static void emit_tangents(const emission *e)
+/* Writes a tangent function for each requested number of lanes, and the sweep that chooses between them. */
+static void emit_tangents_sweep(const tape_emitter *emitter)
 {
-    const char *name = e->wanted->name;
-    for (const int *lanes = e->wanted->directions; *lanes > 0; lanes++) {
-        jet_text_add(e->text,
-                     "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n"
-                     "    enum { lanes = %d };\n",
-                     name, *lanes, *lanes);
-        emit_orders(e, "tangents_of", "x, dx", ", lanes");
+    const char *name = emitter->request->name;
+    for (const int *lanes = emitter->request->directions; *lanes > 0; lanes++) {
+        jet_text_append(emitter->text,
+                        "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n"
+                        "    enum { lanes = %d };\n",
+                        name, *lanes, *lanes);
+        emit_dispatch_on_order(emitter, "tangents_of", "x, dx", ", lanes");
     }
-    jet_text_add(e->text,
-                 "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
-                 name);
-    for (const int *lanes = e->wanted->directions; *lanes > 0; lanes++)
-        jet_text_add(e->text, "    if (lanes == %d) %s_tangents_%d(x, dx, k);\n    else\n", *lanes, name, *lanes);
-    jet_text_add(e->text, "    tape->interpreted->tangents(tape, x, dx, k, lanes);\n}\n");
+    jet_text_append(emitter->text,
+                    "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
+                    name);
+    for (const int *lanes = emitter->request->directions; *lanes > 0; lanes++)
+        jet_text_append(emitter->text, "    if (lanes == %d) %s_tangents_%d(x, dx, k);\n    else\n", *lanes, name,
+                        *lanes);
+    jet_text_append(emitter->text, "    tape->interpreter_sweeps->tangents(tape, x, dx, k, lanes);\n}\n");
 }
 
-static void emit_adjoint_sweep(const emission *e)
+static void emit_adjoints_sweep(const tape_emitter *emitter)
 {
-    const char *name = e->wanted->name;
-    jet_text_add(e->text,
-                 "static void %s_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)\n{\n"
-                 "    (void)tape;\n    %s_adjoints_of(x, bar, k, top);\n}\n",
-                 name, name);
+    const char *name = emitter->request->name;
+    jet_text_append(emitter->text,
+                    "static void %s_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)\n{\n"
+                    "    (void)tape;\n    %s_adjoints_of(x, bar, k, top);\n}\n",
+                    name, name);
 }
 
-/* Tells whether values of whole vectors are wanted, and nothing else. */
-static bool is_of_registers(const jet_emission *wanted)
+/* Tells whether the request is for values of whole vectors, and for nothing else. */
+static bool requests_vector_values_alone(const jet_emission_request *request)
 {
-    for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
+    for (const int *lanes = request->lanes; *lanes > 0; lanes++)
         if (*lanes % REGISTER != 0) return false;
-    return !wanted->has_series && !wanted->has_adjoints && wanted->directions[0] == 0;
+    return !request->has_series && !request->has_adjoints && request->directions[0] == 0;
 }
 
-void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted)
+void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request)
 {
-    const char *name = wanted->name;
-    const int operations = tape->slots - tape->inputs - tape->constants;
-    const bool stand_alone = JET_HAS(SPLIT) && operations <= ALONE_MOST && is_of_registers(wanted);
-    const jet_split which = stand_alone && wanted->is_force              ? JET_SPLIT_PAIRS
-                            : stand_alone                                ? JET_SPLIT_ALL
-                            : JET_HAS(SPLIT) && operations <= APART_MOST ? JET_SPLIT_SUMS
-                                                                         : JET_SPLIT_NONE;
+    const char *name = request->name;
+    const int operation_count = tape->slots - tape->inputs - tape->constants;
+    const bool splits_operations =
+        JET_HAS(SPLIT) && operation_count <= ALONE_MOST && requests_vector_values_alone(request);
+    const jet_split_mode mode = splits_operations && request->may_move_pair_factors ? JET_SPLIT_PAIRS
+                                : splits_operations                                 ? JET_SPLIT_ALL
+                                : JET_HAS(SPLIT) && operation_count <= APART_MOST   ? JET_SPLIT_SUMS
+                                                                                    : JET_SPLIT_NONE;
     jet_tape split;
-    if (!jet_tape_split(&split, tape, which)) {
-        text->failed = true;
+    if (!jet_split_tape_runs(&split, tape, mode)) {
+        text->is_incomplete = true;
         return;
     }
-    const bool unrolled =
-        JET_HAS(UNROLL) && operations * (1 + wanted->tangent_vectors) * (wanted->top + 1) <= UNROLLED_MOST;
-    const emission e = {text, &split, wanted, operations, unrolled, stand_alone};
-    if (wanted->has_adjoints) jet_emit_adjoints(text, &split, name);
-    emit_constants(&e);
-    emit_lists(&e);
-    emit_inner(&e);
-    emit_all_orders(&e);
-    if (wanted->lanes[0] > 0) emit_values(&e);
-    if (wanted->has_series) emit_series(&e);
-    if (wanted->directions[0] > 0) emit_tangents(&e);
-    if (wanted->has_adjoints) emit_adjoint_sweep(&e);
-    jet_text_add(text, "static const jet_sweeps %s_sweeps = {", name);
-    if (wanted->lanes[0] > 0) jet_text_add(text, ".values = %s_values, ", name);
-    if (wanted->has_series) jet_text_add(text, ".series = %s_series, ", name);
-    if (wanted->directions[0] > 0) jet_text_add(text, ".tangents = %s_tangents, ", name);
-    if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
-    jet_text_add(text, ".isa = JET_GENERATED_ISA};\n");
-    jet_tape_free_split(&split);
+    const bool unrolls_orders =
+        JET_HAS(UNROLL) && operation_count * (1 + request->tangent_vectors) * (request->top + 1) <= UNROLLED_MOST;
+    const tape_emitter emitter = {text, &split, request, operation_count, unrolls_orders, splits_operations};
+    if (request->has_adjoints) jet_emit_adjoints(text, &split, name);
+    emit_tape_constants(&emitter);
+    emit_run_lists(&emitter);
+    emit_inlined_functions(&emitter);
+    emit_orders_macro(&emitter);
+    if (request->lanes[0] > 0) emit_values_sweep(&emitter);
+    if (request->has_series) emit_series_sweep(&emitter);
+    if (request->directions[0] > 0) emit_tangents_sweep(&emitter);
+    if (request->has_adjoints) emit_adjoints_sweep(&emitter);
+    jet_text_append(text, "static const jet_sweeps %s_sweeps = {", name);
+    if (request->lanes[0] > 0) jet_text_append(text, ".values = %s_values, ", name);
+    if (request->has_series) jet_text_append(text, ".series = %s_series, ", name);
+    if (request->directions[0] > 0) jet_text_append(text, ".tangents = %s_tangents, ", name);
+    if (request->has_adjoints) jet_text_append(text, ".adjoints = %s_adjoints, ", name);
+    jet_text_append(text, ".isa = JET_GENERATED_ISA};\n");
+    jet_free_split_tape(&split);
 }
 
-const jet_sweeps *jet_sweeps_merge(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code)
+const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code)
 {
     *merged = *interpreted;
     if (code->values) merged->values = code->values;

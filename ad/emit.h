@@ -1,39 +1,43 @@
-/* emit.h - Writes a tape's sweeps as C text. The compiler of this text knows every size, slot and number of the tape.
- * src/compiled/ calls it.
+/* emit.h - Writes the sweeps of a tape as C text. The compiler of this text then knows every size, slot and number of
+ * the tape. src/compiled/ and the generated steps of the methods call it (docs/compiled.md).
  *
- * The text begins with the rules themselves (embed.awk), as functions to be inlined. The generated code calls these
- * functions in the order of the tape, with constants for arguments, so that each rule exists once. Small tapes have
- * their orders unrolled, and their sums apart, or for values alone all operations, so that values stay in registers.
- * Large tapes keep their runs of equal operations as loops: the time to compile them grows with the number of runs, and
- * not with that of operations. */
+ * The text begins with the source of the rules themselves (embed.awk), as functions to be inlined. The generated
+ * code calls these functions in the order of the tape, with constants for arguments. Each rule is therefore written
+ * once. On small tapes the loops over orders are unrolled, and each sum is a run of its own; if only values are
+ * requested, each operation is. Values then stay in registers. Large tapes keep their runs of equal operations as
+ * loops, since the time to compile them grows with the number of runs. */
 #ifndef TVI_AD_EMIT_H
 #define TVI_AD_EMIT_H
 
 #include "tape.h"
 #include "text.h"
 
-/* The parts of a tape that are wanted as generated code. The interpreter runs all others. */
+/* The parts of a tape that generated code is to compute. The interpreter runs all others. */
 typedef struct {
-    const char *name;              /* prefix of all names */
-    int lanes[3], directions[3];   /* of values and of tangents; 0 ends each */
-    int top;                       /* the highest order */
-    int tangent_vectors;           /* vectors of tangents that others have beside each order */
-    bool has_series, has_adjoints; /* of one lane */
-    bool is_force;                 /* values may be made with the factors of pairs moved (split.h) */
-} jet_emission;
+    const char *name; /* Prefix of all names in the generated text. */
+    /* Numbers of lanes of the values, and numbers of directions of the tangents; a 0 ends each list. */
+    int lanes[3], directions[3];
+    int top; /* Highest order of the series. */
+    /* Number of tangent vectors that the caller computes beside each order; it limits unrolling. */
+    int tangent_vectors;
+    bool has_series, has_adjoints; /* Sweeps of series and of adjoints, with one lane. */
+    bool may_move_pair_factors;    /* The factors of pair interactions may be moved (split.h). */
+} jet_emission_request;
 
-/* Sets *merged to the code's sweeps, and to the interpreter's where the code has none. Returns merged. */
-const jet_sweeps *jet_sweeps_merge(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code);
+/* Sets *merged to the sweeps of the generated code, and to those of the interpreter where the code has none. Returns
+ * merged. */
+const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code);
 
-/* The lines of the rules; NULL ends them. */
-const char *const *jet_emit_lines(void);
+/* Returns the source text of the rules, as an array of lines that ends with NULL. */
+const char *const *jet_embedded_source_lines(void);
 
-/* Writes the rules, once, at the beginning of the text. */
-void jet_emit_rules(jet_text *text);
-/* Writes `static const jet_sweeps NAME_sweeps`, with NULL for sweeps that are not wanted. For other generated code it
- * also defines NAME, the tape; NAME_values_LANES(x) for each wanted number of lanes, and for 2, 4 and 8; with one lane
- * NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), to be inlined with constants; with adjoints
- * NAME_clear(bar) (emit_adjoints.h); and NAME_ORDERS(ORDER), which calls ORDER(k) for all orders of a series. */
-void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted);
+/* Writes the source text of the rules. The generated text begins with it. */
+void jet_emit_rule_source(jet_text *text);
+/* Writes the definition `static const jet_sweeps NAME_sweeps`, which has NULL for sweeps that are not requested. For
+ * other generated code it also defines the tape NAME; NAME_values_LANES(x) for each requested number of lanes and
+ * for 2, 4 and 8; for one lane NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), to be inlined with
+ * constants; for adjoints NAME_clear(bar) (emit_adjoints.h); and NAME_ORDERS(ORDER), which calls ORDER(k) for all
+ * orders k of a series. */
+void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request);
 
 #endif

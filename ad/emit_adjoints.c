@@ -1,63 +1,67 @@
-/* emit_adjoints.c - Writes the adjoints of generated code (emit_adjoints.h). */
+/* emit_adjoints.c - Writes the adjoint functions of generated code (emit_adjoints.h). emit.c calls it. */
 #include "devices.h"
 #include "emit_adjoints.h"
 #include "split.h"
 
 #include <stdlib.h>
 
-/* State of each slot while adjoints are written. touched: something was added to its adjoint; written: the first
- * addition is an assignment. */
+/* The state while adjoint functions are written. For each slot, is_set says that the code so far adds to or sets its
+ * adjoint, and is_assigned that the first access is an assignment. */
 typedef struct {
     jet_text *text;
     const jet_tape *tape;
-    bool *touched, *written;
-} adjoints;
+    bool *is_set, *is_assigned;
+} adjoint_emitter;
 
-/* ---- What is written first --------------------------------------------------------------------------------------- */
+/* ---- First access to an adjoint ---------------------------------------------------------------------------------- */
 
-static bool is_untouched(const adjoints *a, int slot, int count)
+static bool are_adjoints_unset(const adjoint_emitter *emitter, int slot, int count)
 {
     for (int i = slot; i < slot + count; i++)
-        if (a->touched[i]) return false;
+        if (emitter->is_set[i]) return false;
     return true;
 }
 
-static void touch(const adjoints *a, int slot, int count, bool is_written)
+static void mark_adjoints_set(const adjoint_emitter *emitter, int slot, int count, bool is_assignment)
 {
     for (int i = slot; i < slot + count; i++) {
-        a->touched[i] = true;
-        a->written[i] = a->written[i] || is_written;
+        emitter->is_set[i] = true;
+        emitter->is_assigned[i] = emitter->is_assigned[i] || is_assignment;
     }
 }
 
-/* Tells whether the run's adjoint adds to its own order alone (rule.h), and to operands in rows. */
-static bool is_gathered(const jet_run *run)
+/* Tells whether the adjoint rule of the run sets only adjoints of the order being swept, of operands with adjacent
+ * slots (jet_adjoint_rule). */
+static bool adds_to_own_order_alone(const jet_run *run)
 {
     return run->op == OP_PRODUCTS || run->op == OP_SQUARES || run->op == OP_POW || run->op == OP_SQRT;
 }
 
-/* Marks all slots that the run reads, also as a partner, as touched. */
-static void touch_all(const adjoints *a, const jet_run *run)
+/* Marks the adjoints of all operands and partners of the run as set. */
+static void mark_operand_adjoints_set(const adjoint_emitter *emitter, const jet_run *run)
 {
-    for (int i = 0; i < run->count; i++)
-        for (int k = 0, slot; (slot = jet_operand_slot(a->tape, run, i, k)) >= 0; k++) touch(a, slot, 1, false);
-    if (run->terms == 0) touch(a, run->w, run->count, false);
+    for (int i = 0; i < run->operation_count; i++)
+        for (int k = 0, slot; (slot = jet_operation_operand_slot(emitter->tape, run, i, k)) >= 0; k++)
+            mark_adjoints_set(emitter, slot, 1, false);
+    if (run->terms == 0) mark_adjoints_set(emitter, run->w, run->operation_count, false);
 }
 
-/* Marks the slots that hold something before a sweep comes to the order, or that sweeps of higher orders add to. */
-static void touch_before(const adjoints *a)
+/* Marks the adjoints that are already nonzero when the sweep reaches an order: those of inputs and outputs, and
+ * those to which the sweeps of higher orders add. */
+static void mark_initially_set_adjoints(const adjoint_emitter *emitter)
 {
-    touch(a, 0, a->tape->inputs, false);
-    for (int i = 0; i < a->tape->outputs; i++) touch(a, a->tape->output[i], 1, false);
-    for (const jet_run *run = a->tape->run; run < a->tape->run + a->tape->runs; run++) {
-        if (is_gathered(run) || run->op == OP_LINEAR) continue;
-        touch(a, run->z, run->count, false);
-        touch_all(a, run);
+    mark_adjoints_set(emitter, 0, emitter->tape->inputs, false);
+    for (int i = 0; i < emitter->tape->outputs; i++) mark_adjoints_set(emitter, emitter->tape->output[i], 1, false);
+    for (const jet_run *run = emitter->tape->run; run < emitter->tape->run + emitter->tape->runs; run++) {
+        if (adds_to_own_order_alone(run) || run->op == OP_LINEAR) continue;
+        mark_adjoints_set(emitter, run->z, run->operation_count, false);
+        mark_operand_adjoints_set(emitter, run);
     }
 }
 
-/* The first slot of an operand: 2 t is the first factor of term t, 2 t + 1 the second one; -1: there is none. */
-static int first_slot(const jet_tape *tape, const jet_run *run, int operand)
+/* Returns the first slot of an operand of the run. Operand 2 t is the first factor of term t, and operand 2 t + 1
+ * the second one. The result is -1 if there is no such operand. */
+static int first_operand_slot(const jet_tape *tape, const jet_run *run, int operand)
 {
     const int term = run->term + operand / 2;
     if (run->terms == 0) return operand == 0 ? run->a : -1;
@@ -65,108 +69,114 @@ static int first_slot(const jet_tape *tape, const jet_run *run, int operand)
     return run->op == OP_PRODUCTS ? tape->term_operand_b[term] : -1;
 }
 
-/* Marks the operands of a run that nothing was added to, and that overlap with no other operand of the run. */
-static void mark_fresh(const adjoints *a, jet_run *run)
+/* Marks those operands of the run whose adjoints the run may assign, instead of adding to them: no code before has
+ * set them, and their slots overlap with no other operand of the run. */
+static void mark_assigned_operands(const adjoint_emitter *emitter, jet_run *run)
 {
     const int operands = run->terms > 0 ? 2 * run->terms : 1;
     for (int operand = 0; operand < operands; operand++) {
-        const int row = first_slot(a->tape, run, operand);
-        bool is_fresh = JET_HAS(FRESH) && row >= 0 && is_untouched(a, row, run->count);
+        const int row = first_operand_slot(emitter->tape, run, operand);
+        bool is_fresh = JET_HAS(FRESH) && row >= 0 && are_adjoints_unset(emitter, row, run->operation_count);
         for (int other = 0; other < operands; other++)
-            is_fresh = is_fresh && (other == operand || first_slot(a->tape, run, other) < 0 ||
-                                    abs(first_slot(a->tape, run, other) - row) >= run->count);
-        if (is_fresh) run->fresh |= 1 << operand;
+            is_fresh = is_fresh && (other == operand || first_operand_slot(emitter->tape, run, other) < 0 ||
+                                    abs(first_operand_slot(emitter->tape, run, other) - row) >= run->operation_count);
+        if (is_fresh) run->assigned_operands |= 1 << operand;
     }
     for (int operand = 0; operand < operands; operand++)
-        if (first_slot(a->tape, run, operand) >= 0)
-            touch(a, first_slot(a->tape, run, operand), run->count, run->fresh >> operand & 1);
+        if (first_operand_slot(emitter->tape, run, operand) >= 0)
+            mark_adjoints_set(emitter, first_operand_slot(emitter->tape, run, operand), run->operation_count,
+                              run->assigned_operands >> operand & 1);
 }
 
-static void emit_clear(const adjoints *a, const char *name)
+static void emit_clear_function(const adjoint_emitter *emitter, const char *name)
 {
-    const int slots = a->tape->slots;
-    jet_text_add(a->text, "JET_INLINE void %s_clear(double *bar)\n{\n", name);
-    for (int slot = a->tape->inputs; slot < slots; slot++) {
+    const int slots = emitter->tape->slots;
+    jet_text_append(emitter->text, "JET_INLINE void %s_clear(double *bar)\n{\n", name);
+    for (int slot = emitter->tape->inputs; slot < slots; slot++) {
         int count = 0;
-        while (slot + count < slots && !a->written[slot + count]) count++;
+        while (slot + count < slots && !emitter->is_assigned[slot + count]) count++;
         if (count == 0) continue;
-        jet_text_add(a->text, "    jet_clear(bar + %d, %d);\n", slot, count);
+        jet_text_append(emitter->text, "    jet_set_to_zero(bar + %d, %d);\n", slot, count);
         slot += count - 1;
     }
-    jet_text_add(a->text, "}\n");
+    jet_text_append(emitter->text, "}\n");
 }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-/* Whether the sum reads this slot or a later one. */
-static bool reads_from(const jet_tape *tape, const jet_run *run, int slot)
+/* Tells whether a sum has a term in this slot or in a later one. */
+static bool reads_slot_or_later(const jet_tape *tape, const jet_run *run, int slot)
 {
     for (int term = run->term; term < run->term + run->terms; term++)
         if (tape->term_slot[term] >= slot) return true;
     return false;
 }
 
-const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run)
+const jet_run *jet_first_adjacent_sum(const jet_tape *tape, const jet_run *run)
 {
     const jet_run *first = run;
     while (first > tape->run && jet_is_sum(first - 1)) first--;
     for (const jet_run *next = first; next <= run; next++)
-        if (reads_from(tape, next, first->z)) first = next;
+        if (reads_slot_or_later(tape, next, first->z)) first = next;
     return first;
 }
 
-const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first)
+const jet_run *jet_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
 {
     const jet_run *const end = tape->run + tape->runs, *next = first;
-    while (next < end && jet_is_sum(next) && jet_first_sum(tape, next) == first) next++;
+    while (next < end && jet_is_sum(next) && jet_first_adjacent_sum(tape, next) == first) next++;
     return next;
 }
 
-/* Writes the contributions of the sums to the adjoint of a slot. */
-static void emit_contributions(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
+/* Writes one statement that adds the contributions of these sums to the adjoint of a slot. */
+static void emit_adjoint_contributions(const adjoint_emitter *emitter, const jet_run *first, const jet_run *end,
+                                       int slot)
 {
-    const bool is_fresh = JET_HAS(FRESH) && is_untouched(a, slot, 1);
-    const jet_tape *tape = a->tape;
+    const bool is_fresh = JET_HAS(FRESH) && are_adjoints_unset(emitter, slot, 1);
+    const jet_tape *tape = emitter->tape;
     bool has_any = false;
     for (const jet_run *run = first; run < end; run++)
         for (int term = run->term; term < run->term + run->terms; term++) {
             if (tape->term_slot[term] != slot) continue;
-            if (!has_any) jet_text_add(a->text, "    bar[%d] = ", slot);
-            if (!has_any && !is_fresh) jet_text_add(a->text, "bar[%d]", slot);
-            jet_text_add(a->text, has_any || !is_fresh ? " + %a * bar[%d]" : "%a * bar[%d]",
-                         tape->term_coefficient[term], run->z);
+            if (!has_any) jet_text_append(emitter->text, "    bar[%d] = ", slot);
+            if (!has_any && !is_fresh) jet_text_append(emitter->text, "bar[%d]", slot);
+            jet_text_append(emitter->text, has_any || !is_fresh ? " + %a * bar[%d]" : "%a * bar[%d]",
+                            tape->term_coefficient[term], run->z);
             has_any = true;
         }
-    if (has_any) jet_text_add(a->text, ";\n");
-    if (has_any) touch(a, slot, 1, is_fresh);
+    if (has_any) jet_text_append(emitter->text, ";\n");
+    if (has_any) mark_adjoints_set(emitter, slot, 1, is_fresh);
 }
 
-static void emit_sums_back(const adjoints *a, const jet_run *first, const jet_run *end, const char *name)
+static void emit_sum_adjoints_function(const adjoint_emitter *emitter, const jet_run *first, const jet_run *end,
+                                       const char *name)
 {
-    jet_text_add(a->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", name, (int)(first - a->tape->run));
-    for (int slot = 0; slot < first->z; slot++) emit_contributions(a, first, end, slot);
-    jet_text_add(a->text, "}\n");
+    jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", name,
+                    (int)(first - emitter->tape->run));
+    for (int slot = 0; slot < first->z; slot++) emit_adjoint_contributions(emitter, first, end, slot);
+    jet_text_append(emitter->text, "}\n");
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-/* Writes the adjoints in the order of a sweep. */
-static void emit(const adjoints *a, const char *name)
+/* Writes the adjoint functions, and marks the operands that are assigned, in the order in which the sweep runs. */
+static void emit_all_adjoints(const adjoint_emitter *emitter, const char *name)
 {
-    touch_before(a);
-    for (jet_run *run = a->tape->run + a->tape->runs; run-- > a->tape->run;) {
-        const jet_run *first = jet_is_sum(run) ? jet_first_sum(a->tape, run) : NULL;
-        if (first && jet_end_of_sums(a->tape, first) == run + 1) emit_sums_back(a, first, run + 1, name);
-        else if (is_gathered(run)) mark_fresh(a, run);
-        else if (!first) touch_all(a, run);
+    mark_initially_set_adjoints(emitter);
+    for (jet_run *run = emitter->tape->run + emitter->tape->runs; run-- > emitter->tape->run;) {
+        const jet_run *first = jet_is_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
+        if (first && jet_end_of_adjacent_sums(emitter->tape, first) == run + 1)
+            emit_sum_adjoints_function(emitter, first, run + 1, name);
+        else if (adds_to_own_order_alone(run)) mark_assigned_operands(emitter, run);
+        else if (!first) mark_operand_adjoints_set(emitter, run);
     }
-    emit_clear(a, name);
+    emit_clear_function(emitter, name);
 }
 
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name)
 {
     bool *all = calloc(2 * (size_t)tape->slots, sizeof *all);
-    if (all) emit(&(adjoints){text, tape, all, all + tape->slots}, name);
-    else text->failed = true;
+    if (all) emit_all_adjoints(&(adjoint_emitter){text, tape, all, all + tape->slots}, name);
+    else text->is_incomplete = true;
     free(all);
 }

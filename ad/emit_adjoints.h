@@ -1,20 +1,23 @@
-/* emit_adjoints.h - Writes the adjoints of generated code. For sums in a row, each operand collects what all sums
- * contribute to it. The first contribution to a slot is an assignment, so that the slot need not be cleared before. */
+/* emit_adjoints.h - Writes the adjoint functions of generated code; emit.c calls it. The contributions of adjacent
+ * sums to an operand are summed in one statement. The first contribution to a slot is assigned, so that the slot
+ * need not be set to 0 before. */
 #ifndef TVI_AD_EMIT_ADJOINTS_H
 #define TVI_AD_EMIT_ADJOINTS_H
 
 #include "tape.h"
 #include "text.h"
 
-/* Tells whether a run is a sum, on a tape whose sums stand alone. */
-static inline bool jet_is_sum(const jet_run *run) { return run->op == OP_LINEAR && run->count == 1; }
+/* Tells whether a run is a single sum, on a tape on which each sum is a run of its own. */
+static inline bool jet_is_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
 
-/* The first sum in the row of sums that contains the sum `run`, and the end of this row. No sum in it reads another. */
-const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run);
-const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first);
+/* Return the first sum in the sequence of adjacent sums that contains `run`, and the end of the sequence that begins
+ * with `first`. No sum of a sequence reads another one. */
+const jet_run *jet_first_adjacent_sum(const jet_tape *tape, const jet_run *run);
+const jet_run *jet_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first);
 
-/* Writes NAME_sums_back_i(bar), the adjoints of the sums from run i on, and NAME_clear(bar). NAME_clear is called for
- * all orders before anything is added to other slots than the inputs, which it leaves alone. Sets jet_run.fresh. */
+/* Writes NAME_sums_back_i(bar), which computes the adjoints of the sums from run i on, and NAME_clear(bar), which
+ * sets those adjoints to 0 that are added to before they are assigned, except those of the inputs. NAME_clear is
+ * called for all orders at first. Also sets jet_run.assigned_operands. */
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name);
 
 #endif

@@ -1,26 +1,29 @@
-/* emitted.h - Defines the sweeps of generated code (emit.h), which includes it after the rules: T is the tape's name,
- * T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name), PRODUCTS(T, i, squares, terms),
- * SCATTERED(T, i, squares, terms), of values alone, LINEAR(T, i, terms), ANGLES(T, i, next), sines and the cosines of
- * the same angles, or PAIRED(T, i, next), products with the same factor, whose other factors are adjacent, and
- * T_RUNS_BACK in the other order, of tapes that have adjoints, with SUMS(T, i) for sums in a row from run i on, whose
- * adjoints are T_sums_back_i. */
+/* emitted.h - Defines the sweeps of generated code as macros. The generated text (emit.h) contains this file after the
+ * rules.
+ *
+ * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each
+ * run in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); SCATTERED(T, i, squares, terms)
+ * for products with scattered operands, on tapes of values; LINEAR(T, i, terms); ANGLES(T, i, next) for sines and
+ * the cosines of the same angles; or PAIRED(T, i, next) for two products with one factor in common, whose other
+ * factors are adjacent. For adjoints it defines T_RUNS_BACK, the same list in reverse order. There SUMS(T, i) stands
+ * for the adjacent sums from run i on, whose adjoint function is T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
 #include "sums.h"
 
-/* If several operations need positive operands, and these are a few vectors (T_is_watched), the least operands stay in
- * registers, and are tested once, after all operations. */
-enum { JET_WATCHED = 8 };
-JET_INLINE bool jet_is_watched(const jet_run *run, int lanes)
+/* If several operations need positive operands, and each has only a few vectors of them, T_tracks_minimum is set.
+ * The least operand of each lane then stays in a register, and is tested once, after all operations. */
+enum { JET_TRACKED_LANES = 8 };
+JET_INLINE bool jet_is_minimum_tracked(const jet_run *run, int lanes)
 {
-    return jet_needs_positive(run) && run->count == 1 && lanes <= JET_WATCHED && lanes % 4 == 0;
+    return jet_needs_positive_operand(run) && run->operation_count == 1 && lanes <= JET_TRACKED_LANES && lanes % 4 == 0;
 }
 
-JET_INLINE int jet_watched_lanes(int lanes) { return lanes < JET_WATCHED ? lanes : JET_WATCHED; }
+JET_INLINE int jet_tracked_lane_count(int lanes) { return lanes < JET_TRACKED_LANES ? lanes : JET_TRACKED_LANES; }
 
-/* Updates the least operands. A NaN is allowed. */
-JET_INLINE void jet_watch(const double *a, int lanes, double *least)
+/* Updates the least operand of each lane. A NaN is allowed and ignored. */
+JET_INLINE void jet_track_minimum(const double *a, int lanes, double *least)
 {
     JET_IN_VECTORS
     for (int w = 0; w < lanes; w++) least[w] = a[w] < least[w] ? a[w] : least[w];
@@ -28,35 +31,39 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 
 #define VALUES_RULE(T, i, name)                                                                                        \
     {                                                                                                                  \
-        const bool is_inside = name##_value(T##_run[i].c, T##_run[i].count * lanes, x + T##_run[i].a * lanes,          \
-                                            x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);                       \
-        if (T##_is_watched && jet_is_watched(&T##_run[i], lanes)) jet_watch(x + T##_run[i].a * lanes, lanes, least);   \
+        const bool is_inside =                                                                                         \
+            evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,         \
+                            x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);                                       \
+        if (T##_tracks_minimum && jet_is_minimum_tracked(&T##_run[i], lanes))                                          \
+            jet_track_minimum(x + T##_run[i].a * lanes, lanes, least);                                                 \
         else inside &= is_inside;                                                                                      \
     }
-#define VALUES_ANGLES(T, i, next)              jet_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
-#define VALUES_PRODUCTS(T, i, squares, terms)  values_of(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_SCATTERED(T, i, squares, terms) scattered_values_of(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_PAIRED(T, i, next)              VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
+#define VALUES_ANGLES(T, i, next)             jet_compute_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
+#define VALUES_PRODUCTS(T, i, squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_SCATTERED(T, i, squares, terms)                                                                         \
+    compute_scattered_product_values(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_PAIRED(T, i, next) VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
-    linear_order_of(&T, &T##_run[i], x, lanes, terms);                                                                 \
-    add_numbers(&T, &T##_run[i], x, lanes);
+    compute_linear_order(&T, &T##_run[i], x, lanes, terms);                                                            \
+    add_constant_terms(&T, &T##_run[i], x, lanes);
 
-#define ORDER_LINEAR(T, i, x, terms) linear_order_of(&T, &T##_run[i], x + k * T.slots * lanes, lanes, terms);
+#define ORDER_LINEAR(T, i, x, terms) compute_linear_order(&T, &T##_run[i], x + k * T.slots * lanes, lanes, terms);
 
-#define SERIES_RULE(T, i, name)               name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
-#define SERIES_ANGLES(T, i, next)             SERIES_RULE(T, i, sin) SERIES_RULE(T, next, cos)
-#define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
-#define SERIES_PAIRED(T, i, next)             paired_series_of(&T, &T##_run[i], &T##_run[next], x, k);
-#define SERIES_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, x, terms)
+#define SERIES_RULE(T, i, name)   name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
+#define SERIES_ANGLES(T, i, next) SERIES_RULE(T, i, sin) SERIES_RULE(T, next, cos)
+#define SERIES_PRODUCTS(T, i, squares, terms)                                                                          \
+    compute_product_series_order(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
+#define SERIES_PAIRED(T, i, next)  compute_paired_product_series(&T, &T##_run[i], &T##_run[next], x, k);
+#define SERIES_LINEAR(T, i, terms) ORDER_LINEAR(T, i, x, terms)
 
 #define TANGENTS_RULE(T, i, name)   name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
 #define TANGENTS_ANGLES(T, i, next) TANGENTS_RULE(T, i, sin) TANGENTS_RULE(T, next, cos)
 #define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
-    tangents_of(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
+    compute_product_tangents(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
 #define TANGENTS_PAIRED(T, i, next)  TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
-/* Tangents of order 0, with one direction along each lane of x. */
+/* Tangents of order 0, along one direction for each lane of x. */
 #define IN_LANES_RULE(T, i, name)                                                                                      \
     {                                                                                                                  \
         const jet_run all = jet_flatten_lanes(&T##_run[i], lanes);                                                     \
@@ -64,22 +71,22 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
     }
 #define IN_LANES_ANGLES(T, i, next) IN_LANES_RULE(T, i, sin) IN_LANES_RULE(T, next, cos)
 #define IN_LANES_PRODUCTS(T, i, squares, terms)                                                                        \
-    tangents_of(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
+    compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
 #define IN_LANES_PAIRED(T, i, next)  IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
-#define IN_LANES_LINEAR(T, i, terms) linear_order_of(&T, &T##_run[i], dx, lanes, terms);
+#define IN_LANES_LINEAR(T, i, terms) compute_linear_order(&T, &T##_run[i], dx, lanes, terms);
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
-#define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
+#define ADJOINTS_PRODUCTS(T, i, squares, terms) add_product_adjoints(&T, &T##_run[i], x, bar, k, top, squares, terms);
 #define ADJOINTS_PAIRED(T, i, next)             ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
-#define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
+#define ADJOINTS_LINEAR(T, i, terms)            add_linear_adjoints(&T, &T##_run[i], bar + k * T.slots, terms);
 #define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
-/* Clears numbers. Slots that no adjoint writes first have to be 0 before. */
+/* Sets numbers to 0. Adjoints that are added to before they are assigned must be 0 at first. */
 #define JET_CLEAR(V, S) *(V *)(x + here) = (V){0};
-JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, ); }
+JET_INLINE void jet_set_to_zero(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, ); }
 
-/* The instruction set that the code is compiled for. */
+/* The instruction set for which this code is compiled. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
 #define JET_GENERATED_ISA jet_isa_avx512
 #elif defined(__AVX2__) && defined(__FMA__)
@@ -88,8 +95,9 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 #define JET_GENERATED_ISA jet_isa_base
 #endif
 
-/* Define the sweeps of tape.h, to be inlined with constants. The number of lanes is a constant in each, since compilers
- * optimise a function before they inline it. Large functions of many lanes are inlined NEVER. */
+/* The following macros define the sweeps of tape.h for the tape T. The number of lanes is an enumeration constant in
+ * each function, since compilers optimise a function before they inline it. INLINED is ALWAYS, or NEVER for large
+ * functions of many lanes. */
 #define ALWAYS JET_INLINE
 #define NEVER  JET_APART
 #define JET_GENERATED_VALUES(T, LANES, INLINED)                                                                        \
@@ -97,18 +105,18 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
         bool inside = true;                                                                                            \
-        double least[JET_WATCHED];                                                                                     \
-        JET_IN_VECTORS for (int w = 0; w < JET_WATCHED; w++) least[w] = 1;                                             \
+        double least[JET_TRACKED_LANES];                                                                               \
+        JET_IN_VECTORS for (int w = 0; w < JET_TRACKED_LANES; w++) least[w] = 1;                                       \
         T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_PAIRED, VALUES_LINEAR);         \
-        if (T##_is_watched) inside &= is_positive(jet_watched_lanes(lanes), least);                                    \
+        if (T##_tracks_minimum) inside &= are_all_positive(jet_tracked_lane_count(lanes), least);                      \
         return inside;                                                                                                 \
     }
 
-/* Calls the values for the lanes of one register. */
+/* Calls the value function for the lanes of one register. */
 #define VALUES_OF(T, x, width) ((width) == 8 ? T##_values_8(x) : (width) == 4 ? T##_values_4(x) : T##_values_2(x))
 
-/* Define values of operations that stand alone, for the lanes of one register after the other, so that they stay in
- * registers. Only the outputs are kept. */
+/* The following macros define a value function that processes the lanes of one register after the other, so that all
+ * intermediate values stay in registers. It stores only the outputs. */
 #define IN_A_REGISTER(V, T)                                                                                            \
     {                                                                                                                  \
         enum { width = sizeof(V) / sizeof(double) };                                                                   \
@@ -123,7 +131,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
             *(V *)(x + T##_output[i] * lanes + here) = *(const V *)(y + T##_output[i] * width);                        \
         }                                                                                                              \
     }
-/* The limits are constants, so that no block is compiled that does not occur. */
+/* The loop limits are constants, so that blocks that do not occur are not compiled. */
 #ifdef JET_WIDE
 #define IN_REGISTERS(T)                                                                                                \
     for (int here = 0; here < lanes / 8 * 8; here += 8) IN_A_REGISTER(jet_v8, T)                                       \
@@ -144,7 +152,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
         return inside;                                                                                                 \
     }
 
-/* Only tapes of values have scattered operands. */
+/* Stands for SCATTERED on tapes of series, which have no scattered operands. */
 #define NONE(T, i, squares, terms)
 
 #define JET_GENERATED_SERIES(T)                                                                                        \

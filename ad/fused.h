@@ -1,11 +1,12 @@
-/* fused.h - multiplies and adds vectors with one rounding, where the processor has such an operation. It stands apart
- * from vector.h, as the compiler takes 0.3 s to read the header of all vector instructions. */
+/* fused.h - Multiplies and adds vectors with one rounding, if the processor has such an instruction. The kernels of
+ * the methods call it. It is no part of vector.h, since the compiler takes 0.3 s to read the header of the vector
+ * instructions. */
 #ifndef TVI_AD_FUSED_H
 #define TVI_AD_FUSED_H
 
 #include "vector.h"
 
-/* a b + c, rounded once */
+/* Computes a b + c, rounded once. */
 #ifdef __FMA__
 #include <immintrin.h>
 #define JET_FMA(V, a, b, c)    JET_FMA_OF(V, a, b, c)
@@ -30,7 +31,8 @@ JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
 #endif
 #endif
 
-/* a b + c, rounded once if there is such an operation. A number then has the same bits in vectors of every length. */
+/* Computes a b + c, rounded once if there is such an instruction. A number has the same bits in vectors of every
+ * length. */
 #ifdef __FMA__
 #define JET_FUSED(V, a, b, c) JET_FMA(V, a, b, c)
 #else

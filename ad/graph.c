@@ -1,5 +1,5 @@
-/* graph.c - Keeps the graph of one recording: its nodes, a hash table that finds equal nodes, and jets without a
- * node. */
+/* graph.c - Keeps the graph of one recording: its nodes, the hash table that finds equal nodes, and the poison
+ * nodes, which stand for operations that could not be recorded (docs/jets.md, section 1). */
 #include "graph.h"
 #include "refusal.h"
 #include "rule.h"
@@ -13,16 +13,16 @@ enum { CHUNK = 128 };
 
 struct jet_graph {
     bool open;
-    const char *name;      /* of its outputs */
-    const char *part_name; /* name of the operations from part_index on, or NULL */
+    const char *name;      /* Name of the outputs, for the texts of refusals. */
+    const char *part_name; /* Name of the operations from part_index on, or NULL. */
     int part_index;
-    bool out_of_memory; /* an operation was lost: no output is accepted any more */
+    bool out_of_memory; /* An operation could not be stored. All outputs are refused from then on. */
     int inputs, parameters, count, capacity;
-    /* Chunks of CHUNK nodes, so that handles stay valid as the graph grows. */
+    /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
     struct jet_node **nodes;
-    int slots; /* of the hash table, a power of two > 2 count */
+    int table_size; /* Size of the hash table: a power of two greater than twice the number of nodes. */
     struct jet_node **table;
-    /* How often the search for a node in the table met another one. */
+    /* Number of times that the search for a node in the hash table met another node. */
     long collisions;
 };
 
@@ -32,121 +32,123 @@ struct jet_graph {
 #define OUTSIDE(code, name)          POISON(JET_OUTSIDE + code, TVI_EDOMAIN, )
 static const struct jet_node poison_nodes[] = {JET_REASON_LIST(POISON) JET_RULE_LIST(OUTSIDE)};
 
-jet jet_poison(jet_reason reason) { return jet_of_node((struct jet_node *)&poison_nodes[reason]); }
+jet jet_make_poison(jet_reason reason) { return jet_from_node((struct jet_node *)&poison_nodes[reason]); }
 
-jet jet_poison_at(jet_op op, double operand)
+jet jet_make_domain_poison(jet_op op, double operand)
 {
     return (jet){operand, (struct jet_node *)&poison_nodes[JET_OUTSIDE + (int)op]};
 }
 
 bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
 
-jet jet_graph_of(int count, const jet x[], jet_graph **graph)
+jet jet_find_common_graph(int count, const jet x[], jet_graph **graph)
 {
     *graph = NULL;
     for (int i = 0; i < count; i++) {
         if (jet_is_poison(x[i])) return x[i];
         if (!x[i].node) {
-            if (!isfinite(x[i].number)) return jet_poison(JET_NOT_FINITE);
+            if (!isfinite(x[i].number)) return jet_make_poison(JET_NOT_FINITE);
             continue;
         }
-        if (*graph && x[i].node->graph != *graph) return jet_poison(JET_FOREIGN);
+        if (*graph && x[i].node->graph != *graph) return jet_make_poison(JET_FOREIGN);
         *graph = x[i].node->graph;
-        if (!(*graph)->open) return jet_poison(JET_FOREIGN);
+        if (!(*graph)->open) return jet_make_poison(JET_FOREIGN);
     }
     return jet_const(0);
 }
 
 /* ---- The graph --------------------------------------------------------------------------------------------------- */
 
-struct jet_node *jet_graph_node(const jet_graph *graph, int index)
+struct jet_node *jet_graph_node_at(const jet_graph *graph, int index)
 {
     return &graph->nodes[index / CHUNK][index % CHUNK];
 }
 
-int jet_graph_inputs(const jet_graph *graph) { return graph->inputs; }
-int jet_graph_count(const jet_graph *graph) { return graph->count; }
-jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_graph_node(graph, i)); }
-long jet_graph_collisions(const jet_graph *graph) { return graph->collisions; }
+int jet_graph_input_count(const jet_graph *graph) { return graph->inputs; }
+int jet_graph_node_count(const jet_graph *graph) { return graph->count; }
+jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_graph_node_at(graph, i)); }
+long jet_graph_hash_collisions(const jet_graph *graph) { return graph->collisions; }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
-void jet_graph_name(jet_graph *graph, const char *name) { graph->name = name; }
-void jet_graph_name_part(jet_graph *graph, const char *part)
+void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->name = name; }
+void jet_graph_begin_named_part(jet_graph *graph, const char *part)
 {
     graph->part_index = graph->count;
     graph->part_name = part;
 }
 
-const char *jet_graph_part_name(const jet_graph *graph, int *index)
+const char *jet_graph_get_named_part(const jet_graph *graph, int *index)
 {
     *index = graph->part_index;
     return graph->part_name;
 }
 
-void jet_graph_lose(jet_graph *graph) { graph->out_of_memory = true; }
+void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->out_of_memory = true; }
 
-static uint64_t mix(uint64_t hash, uint64_t word)
+static uint64_t mix_into_hash(uint64_t hash, uint64_t word)
 {
     hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
     return hash ^ (hash >> 29);
 }
 
-static uint64_t bits(double value)
+static uint64_t double_bits(double value)
 {
     uint64_t word;
     memcpy(&word, &value, sizeof word);
     return word;
 }
 
-/* The hash of what the node is computed from. Its partner follows from that. */
-static uint64_t node_hash(const struct jet_node *node)
+/* Computes the hash of a node's operation, number and operands. The partner is left out, since these determine it. */
+static uint64_t hash_node(const struct jet_node *node)
 {
-    uint64_t hash = mix((uint64_t)node->op, bits(node->number));
-    if (node->op == OP_INPUT) hash = mix(hash, (uint64_t)node->index);
-    if (node->op == OP_PARAMETER) hash = mix(hash, (uint64_t)node->which);
-    if (node->a) hash = mix(hash, (uint64_t)node->a->index);
-    if (node->b) hash = mix(hash, (uint64_t)node->b->index);
+    uint64_t hash = mix_into_hash((uint64_t)node->op, double_bits(node->number));
+    if (node->op == OP_INPUT) hash = mix_into_hash(hash, (uint64_t)node->index);
+    if (node->op == OP_PARAMETER) hash = mix_into_hash(hash, (uint64_t)node->which);
+    if (node->a) hash = mix_into_hash(hash, (uint64_t)node->a->index);
+    if (node->b) hash = mix_into_hash(hash, (uint64_t)node->b->index);
     for (int i = 0; i < node->count; i++)
-        hash = mix(mix(hash, bits(node->terms[i].coefficient)), (uint64_t)node->terms[i].node->index);
+        hash = mix_into_hash(mix_into_hash(hash, double_bits(node->terms[i].coefficient)),
+                             (uint64_t)node->terms[i].node->index);
     return hash;
 }
 
-static bool same_node(const struct jet_node *x, const struct jet_node *y)
+static bool are_nodes_equal(const struct jet_node *x, const struct jet_node *y)
 {
-    if (x->op != y->op || bits(x->number) != bits(y->number) || x->count != y->count) return false;
+    if (x->op != y->op || double_bits(x->number) != double_bits(y->number) || x->count != y->count) return false;
     if (x->op == OP_INPUT) return x->index == y->index;
     if (x->op == OP_PARAMETER) return x->which == y->which;
     if (x->a != y->a || x->b != y->b) return false;
     for (int i = 0; i < x->count; i++)
-        if (x->terms[i].node != y->terms[i].node || bits(x->terms[i].coefficient) != bits(y->terms[i].coefficient))
+        if (x->terms[i].node != y->terms[i].node ||
+            double_bits(x->terms[i].coefficient) != double_bits(y->terms[i].coefficient))
             return false;
     return true;
 }
 
-/* The node's place in the table, or the empty place where it belongs. */
-static struct jet_node **table_slot(jet_graph *graph, const struct jet_node *node)
+/* Returns the hash table's entry for an equal node, or the empty entry where the node belongs. */
+static struct jet_node **find_table_entry(jet_graph *graph, const struct jet_node *node)
 {
-    const uint64_t mask = (uint64_t)graph->slots - 1;
-    uint64_t i = node_hash(node) & mask;
-    for (; graph->table[i] && !same_node(graph->table[i], node); i = (i + 1) & mask) graph->collisions++;
+    const uint64_t mask = (uint64_t)graph->table_size - 1;
+    uint64_t i = hash_node(node) & mask;
+    for (; graph->table[i] && !are_nodes_equal(graph->table[i], node); i = (i + 1) & mask) graph->collisions++;
     return &graph->table[i];
 }
 
-static bool grow_table(jet_graph *graph)
+static bool grow_hash_table(jet_graph *graph)
 {
-    const int slots = graph->slots ? 2 * graph->slots : 4 * CHUNK;
-    struct jet_node **table = calloc((size_t)slots, sizeof *table);
+    const int table_size = graph->table_size ? 2 * graph->table_size : 4 * CHUNK;
+    struct jet_node **table = calloc((size_t)table_size, sizeof *table);
     if (!table) return false;
     free(graph->table);
     graph->table = table;
-    graph->slots = slots;
+    graph->table_size = table_size;
     for (int i = 0; i < graph->count; i++) {
-        struct jet_node *node = jet_graph_node(graph, i);
-        *table_slot(graph, node) = node;
+        struct jet_node *node = jet_graph_node_at(graph, i);
+        *find_table_entry(graph, node) = node;
     }
     return true;
 }
 
-static bool reserve(jet_graph *graph)
+static bool reserve_node(jet_graph *graph)
 {
     if (graph->count == graph->capacity) {
         struct jet_node **nodes = realloc(graph->nodes, (size_t)(graph->capacity / CHUNK + 1) * sizeof *nodes);
@@ -156,35 +158,35 @@ static bool reserve(jet_graph *graph)
         if (!nodes[graph->capacity / CHUNK]) return false;
         graph->capacity += CHUNK;
     }
-    return graph->slots > 2 * graph->count + 2 || grow_table(graph);
+    return graph->table_size > 2 * graph->count + 2 || grow_hash_table(graph);
 }
 
-struct jet_node *jet_graph_record(jet_graph *graph, struct jet_node wanted, bool *is_new)
+struct jet_node *jet_graph_find_or_record(jet_graph *graph, struct jet_node wanted, bool *is_new)
 {
     *is_new = false;
-    if (!reserve(graph)) {
+    if (!reserve_node(graph)) {
         free(wanted.terms);
-        jet_graph_lose(graph);
+        jet_graph_mark_out_of_memory(graph);
         return NULL;
     }
     wanted.graph = graph;
     wanted.index = graph->count;
-    struct jet_node **slot = table_slot(graph, &wanted);
+    struct jet_node **slot = find_table_entry(graph, &wanted);
     if (*slot) {
         free(wanted.terms);
         return *slot;
     }
     *is_new = true;
-    *slot = jet_graph_node(graph, graph->count++);
+    *slot = jet_graph_node_at(graph, graph->count++);
     **slot = wanted;
     return *slot;
 }
 
-jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted)
+jet jet_graph_record_as_jet(jet_graph *graph, struct jet_node wanted)
 {
     bool is_new;
-    struct jet_node *node = jet_graph_record(graph, wanted, &is_new);
-    return node ? jet_of_node(node) : jet_poison(JET_NO_MEMORY);
+    struct jet_node *node = jet_graph_find_or_record(graph, wanted, &is_new);
+    return node ? jet_from_node(node) : jet_make_poison(JET_NO_MEMORY);
 }
 
 jet_graph *jet_graph_create(int inputs)
@@ -193,7 +195,7 @@ jet_graph *jet_graph_create(int inputs)
     if (!graph) return NULL;
     graph->open = true;
     graph->name = "output";
-    for (int i = 0; i < inputs; i++) (void)jet_graph_record_jet(graph, (struct jet_node){.op = OP_INPUT});
+    for (int i = 0; i < inputs; i++) (void)jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_INPUT});
     graph->inputs = inputs;
     if (graph->out_of_memory) {
         jet_graph_free(graph);
@@ -205,46 +207,46 @@ jet_graph *jet_graph_create(int inputs)
 void jet_graph_free(jet_graph *graph)
 {
     if (!graph) return;
-    for (int i = 0; i < graph->count; i++) free(jet_graph_node(graph, i)->terms);
+    for (int i = 0; i < graph->count; i++) free(jet_graph_node_at(graph, i)->terms);
     for (int i = 0; i < graph->capacity / CHUNK; i++) free(graph->nodes[i]);
     free(graph->nodes);
     free(graph->table);
     free(graph);
 }
 
-jet jet_graph_constant(jet_graph *graph, double value)
+jet jet_graph_record_constant(jet_graph *graph, double value)
 {
-    return jet_graph_record_jet(graph, (struct jet_node){.op = OP_CONST, .number = value});
+    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_CONST, .number = value});
 }
 
-/* The parameter with this index; NULL: there is none. */
-static const struct jet_node *find_parameter(const jet_graph *graph, int which)
+/* Finds the node of the parameter with this index. Returns NULL if there is none. */
+static const struct jet_node *find_parameter_node(const jet_graph *graph, int which)
 {
     for (int i = 0; i < graph->count; i++) {
-        const struct jet_node *node = jet_graph_node(graph, i);
+        const struct jet_node *node = jet_graph_node_at(graph, i);
         if (node->op == OP_PARAMETER && node->which == which) return node;
     }
     return NULL;
 }
 
-jet jet_graph_parameter(jet_graph *graph, int which, double value)
+jet jet_graph_record_parameter(jet_graph *graph, int which, double value)
 {
-    const struct jet_node *same = find_parameter(graph, which);
-    if (same && bits(same->number) != bits(value)) return jet_poison(JET_TWO_VALUES);
+    const struct jet_node *same = find_parameter_node(graph, which);
+    if (same && double_bits(same->number) != double_bits(value)) return jet_make_poison(JET_TWO_VALUES);
     if (which >= graph->parameters) graph->parameters = which + 1;
-    return jet_graph_record_jet(graph, (struct jet_node){.op = OP_PARAMETER, .which = which, .number = value});
+    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_PARAMETER, .which = which, .number = value});
 }
 
-int jet_graph_parameters(const jet_graph *graph) { return graph->parameters; }
+int jet_graph_parameter_count(const jet_graph *graph) { return graph->parameters; }
 
-tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
+tvi_status jet_graph_accept_outputs(jet_graph *graph, int outputs, jet output[])
 {
     for (int i = 0; i < outputs; i++) {
         const bool is_number = !output[i].node && isfinite(output[i].number);
-        if (is_number) output[i] = jet_graph_constant(graph, output[i].number);
-        if (graph->out_of_memory) return jet_refuse_memory(TVI_ENOMEM);
+        if (is_number) output[i] = jet_graph_record_constant(graph, output[i].number);
+        if (graph->out_of_memory) return jet_explain_out_of_memory(TVI_ENOMEM);
         if (!output[i].node || output[i].node->graph != graph)
-            return jet_refuse_output(graph->name, outputs, i, output[i]);
+            return jet_explain_refused_output(graph->name, outputs, i, output[i]);
     }
     return TVI_OK;
 }

@@ -1,8 +1,9 @@
-/* graph.h - Declares the graph that records a function: a directed graph of operations on jets. It is internal to the
- * library.
+/* graph.h - Declares the graph that records a function: a directed graph whose nodes are operations on jets
+ * (docs/jets.md, section 1). The systems record the user's functions with it.
  *
- * A graph is open while the user's function runs, and closed afterwards; a closed graph is never written to. Constants
- * are folded and equal nodes shared as they are recorded, so that what the user wrote twice is computed once. */
+ * A graph is open while the user's function runs, and closed afterwards; a closed graph never changes. Operations on
+ * constants are folded, and equal nodes are recorded once, so that an expression that the user wrote twice is
+ * computed once. */
 #ifndef TVI_AD_GRAPH_H
 #define TVI_AD_GRAPH_H
 
@@ -11,12 +12,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The operations that are left after folding. A sum of multiples is one LINEAR node: add, sub, neg, sum, scaling by a
- * number and adding a number. A partner w is another series that the recurrence of z needs (see rule.h). */
+/* The operations that remain after folding. All sums, differences, multiples and added numbers become LINEAR nodes.
+ * A partner w is another series that the recurrence of z needs (rule.h). */
 typedef enum {
     OP_INPUT,
     OP_CONST,
-    OP_PARAMETER, /* a constant that may be changed when the recording is run */
+    OP_PARAMETER, /* A constant that may be changed before a sweep. */
     OP_LINEAR,    /* z = number + sum_i coefficient_i node_i        */
     OP_MUL,       /* z = a b                                        */
     OP_SQR,       /* z = a^2                                        */
@@ -41,7 +42,7 @@ typedef enum {
     OP_ASINH,     /* z' =  a' / w, w = sqrt(1 + a^2)                */
     OP_ACOSH,     /* z' =  a' / w, w = sqrt((a-1)(a+1))             */
     OP_ATANH,     /* z' =  a' / w, w = (1-a)(1+a)                   */
-    /* only on a tape: */
+    /* The following operations exist only on tapes. */
     OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
     OP_SQUARES,  /* z = sum_i coefficient_i a_i^2   */
     OP_COUNT
@@ -49,7 +50,8 @@ typedef enum {
 
 typedef struct jet_graph jet_graph;
 
-/* The reasons why a jet has no value. JET_OUTSIDE + op: the operation has no power series there. */
+/* Lists the reasons why a jet has no value, each with its status and text. JET_OUTSIDE + op is the reason of an
+ * operation outside its domain, where it has no power series. */
 #define JET_REASON_LIST(ROW)                                                                                           \
     ROW(JET_UNSET, TVI_EINVAL, "was not set")                                                                          \
     ROW(JET_FOREIGN, TVI_EINVAL, "is made of jets of another recording, or of one that has ended")                     \
@@ -64,86 +66,93 @@ typedef struct jet_graph jet_graph;
 typedef enum { JET_REASON_LIST(JET_REASON_NAME) JET_OUTSIDE } jet_reason;
 #undef JET_REASON_NAME
 
+/* One term of a sum. */
 typedef struct jet_term {
     double coefficient;
     struct jet_node *node;
 } jet_term;
 
 struct jet_node {
-    jet_graph *graph; /* NULL: a poison node */
+    jet_graph *graph; /* The graph that the node belongs to; NULL: the node is poison. */
     jet_op op;
-    int index;          /* order of recording: operands come first, partners may come later */
-    double number;      /* CONST, PARAMETER: the value; POW: the exponent; LINEAR: the number added */
-    struct jet_node *a; /* the operand */
-    struct jet_node *b; /* the second operand, or NULL */
-    struct jet_node *w; /* the partner, or NULL */
-    jet_term *terms;    /* LINEAR                                                           */
-    int count;          /* number of terms; of a poison node its jet_reason */
-    int mark;           /* scratch of walks through the graph */
-    int which;          /* PARAMETER: its index; the last member (tests/ad/test_sharing.c) */
+    /* Number of the node in the order of recording. Its operands have smaller numbers; a partner may have a larger
+     * one. */
+    int index;
+    double number;      /* CONST and PARAMETER: the value. POW: the exponent. LINEAR: the constant term. */
+    struct jet_node *a; /* First operand, or NULL. */
+    struct jet_node *b; /* Second operand, or NULL. */
+    struct jet_node *w; /* Partner, or NULL. */
+    jet_term *terms;    /* LINEAR: the terms */
+    int count;          /* Number of terms. Poison node: its jet_reason. */
+    int mark;           /* Scratch while a sum is recorded: the node's place among the terms. */
+    int which;          /* PARAMETER: its index. It is the last member (tests/ad/test_sharing.c). */
 };
 
-/* Creates an open graph, whose first nodes are its inputs. NULL without memory. */
+/* Creates an open graph, whose first nodes are its inputs. Returns NULL if memory is lacking. */
 jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
-/* Sets the name of the outputs for refusals, in static text. */
-void jet_graph_name(jet_graph *graph, const char *name);
-/* Sets the name for refusals of the operations from here on, which are not the user's own, in static text. */
-void jet_graph_name_part(jet_graph *graph, const char *part);
-/* The name that was set, and the index of the first of these operations; NULL if there are none. */
-const char *jet_graph_part_name(const jet_graph *graph, int *index);
+/* Sets the name of the outputs in texts of refusals. The name must be static. */
+void jet_graph_set_output_name(jet_graph *graph, const char *name);
+/* Sets the name of all operations that are recorded from here on, for texts of refusals. They are derived from the
+ * user's operations, such as the energy of a Lagrangian. The name must be static. */
+void jet_graph_begin_named_part(jet_graph *graph, const char *part);
+/* Returns that name, and in *index the index of the first of these operations. NULL: no name was set. */
+const char *jet_graph_get_named_part(const jet_graph *graph, int *index);
 void jet_graph_free(jet_graph *graph);
 
-/* The node equal to `wanted`, recorded now if it is new. The graph owns the terms of `wanted` then. NULL without
- * memory. */
-struct jet_node *jet_graph_record(jet_graph *graph, struct jet_node wanted, bool *is_new);
-/* The jet of this node; poison without memory. */
-jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted);
-jet jet_graph_constant(jet_graph *graph, double value);
+/* Returns the node that equals `wanted`, and records it if there is none. The graph then owns the terms of `wanted`.
+ * Returns NULL if memory is lacking. */
+struct jet_node *jet_graph_find_or_record(jet_graph *graph, struct jet_node wanted, bool *is_new);
+/* The same as a jet, which is poison if memory is lacking. */
+jet jet_graph_record_as_jet(jet_graph *graph, struct jet_node wanted);
+jet jet_graph_record_constant(jet_graph *graph, double value);
 /* A number that may be replaced in later runs (jet_parameter). TVI_EINVAL: it was recorded with another value. */
-jet jet_graph_parameter(jet_graph *graph, int which, double value);
+jet jet_graph_record_parameter(jet_graph *graph, int which, double value);
 /* 1 + the largest index of a parameter. */
-int jet_graph_parameters(const jet_graph *graph);
+int jet_graph_parameter_count(const jet_graph *graph);
 /* Records that an operation was lost for want of memory. No output is accepted any more. */
-void jet_graph_lose(jet_graph *graph);
+void jet_graph_mark_out_of_memory(jet_graph *graph);
 
-int jet_graph_inputs(const jet_graph *graph);
+int jet_graph_input_count(const jet_graph *graph);
 jet jet_graph_input(const jet_graph *graph, int i);
-int jet_graph_count(const jet_graph *graph);
-/* How often the search for a node met another one that was recorded before. */
-long jet_graph_collisions(const jet_graph *graph);
-struct jet_node *jet_graph_node(const jet_graph *graph, int index);
+int jet_graph_node_count(const jet_graph *graph);
+/* Returns the number of times that a search for a node met another node in the hash table. */
+long jet_graph_hash_collisions(const jet_graph *graph);
+struct jet_node *jet_graph_node_at(const jet_graph *graph, int index);
 
-static inline jet jet_of_node(struct jet_node *node) { return (jet){0, node}; }
+static inline jet jet_from_node(struct jet_node *node) { return (jet){0, node}; }
 
-/* Finds the open graph that all nodes among x belong to; NULL if all are numbers. Returns the poison that an operation
- * on x is to return, otherwise a number. */
-jet jet_graph_of(int count, const jet x[], jet_graph **graph);
-/* A jet without a graph that stands for the reason, as do all jets made of it. Its node's index is the status. */
-jet jet_poison(jet_reason reason);
-/* The poison of an operation outside its domain, with its operand. */
-jet jet_poison_at(jet_op op, double operand);
+/* Finds the open graph that all nodes among x belong to, NULL if all are numbers. Returns poison if no operation on
+ * x can be recorded, otherwise a number. */
+jet jet_find_common_graph(int count, const jet x[], jet_graph **graph);
+/* Returns a poison jet, which belongs to no graph and holds the reason. All jets made from it are the same poison.
+ * The index of its node is the status. */
+jet jet_make_poison(jet_reason reason);
+/* Returns the poison of an operation outside its domain, with the operand. */
+jet jet_make_domain_poison(jet_op op, double operand);
 bool jet_is_poison(jet x);
-/* A jet that no operation has set. Outputs are filled with it before the user's function runs. */
-static inline jet jet_unset(void) { return jet_poison(JET_UNSET); }
-/* Makes the jets outputs of the open graph: its nodes stay, finite numbers become constant nodes. Any other jet is
- * refused, and jet_refusal gives the reason. */
-tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
+/* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
+ * set. */
+static inline jet jet_make_unset(void) { return jet_make_poison(JET_UNSET); }
+/* Makes jets outputs of the open graph. Nodes of the graph stay as they are, and finite numbers become constant
+ * nodes. Any other jet is refused, with a text (jet_last_refusal_text). */
+tvi_status jet_graph_accept_outputs(jet_graph *graph, int outputs, jet output[]);
 
-/* Records an operation from OP_SQRT on, except OP_POW. b is ignored if the operation has one operand. */
-jet jet_record_op(jet_op op, jet a, jet b);
+/* Records one of the operations from OP_SQRT on, except OP_POW. b is ignored if the operation has one operand. */
+jet jet_record_operation(jet_op op, jet a, jet b);
 
-/* Records sum_i coefficient[i] x[i]. Equal nodes are collected, numbers folded. */
-jet jet_linear(int count, const double coefficient[], const jet x[]);
-/* Records gradient[i] = d output / d input_i, i < inputs, into the same open graph, by reverse accumulation. The
- * gradient is poison if the output is not a jet of the graph. Returns false without memory. */
-bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
+/* Records the sum of coefficient[i] x[i]. Terms with equal nodes are merged, and numbers are added up. */
+jet jet_record_linear_combination(int count, const double coefficient[], const jet x[]);
+/* Records gradient[i] = d output / d input_i, i < inputs, into the open graph of the output, by reverse
+ * accumulation. The gradient is poison if the output is no jet of the graph. Returns false if memory is lacking. */
+bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
 
-/* Records outputs of a closed graph once more into the open graph `to`, with the jets of `input`, all different, in the
- * place of the inputs: value[i] = output_i. rate[i] is its derivative as the inputs move along `direction` and the
- * parameters along `parameter_direction`, NULL: not at all (forward accumulation). Results are poison if one of their
- * inputs is. The closed graph is only read. Returns false without memory. */
-bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[],
-              const jet parameter_direction[], int outputs, const jet output[], jet value[], jet rate[]);
+/* Records outputs of the closed graph `source` once more into the open graph `target`, with the jets `input`, all
+ * different, in the place of the inputs. value[i] is output i. rate[i] is its derivative by forward accumulation, as
+ * the inputs move along `direction` and the parameters along `parameter_direction`; NULL: the parameters do not
+ * move. Results are poison if one of their inputs is. Returns false if memory is lacking. */
+bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
+                                    const jet direction[], const jet parameter_direction[], int outputs,
+                                    const jet output[], jet value[], jet rate[]);
 
 #endif

@@ -1,4 +1,5 @@
-/* isa.c - Chooses the instruction set that tapes run with. Rules and sweeps are compiled once for each set. */
+/* isa.c - Chooses the instruction set with which tapes run. The rules and the sweeps are compiled once for each
+ * instruction set. */
 #include "tape.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@ static bool has_avx512(void)
            __builtin_cpu_supports("avx512vl");
 }
 
-const jet_sweeps *jet_sweeps_choose(void)
+const jet_sweeps *jet_choose_sweeps_for_processor(void)
 {
     const char *wish = getenv("TVI_ISA");
     if (wish && strcmp(wish, "base") == 0) return &jet_sweeps_base;
@@ -25,5 +26,5 @@ const jet_sweeps *jet_sweeps_choose(void)
     return has_avx2() ? &jet_sweeps_avx2 : &jet_sweeps_base;
 }
 #else
-const jet_sweeps *jet_sweeps_choose(void) { return &jet_sweeps_base; }
+const jet_sweeps *jet_choose_sweeps_for_processor(void) { return &jet_sweeps_base; }
 #endif

@@ -1,119 +1,126 @@
-/* lift.c - Records functions and their derivatives along a direction into another graph, by forward accumulation. */
+/* lift.c - Records a closed graph once more into another graph, together with its derivative along a direction, by
+ * forward accumulation (docs/jets.md, section 1). The systems of tangent maps and the tapes of events call it. */
 #include "graph.h"
 #include "rule.h"
 
 #include <stdlib.h>
 
 typedef struct {
-    const jet_graph *from;
-    jet_graph *to;
-    const jet *parameter_direction; /* directions; NULL: zeros */
-    bool *needed;                   /* [count] nodes of `from` that an output depends on */
-    jet *value, *rate;              /* [count] in the open graph */
-    jet *term;                      /* scratch for the terms of one node, and its number */
-    double *coefficient;
-} lifting;
+    const jet_graph *source;
+    jet_graph *target;
+    const jet *parameter_direction; /* Direction of each parameter; NULL: all are 0. */
+    bool *is_needed;                /* [nodes] Tells whether an output depends on the node of `source`. */
+    jet *value, *rate;              /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
+    jet *term_jets;                 /* Scratch: the operands of a sum, and 1 for its constant term. */
+    double *term_coefficients;
+} forward_recording;
 
-static void mark_needed(lifting *l, int count, int outputs, const jet output[])
+static void mark_needed_nodes(forward_recording *recording, int count, int outputs, const jet output[])
 {
-    for (int i = 0; i < outputs; i++) l->needed[output[i].node->index] = true;
+    for (int i = 0; i < outputs; i++) recording->is_needed[output[i].node->index] = true;
     for (int i = count - 1; i >= 0; i--) {
-        const struct jet_node *z = jet_graph_node(l->from, i);
-        if (!l->needed[i]) continue;
-        if (z->a) l->needed[z->a->index] = true;
-        if (z->b) l->needed[z->b->index] = true;
-        for (int term = 0; term < z->count; term++) l->needed[z->terms[term].node->index] = true;
+        const struct jet_node *z = jet_graph_node_at(recording->source, i);
+        if (!recording->is_needed[i]) continue;
+        if (z->a) recording->is_needed[z->a->index] = true;
+        if (z->b) recording->is_needed[z->b->index] = true;
+        for (int term = 0; term < z->count; term++) recording->is_needed[z->terms[term].node->index] = true;
     }
 }
 
-/* number + sum_i coefficient_i x_i */
-static jet combine(const lifting *l, const struct jet_node *z, const jet x[], double number)
+/* Records number + sum_i coefficient_i x_i, with the coefficients of the sum z. */
+static jet combine_operands(const forward_recording *recording, const struct jet_node *z, const jet x[], double number)
 {
     for (int term = 0; term < z->count; term++) {
-        l->coefficient[term] = z->terms[term].coefficient;
-        l->term[term] = x[z->terms[term].node->index];
+        recording->term_coefficients[term] = z->terms[term].coefficient;
+        recording->term_jets[term] = x[z->terms[term].node->index];
     }
-    l->coefficient[z->count] = 1;
-    l->term[z->count] = jet_const(number);
-    return jet_linear(z->count + 1, l->coefficient, l->term);
+    recording->term_coefficients[z->count] = 1;
+    recording->term_jets[z->count] = jet_const(number);
+    return jet_record_linear_combination(z->count + 1, recording->term_coefficients, recording->term_jets);
 }
 
-static jet value_of(const lifting *l, const struct jet_node *z)
+static jet record_value(const forward_recording *recording, const struct jet_node *z)
 {
-    const jet a = z->a ? l->value[z->a->index] : jet_const(0);
-    const jet b = z->b ? l->value[z->b->index] : jet_const(0);
+    const jet a = z->a ? recording->value[z->a->index] : jet_const(0);
+    const jet b = z->b ? recording->value[z->b->index] : jet_const(0);
     switch (z->op) {
     case OP_CONST: return jet_const(z->number);
-    case OP_PARAMETER: return jet_graph_parameter(l->to, z->which, z->number);
-    case OP_LINEAR: return combine(l, z, l->value, z->number);
+    case OP_PARAMETER: return jet_graph_record_parameter(recording->target, z->which, z->number);
+    case OP_LINEAR: return combine_operands(recording, z, recording->value, z->number);
     case OP_SQR: return jet_sqr(a);
     case OP_MUL: return jet_mul(a, b);
     case OP_DIV: return jet_div(a, b);
     case OP_POW: return jet_pow(a, z->number);
-    case OP_SECH2: (void)jet_tanh(a); /* fall through: the series of tanh reads this one, which must stand before it */
-    default: return jet_record_op(z->op, a, b);
+    case OP_SECH2:
+        (void)jet_tanh(
+            a); /* The tape needs sech^2 before tanh, whose series reads it. Falls through to record sech^2 itself. */
+    default: return jet_record_operation(z->op, a, b);
     }
 }
 
-/* dz = z_a da + z_b db. The pull of a rule gives z-bar times z_a or z_b for any z-bar, here da or db. */
-static jet rate_of(const lifting *l, const struct jet_node *z, jet value)
+/* Records dz = z_a da + z_b db. A rule's pullback is z-bar times z_a or z_b for any z-bar; here da or db takes the
+ * place of z-bar. */
+static jet record_derivative(const forward_recording *recording, const struct jet_node *z, jet value)
 {
     if (z->op == OP_CONST) return jet_const(0);
-    if (z->op == OP_PARAMETER) return l->parameter_direction ? l->parameter_direction[z->which] : jet_const(0);
-    if (z->op == OP_LINEAR) return combine(l, z, l->rate, 0);
+    if (z->op == OP_PARAMETER)
+        return recording->parameter_direction ? recording->parameter_direction[z->which] : jet_const(0);
+    if (z->op == OP_LINEAR) return combine_operands(recording, z, recording->rate, 0);
     if (!value.node || !value.node->graph) return value;
     const jet_rule *rule = jet_rules[z->op];
-    const jet da = l->rate[z->a->index];
-    if (!z->b) return rule->pull(value.node, da, 0);
-    const jet db = l->rate[z->b->index];
-    const bool swapped = z->op == OP_MUL && value.node->a != l->value[z->a->index].node;
-    return jet_add(rule->pull(value.node, da, swapped), rule->pull(value.node, db, !swapped));
+    const jet da = recording->rate[z->a->index];
+    if (!z->b) return rule->record_pullback(value.node, da, 0);
+    const jet db = recording->rate[z->b->index];
+    const bool swapped = z->op == OP_MUL && value.node->a != recording->value[z->a->index].node;
+    return jet_add(rule->record_pullback(value.node, da, swapped), rule->record_pullback(value.node, db, !swapped));
 }
 
-static bool allocate(lifting *l, int count)
+static bool allocate_forward_recording(forward_recording *recording, int count)
 {
     int terms = 0;
     for (int i = 0; i < count; i++) {
-        const int of_node = jet_graph_node(l->from, i)->count;
+        const int of_node = jet_graph_node_at(recording->source, i)->count;
         terms = of_node > terms ? of_node : terms;
     }
     const size_t nodes = (size_t)count + 1, most = (size_t)terms + 1;
-    l->needed = calloc(nodes, sizeof *l->needed);
-    l->value = calloc(nodes, sizeof *l->value);
-    l->rate = calloc(nodes, sizeof *l->rate);
-    l->term = calloc(most, sizeof *l->term);
-    l->coefficient = calloc(most, sizeof *l->coefficient);
-    return l->needed && l->value && l->rate && l->term && l->coefficient;
+    recording->is_needed = calloc(nodes, sizeof *recording->is_needed);
+    recording->value = calloc(nodes, sizeof *recording->value);
+    recording->rate = calloc(nodes, sizeof *recording->rate);
+    recording->term_jets = calloc(most, sizeof *recording->term_jets);
+    recording->term_coefficients = calloc(most, sizeof *recording->term_coefficients);
+    return recording->is_needed && recording->value && recording->rate && recording->term_jets &&
+           recording->term_coefficients;
 }
 
-static void lift_nodes(lifting *l, int count, const jet input[], const jet direction[])
+static void record_all_nodes(forward_recording *recording, int count, const jet input[], const jet direction[])
 {
     for (int i = 0; i < count; i++) {
-        const struct jet_node *z = jet_graph_node(l->from, i);
-        if (!l->needed[i]) continue;
-        l->value[i] = z->op == OP_INPUT ? input[i] : value_of(l, z);
-        l->rate[i] = z->op == OP_INPUT ? direction[i] : rate_of(l, z, l->value[i]);
+        const struct jet_node *z = jet_graph_node_at(recording->source, i);
+        if (!recording->is_needed[i]) continue;
+        recording->value[i] = z->op == OP_INPUT ? input[i] : record_value(recording, z);
+        recording->rate[i] = z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
     }
 }
 
-bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[],
-              const jet parameter_direction[], int outputs, const jet output[], jet value[], jet rate[])
+bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
+                                    const jet direction[], const jet parameter_direction[], int outputs,
+                                    const jet output[], jet value[], jet rate[])
 {
-    lifting l = {.from = from, .to = to, .parameter_direction = parameter_direction};
-    const int count = jet_graph_count(from);
-    const bool allocated = allocate(&l, count);
+    forward_recording recording = {.source = source, .target = target, .parameter_direction = parameter_direction};
+    const int count = jet_graph_node_count(source);
+    const bool allocated = allocate_forward_recording(&recording, count);
     if (allocated) {
-        mark_needed(&l, count, outputs, output);
-        lift_nodes(&l, count, input, direction);
+        mark_needed_nodes(&recording, count, outputs, output);
+        record_all_nodes(&recording, count, input, direction);
         for (int i = 0; i < outputs; i++) {
-            value[i] = l.value[output[i].node->index];
-            rate[i] = l.rate[output[i].node->index];
+            value[i] = recording.value[output[i].node->index];
+            rate[i] = recording.rate[output[i].node->index];
         }
     }
-    free(l.needed);
-    free(l.value);
-    free(l.rate);
-    free(l.term);
-    free(l.coefficient);
+    free(recording.is_needed);
+    free(recording.value);
+    free(recording.rate);
+    free(recording.term_jets);
+    free(recording.term_coefficients);
     return allocated;
 }

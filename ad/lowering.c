@@ -1,296 +1,314 @@
-/* lowering.c - Gives the nodes of a graph their slots on a tape. It drops nodes that no output needs, orders the others
- * by levels, and gives equal operations adjacent slots. */
+/* lowering.c - Gives the nodes of a graph their slots on a tape (lowering.h). It drops the nodes that no output
+ * needs, sorts the others into levels, and gives equal operations with adjacent operands adjacent slots. */
 #include "devices.h"
 #include "lowering.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static int max(int a, int b) { return a > b ? a : b; }
+static int larger_int(int a, int b) { return a > b ? a : b; }
 
 /* ---- What is needed ---------------------------------------------------------------------------------------------- */
 
-/* Marks all nodes that the outputs depend on. Partners may have been recorded after the nodes that need them, so the
- * walk is repeated until it finds nothing new. */
-static void mark_needed(lowering *low, int inputs, int outputs, const jet output[])
+/* Marks all nodes that the outputs depend on. A partner may have been recorded after the node that needs it; the
+ * walk is therefore repeated until it finds nothing new. */
+static void mark_needed_nodes(graph_lowering *lowering, int inputs, int outputs, const jet output[])
 {
-    for (int i = 0; i < inputs; i++) low->needed[i] = true;
-    for (int i = 0; i < outputs; i++) low->needed[output[i].node->index] = true;
+    for (int i = 0; i < inputs; i++) lowering->is_node_needed[i] = true;
+    for (int i = 0; i < outputs; i++) lowering->is_node_needed[output[i].node->index] = true;
     bool again;
     do {
         again = false;
-        for (int i = low->count - 1; i >= 0; i--) {
-            if (!low->needed[i]) continue;
-            const struct jet_node *z = jet_graph_node(low->graph, i);
-            if (z->a) low->needed[z->a->index] = true;
-            if (z->b) low->needed[z->b->index] = true;
-            for (int term = 0; term < z->count; term++) low->needed[z->terms[term].node->index] = true;
-            if (!keeps_partner(low, z) || low->needed[z->w->index]) continue;
-            low->needed[z->w->index] = true;
+        for (int i = lowering->node_count - 1; i >= 0; i--) {
+            if (!lowering->is_node_needed[i]) continue;
+            const struct jet_node *z = jet_graph_node_at(lowering->graph, i);
+            if (z->a) lowering->is_node_needed[z->a->index] = true;
+            if (z->b) lowering->is_node_needed[z->b->index] = true;
+            for (int term = 0; term < z->count; term++) lowering->is_node_needed[z->terms[term].node->index] = true;
+            if (!needs_partner(lowering, z) || lowering->is_node_needed[z->w->index]) continue;
+            lowering->is_node_needed[z->w->index] = true;
             again = again || z->w->index > i;
         }
     } while (again);
 }
 
-static void count_uses(lowering *low, int outputs, const jet output[])
+static void count_node_uses(graph_lowering *lowering, int outputs, const jet output[])
 {
-    for (int i = 0; i < outputs; i++) low->uses[output[i].node->index]++;
-    for (int i = 0; i < low->count; i++) {
-        if (!low->needed[i]) continue;
-        const struct jet_node *z = jet_graph_node(low->graph, i);
-        if (z->a) low->uses[z->a->index]++;
-        if (z->b) low->uses[z->b->index]++;
-        if (keeps_partner(low, z)) low->uses[z->w->index]++;
-        for (int term = 0; term < z->count; term++) low->uses[z->terms[term].node->index]++;
+    for (int i = 0; i < outputs; i++) lowering->use_counts[output[i].node->index]++;
+    for (int i = 0; i < lowering->node_count; i++) {
+        if (!lowering->is_node_needed[i]) continue;
+        const struct jet_node *z = jet_graph_node_at(lowering->graph, i);
+        if (z->a) lowering->use_counts[z->a->index]++;
+        if (z->b) lowering->use_counts[z->b->index]++;
+        if (needs_partner(lowering, z)) lowering->use_counts[z->w->index]++;
+        for (int term = 0; term < z->count; term++) lowering->use_counts[z->terms[term].node->index]++;
     }
 }
 
-static bool is_product(const struct jet_node *z) { return z->op == OP_MUL || z->op == OP_SQR; }
+static bool is_product_node(const struct jet_node *z) { return z->op == OP_MUL || z->op == OP_SQR; }
 
-/* The operation of a node's run. A sum of products that nothing else needs is one operation. */
-static jet_op operation(const lowering *low, const struct jet_node *z)
+/* Returns the operation that computes the node on the tape. A sum of products becomes one operation, PRODUCTS or
+ * SQUARES, if nothing else reads its products. */
+static jet_op chosen_operation(const graph_lowering *lowering, const struct jet_node *z)
 {
-    if (is_product(z)) return z->op == OP_SQR ? OP_SQUARES : OP_PRODUCTS;
+    if (is_product_node(z)) return z->op == OP_SQR ? OP_SQUARES : OP_PRODUCTS;
     if (!JET_HAS(TERMS) || z->op != OP_LINEAR || z->number != 0 || z->count > JET_TERMS_MAX) return z->op;
     jet_op op = OP_SQUARES;
     for (int term = 0; term < z->count; term++) {
         const struct jet_node *product = z->terms[term].node;
-        if (!is_product(product) || low->uses[product->index] != 1) return z->op;
+        if (!is_product_node(product) || lowering->use_counts[product->index] != 1) return z->op;
         if (product->op == OP_MUL) op = OP_PRODUCTS;
     }
     return op;
 }
 
-/* The operand of a pair that is read at the order being computed; NULL: none. */
-static const struct jet_node *operand_of(const lowering *low, const placement *z, int pair, int which)
+/* Returns an operand of the node: the first (which = 0) or second (which = 1) factor of a pair. The partner counts
+ * as the second operand if it is read at the order that is being computed. NULL: there is no such operand. */
+static const struct jet_node *operand_node(const graph_lowering *lowering, const tape_placement *z, int pair, int which)
 {
-    const struct jet_node *read = term_of(z, pair).node;
+    const struct jet_node *read = sum_term(z, pair).node;
     if (which == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
-    return reads_partner(low, read) ? read->w : read->b;
+    return reads_partner_at_same_order(lowering, read) ? read->w : read->b;
 }
 
-/* Chooses the operations of the needed nodes. Products that become part of a sum are no longer needed. */
-static void choose_operations(lowering *low, int outputs, const jet output[])
+/* Chooses the operations of all needed nodes. Products that become terms of a sum of products are no longer needed
+ * themselves. */
+static void choose_all_operations(graph_lowering *lowering, int outputs, const jet output[])
 {
-    count_uses(low, outputs, output);
-    for (int i = 0; i < low->count; i++) {
-        if (!low->needed[i]) continue;
-        placement *z = &low->placements[i];
-        z->node = jet_graph_node(low->graph, i);
-        z->op = operation(low, z->node);
+    count_node_uses(lowering, outputs, output);
+    for (int i = 0; i < lowering->node_count; i++) {
+        if (!lowering->is_node_needed[i]) continue;
+        tape_placement *z = &lowering->placements[i];
+        z->node = jet_graph_node_at(lowering->graph, i);
+        z->op = chosen_operation(lowering, z->node);
         z->rank = z->slot = -1;
-        z->operand = low->operands + low->pairs;
-        if (is_sum_of_products(z->op)) z->pairs = z->node->op == OP_LINEAR ? z->node->count : 1;
-        else z->pairs = jet_rules[z->op] ? 1 : 0;
-        low->pairs += z->pairs;
+        z->operand = lowering->operands + lowering->pair_count;
+        if (is_sum_of_products_op(z->op)) z->pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
+        else z->pair_count = jet_rules[z->op] ? 1 : 0;
+        lowering->pair_count += z->pair_count;
         if (z->op == z->node->op || z->node->op != OP_LINEAR) continue;
-        for (int term = 0; term < z->node->count; term++) low->needed[z->node->terms[term].node->index] = false;
+        for (int term = 0; term < z->node->count; term++)
+            lowering->is_node_needed[z->node->terms[term].node->index] = false;
     }
-    memset(low->uses, 0, (size_t)low->count * sizeof *low->uses);
-    for (int i = outputs; i-- > 0;) low->placements[output[i].node->index].output = i + 1;
+    memset(lowering->use_counts, 0, (size_t)lowering->node_count * sizeof *lowering->use_counts);
+    for (int i = outputs; i-- > 0;) lowering->placements[output[i].node->index].output_number = i + 1;
 }
 
 /* ---- The order --------------------------------------------------------------------------------------------------- */
 
-static int level_of(const lowering *low, const struct jet_node *node)
+static int node_level(const graph_lowering *lowering, const struct jet_node *node)
 {
-    return node ? low->placements[node->index].level : 0;
+    return node ? lowering->placements[node->index].level : 0;
 }
 
-static void find_levels(lowering *low)
+static void assign_levels(graph_lowering *lowering)
 {
-    for (int i = 0; i < low->count; i++) {
-        if (!low->needed[i]) continue;
-        placement *z = &low->placements[i];
-        for (int pair = 0; pair < z->pairs; pair++)
+    for (int i = 0; i < lowering->node_count; i++) {
+        if (!lowering->is_node_needed[i]) continue;
+        tape_placement *z = &lowering->placements[i];
+        for (int pair = 0; pair < z->pair_count; pair++)
             for (int which = 0; which < 2; which++)
-                z->level = max(z->level, level_of(low, operand_of(low, z, pair, which)) + 1);
-        if (z->pairs == 0)
+                z->level = larger_int(z->level, node_level(lowering, operand_node(lowering, z, pair, which)) + 1);
+        if (z->pair_count == 0)
             for (int term = 0; term < z->node->count; term++)
-                z->level = max(z->level, level_of(low, z->node->terms[term].node) + 1);
-        low->levels[low->needed_count++] = z;
+                z->level = larger_int(z->level, node_level(lowering, z->node->terms[term].node) + 1);
+        lowering->nodes_by_level[lowering->needed_count++] = z;
     }
 }
 
-static int by_level(const void *first, const void *second)
+static int compare_by_level(const void *first, const void *second)
 {
-    const placement *x = *(placement *const *)first, *y = *(placement *const *)second;
+    const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
 }
 
-static void claim(const lowering *low, const struct jet_node *node, int rank)
+static void set_rank_if_unset(const graph_lowering *lowering, const struct jet_node *node, int rank)
 {
-    if (node && low->placements[node->index].rank < 0) low->placements[node->index].rank = rank;
+    if (node && lowering->placements[node->index].rank < 0) lowering->placements[node->index].rank = rank;
 }
 
-/* Ranks the operations of a level. The rank of an operation on two operands is how often one of these was read before
- * at the level. The rank of any other is that of the first such reader, or its place among the terms of the first sum
- * that reads it. As an example, x, y and z of the distances of many pairs are squared and summed, and each is
- * multiplied by one function of the pair: the x come first, then the y, and the operations of one rank read adjacent
- * slots. */
-static void rank_operations(lowering *low, placement *level[], int count)
+/* Ranks the operations of a level, so that operations of one rank read adjacent slots. The rank of an operation with
+ * two operands is the number of operations before it that read one of these operands. The rank of any other
+ * operation is that of the first such reader, or its place among the terms of the first sum that reads it. As an
+ * example, let x, y and z be the components of the distances of many pairs; they are squared and summed, and each is
+ * multiplied by a function of its pair. Then all x have one rank, all y the next, and all z the third. */
+static void rank_operations(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
-        placement *z = level[i];
-        for (int pair = 0; pair < z->pairs; pair++) {
-            const struct jet_node *a = operand_of(low, z, pair, 0), *b = operand_of(low, z, pair, 1);
-            if (b) z->rank = max(z->rank, max(low->uses[a->index]++, low->uses[b->index]++));
-            if (!b && z->pairs == 1) continue;
-            claim(low, a, z->pairs > 1 ? pair : z->rank);
-            claim(low, b, z->pairs > 1 ? pair : z->rank);
+        tape_placement *z = level[i];
+        for (int pair = 0; pair < z->pair_count; pair++) {
+            const struct jet_node *a = operand_node(lowering, z, pair, 0), *b = operand_node(lowering, z, pair, 1);
+            if (b)
+                z->rank =
+                    larger_int(z->rank, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
+            if (!b && z->pair_count == 1) continue;
+            set_rank_if_unset(lowering, a, z->pair_count > 1 ? pair : z->rank);
+            set_rank_if_unset(lowering, b, z->pair_count > 1 ? pair : z->rank);
         }
     }
     for (int i = 0; i < count; i++)
-        for (int pair = 0; pair < level[i]->pairs; pair++)
+        for (int pair = 0; pair < level[i]->pair_count; pair++)
             for (int which = 0; which < 2; which++) {
-                const struct jet_node *read = operand_of(low, level[i], pair, which);
-                if (read) low->uses[read->index] = 0;
+                const struct jet_node *read = operand_node(lowering, level[i], pair, which);
+                if (read) lowering->use_counts[read->index] = 0;
             }
 }
 
-static int compare(double a, double b) { return (a > b) - (a < b); }
+static int compare_numbers(double a, double b) { return (a > b) - (a < b); }
 
-static int compare_coefficients(const placement *x, const placement *y)
+static int compare_coefficients(const tape_placement *x, const tape_placement *y)
 {
-    for (int pair = 0; pair < x->pairs; pair++) {
-        const int order = compare(term_of(x, pair).coefficient, term_of(y, pair).coefficient);
+    for (int pair = 0; pair < x->pair_count; pair++) {
+        const int order = compare_numbers(sum_term(x, pair).coefficient, sum_term(y, pair).coefficient);
         if (order) return order;
     }
     return 0;
 }
 
-/* Compares two nodes of a level: 0 if they can be members of one run. */
-static int by_group(const placement *x, const placement *y)
+/* Compares two nodes of a level for sorting. The result is 0 if they can be operations of one run. */
+static int compare_run_groups(const tape_placement *x, const tape_placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
-    if (x->pairs == 0) return x->node->count - y->node->count; /* sums of equally many terms stand together */
-    if (x->pairs != y->pairs) return x->pairs - y->pairs;
-    return jet_rules[x->node->op] ? compare(x->node->number, y->node->number) : compare_coefficients(x, y);
+    /* Sums of equally many terms are sorted together. */
+    if (x->pair_count == 0) return x->node->count - y->node->count;
+    if (x->pair_count != y->pair_count) return x->pair_count - y->pair_count;
+    return jet_rules[x->node->op] ? compare_numbers(x->node->number, y->node->number) : compare_coefficients(x, y);
 }
 
-/* Orders nodes of a level by group and rank, and then by the slots of the operands, so that adjacent results have
- * adjacent operands: by a first, or by b first. Sums that are outputs stand in the order of the outputs, after
- * others. */
-static int by_first_operand(const void *first, const void *second)
+/* Compares two nodes of a level for qsort: by group and rank, then by the slots of their operands, so that adjacent
+ * results have adjacent operands. compare_by_first_operand compares the slots of operand a first, and
+ * compare_by_second_operand those of operand b. Sums that are outputs come last, in the order of the outputs. */
+static int compare_by_first_operand(const void *first, const void *second)
 {
-    const placement *x = *(placement *const *)first, *y = *(placement *const *)second;
-    const int group = by_group(x, y);
+    const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
+    const int group = compare_run_groups(x, y);
     if (group) return group;
     if (x->level > 0 && x->rank != y->rank) return x->rank - y->rank;
-    if (x->pairs == 0)
-        return x->level > 0 && x->output != y->output ? x->output - y->output : x->node->index - y->node->index;
+    if (x->pair_count == 0)
+        return x->level > 0 && x->output_number != y->output_number ? x->output_number - y->output_number
+                                                                    : x->node->index - y->node->index;
     const int *of_x = x->operand[0], *of_y = y->operand[0];
     if (of_x[0] != of_y[0]) return of_x[0] - of_y[0];
     return of_x[1] != of_y[1] ? of_x[1] - of_y[1] : x->node->index - y->node->index;
 }
 
-static int by_second_operand(const void *first, const void *second)
+static int compare_by_second_operand(const void *first, const void *second)
 {
-    const placement *x = *(placement *const *)first, *y = *(placement *const *)second;
+    const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
     const int difference = x->operand[0][1] - y->operand[0][1];
-    return difference ? difference : by_first_operand(first, second);
+    return difference ? difference : compare_by_first_operand(first, second);
 }
 
-static void emit(lowering *low, placement *z)
+static void assign_next_slot(graph_lowering *lowering, tape_placement *z)
 {
-    z->slot = low->slots;
-    low->sorted[low->slots++] = z;
+    z->slot = lowering->slots;
+    lowering->nodes_by_slot[lowering->slots++] = z;
 }
 
-static bool is_contiguous(const lowering *low, placement *const group[], int count, int pair, int which)
+static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count, int pair,
+                                  int which)
 {
-    if (!operand_of(low, group[0], pair, which)) return true;
+    if (!operand_node(lowering, group[0], pair, which)) return true;
     for (int i = 1; i < count; i++)
         if (group[i]->operand[pair][which] != group[0]->operand[pair][which] + i) return false;
     return true;
 }
 
-static bool is_contiguous_by_rank(const lowering *low, placement *const group[], int count, int *ranks)
+static bool are_operands_adjacent_by_rank(const graph_lowering *lowering, tape_placement *const group[], int count,
+                                          int *ranks)
 {
     for (int begin = 0, end = 0; begin < count; begin = end, ++*ranks) {
         while (end < count && group[end]->rank == group[begin]->rank) end++;
-        for (int pair = 0; pair < group[0]->pairs; pair++)
+        for (int pair = 0; pair < group[0]->pair_count; pair++)
             for (int which = 0; which < 2; which++)
-                if (!is_contiguous(low, group + begin, end - begin, pair, which)) return false;
+                if (!are_operands_adjacent(lowering, group + begin, end - begin, pair, which)) return false;
     }
     return true;
 }
 
-/* Copies an operand that the members read at scattered slots to adjacent ones, so that they run as one. */
-static void gather(lowering *low, placement *group[], int count, int pair, int which)
+/* Copies an operand that the operations of a group read at scattered slots to adjacent slots, so that the group
+ * becomes one run. */
+static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_placement *group[], int count, int pair,
+                                            int which)
 {
-    if (is_contiguous(low, group, count, pair, which)) return;
+    if (are_operands_adjacent(lowering, group, count, pair, which)) return;
     for (int i = 0; i < count; i++) {
-        placement *copy = &low->placements[low->count + low->copies++];
-        *copy = (placement){.op = OP_LINEAR, .level = group[i]->level, .operand = low->operands + low->pairs++};
+        tape_placement *copy = &lowering->placements[lowering->node_count + lowering->copies++];
+        *copy = (tape_placement){
+            .op = OP_LINEAR, .level = group[i]->level, .operand = lowering->operands + lowering->pair_count++};
         copy->operand[0][0] = group[i]->operand[pair][which];
-        emit(low, copy);
+        assign_next_slot(lowering, copy);
         group[i]->operand[pair][which] = copy->slot;
     }
 }
 
-/* Arranges the operands of a group: by rank if that makes them contiguous, otherwise sorted by one operand, with the
- * others copied. Tapes of values read the operands where they are, unless ranks have at least SHORT members. */
+/* Arranges the operations of a group so that their operands are adjacent. If the order by rank does this, it is
+ * kept. Otherwise the group is sorted by one operand, and the other operand is copied to adjacent slots. Tapes of
+ * values read scattered operands where they are, unless each rank has at least SHORT operations on average. */
 enum { SHORT = 4 };
-static void gather_operands(lowering *low, placement *group[], int count)
+static void arrange_group_operands(graph_lowering *lowering, tape_placement *group[], int count)
 {
     int ranks = 0;
-    const bool by_rank = is_contiguous_by_rank(low, group, count, &ranks);
-    const bool is_scattered = JET_HAS(SCATTERED) && low->kind == JET_TAPE_VALUES && is_sum_of_products(group[0]->op) &&
-                              (!by_rank || count < SHORT * ranks);
+    const bool by_rank = are_operands_adjacent_by_rank(lowering, group, count, &ranks);
+    const bool is_scattered = JET_HAS(SCATTERED) && lowering->kind == JET_TAPE_VALUES &&
+                              is_sum_of_products_op(group[0]->op) && (!by_rank || count < SHORT * ranks);
     for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
     if (by_rank || is_scattered) return;
-    if (!is_contiguous(low, group, count, 0, 0) && !is_contiguous(low, group, count, 0, 1))
-        qsort(group, (size_t)count, sizeof *group, by_second_operand);
-    for (int pair = 0; pair < group[0]->pairs; pair++)
-        for (int which = 0; which < 2; which++) gather(low, group, count, pair, which);
+    if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
+        qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
+    for (int pair = 0; pair < group[0]->pair_count; pair++)
+        for (int which = 0; which < 2; which++) copy_operands_to_adjacent_slots(lowering, group, count, pair, which);
 }
 
-static int group_end(placement *const level[], int begin, int end)
+static int find_group_end(tape_placement *const level[], int begin, int end)
 {
     int last = begin + 1;
-    while (last < end && by_group(level[begin], level[last]) == 0) last++;
+    while (last < end && compare_run_groups(level[begin], level[last]) == 0) last++;
     return last;
 }
 
-/* Assigns the slots of a level: sums and copies first, then the other operations group by group. */
-static void emit_level(lowering *low, placement *level[], int count)
+/* Assigns the slots of a level: first those of sums and copies, then those of the other operations, group by group. */
+static void assign_slots_of_level(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++)
-        for (int pair = 0; pair < level[i]->pairs; pair++)
+        for (int pair = 0; pair < level[i]->pair_count; pair++)
             for (int which = 0; which < 2; which++)
-                level[i]->operand[pair][which] = slot_of(low, operand_of(low, level[i], pair, which));
-    qsort(level, (size_t)count, sizeof *level, by_first_operand);
+                level[i]->operand[pair][which] = node_slot(lowering, operand_node(lowering, level[i], pair, which));
+    qsort(level, (size_t)count, sizeof *level, compare_by_first_operand);
     for (int i = 0; i < count; i++)
-        if (level[i]->pairs == 0) emit(low, level[i]);
+        if (level[i]->pair_count == 0) assign_next_slot(lowering, level[i]);
     for (int begin = 0, end = 0; begin < count; begin = end) {
-        end = group_end(level, begin, count);
-        if (level[begin]->pairs > 0) gather_operands(low, level + begin, end - begin);
+        end = find_group_end(level, begin, count);
+        if (level[begin]->pair_count > 0) arrange_group_operands(lowering, level + begin, end - begin);
     }
     for (int i = 0; i < count; i++)
-        if (level[i]->pairs > 0) emit(low, level[i]);
+        if (level[i]->pair_count > 0) assign_next_slot(lowering, level[i]);
 }
 
-static void for_levels(lowering *low, void (*function)(lowering *low, placement *level[], int count))
+static void call_for_each_level(graph_lowering *lowering,
+                                void (*function)(graph_lowering *lowering, tape_placement *level[], int count))
 {
-    for (int begin = 0, end = 0; begin < low->needed_count; begin = end) {
-        while (end < low->needed_count && low->levels[end]->level == low->levels[begin]->level) end++;
-        function(low, low->levels + begin, end - begin);
+    for (int begin = 0, end = 0; begin < lowering->needed_count; begin = end) {
+        while (end < lowering->needed_count &&
+               lowering->nodes_by_level[end]->level == lowering->nodes_by_level[begin]->level)
+            end++;
+        function(lowering, lowering->nodes_by_level + begin, end - begin);
     }
 }
 
-/* Assigns slots level by level, since the order within a level depends on the slots of those below. */
-static void assign_slots(lowering *low)
+/* Assigns slots level by level, since the order of operations in a level depends on the slots of their operands, in
+ * lower levels. */
+static void assign_slots_by_level(graph_lowering *lowering)
 {
-    qsort(low->levels, (size_t)low->needed_count, sizeof *low->levels, by_level);
-    for_levels(low, rank_operations);
-    for_levels(low, emit_level);
+    qsort(lowering->nodes_by_level, (size_t)lowering->needed_count, sizeof *lowering->nodes_by_level, compare_by_level);
+    call_for_each_level(lowering, rank_operations);
+    call_for_each_level(lowering, assign_slots_of_level);
 }
 
-void jet_assign_slots(lowering *low, int inputs, int outputs, const jet output[])
+void jet_assign_slots(graph_lowering *lowering, int inputs, int outputs, const jet output[])
 {
-    mark_needed(low, inputs, outputs, output);
-    choose_operations(low, outputs, output);
-    find_levels(low);
-    assign_slots(low);
+    mark_needed_nodes(lowering, inputs, outputs, output);
+    choose_all_operations(lowering, outputs, output);
+    assign_levels(lowering);
+    assign_slots_by_level(lowering);
 }

@@ -1,63 +1,67 @@
-/* lowering.h - Gives the nodes of a graph their slots on a tape. tape.c calls it. */
+/* lowering.h - Declares the first part of the lowering of a graph to a tape, which gives the nodes their slots
+ * (docs/jets.md, section 2). tape.c calls it. */
 #ifndef TVI_AD_LOWERING_H
 #define TVI_AD_LOWERING_H
 
 #include "rule.h"
 #include "tape.h"
 
-/* The placement of a node on the tape. */
+/* The position of a node, or of a copy of one, on the tape. */
 typedef struct {
-    const struct jet_node *node; /* NULL: a copy of the first operand */
-    jet_op op;                   /* of its run */
-    int level;                   /* inputs and constants 0; otherwise one more than the highest operand */
-    int rank;                    /* see rank_operations */
-    int output;                  /* 1 and up in the order of the outputs; 0: none */
+    const struct jet_node *node; /* The node; NULL for a copy of the first operand. */
+    jet_op op;                   /* The operation that computes the node on the tape. */
+    int level;         /* Level: 0 for inputs and constants, otherwise one more than the highest level of an operand. */
+    int rank;          /* Place among the operations of its level (rank_operations). */
+    int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
-    /* The operands of the node and of its neighbours are not adjacent, and are not copied. */
+    /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */
     bool is_scattered;
-    int pairs;         /* LINEAR, inputs and constants 0; PRODUCTS and SQUARES the number of terms; otherwise 1 */
-    int (*operand)[2]; /* [pairs] slots of the operands that are read at the order being computed */
-} placement;
+    /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
+     * otherwise 1. */
+    int pair_count;
+    int (*operand)[2]; /* [pair_count] Slots of the operands that are read at the order that is being computed. */
+} tape_placement;
 
+/* The state of the lowering of one graph. */
 typedef struct {
     const jet_graph *graph;
     jet_tape_kind kind;
-    int count;             /* nodes in the graph */
-    bool *needed;          /* [count] */
-    int *uses;             /* [count] scratch, zeros */
-    placement *placements; /* [count] by node index, then the copies */
-    placement **levels;    /* [needed_count] the needed nodes by level */
-    placement **sorted;    /* [slots] nodes and copies in the order of their slots */
-    int (*operands)[2];
-    int needed_count, copies, slots, pairs;
-} lowering;
+    int node_count;                  /* Number of nodes in the graph. */
+    bool *is_node_needed;            /* [count] An output depends on the node. */
+    int *use_counts;                 /* [count] Number of operations that read the node; later scratch, all 0. */
+    tape_placement *placements;      /* Placements of all nodes by their index, followed by those of the copies. */
+    tape_placement **nodes_by_level; /* [needed_count] The needed nodes, sorted by level. */
+    tape_placement **nodes_by_slot;  /* [slots] Nodes and copies, sorted by slot. */
+    int (*operands)[2];              /* Memory for tape_placement.operand of all placements. */
+    int needed_count, copies, slots, pair_count;
+} graph_lowering;
 
-/* Finds the nodes that the outputs need, their operations, and their slots. */
-void jet_assign_slots(lowering *low, int inputs, int outputs, const jet output[]);
+/* Chooses the nodes that the outputs need, the operations that compute them, and their slots. */
+void jet_assign_slots(graph_lowering *lowering, int inputs, int outputs, const jet output[]);
 
-/* Tells whether the recurrence of z is run, which needs its partner. */
-static inline bool keeps_partner(const lowering *low, const struct jet_node *z)
+/* Tells whether the tape needs the partner of z, as all tapes of series do. */
+static inline bool needs_partner(const graph_lowering *lowering, const struct jet_node *z)
 {
-    return z->w && low->kind == JET_TAPE_SERIES;
+    return z->w && lowering->kind == JET_TAPE_SERIES;
 }
 
-/* Tells whether the order being computed of z reads the same order of the partner. */
-static inline bool reads_partner(const lowering *low, const struct jet_node *z)
+/* Tells whether order k of z is computed from order k of its partner. */
+static inline bool reads_partner_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
 {
-    return keeps_partner(low, z) && jet_rules[z->op]->partner == W_SAME;
+    return needs_partner(lowering, z) && jet_rules[z->op]->partner == W_SAME;
 }
 
-static inline bool is_sum_of_products(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
+static inline bool is_sum_of_products_op(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
 
-/* Term number `term` of a sum of products; a product itself has one term. */
-static inline jet_term term_of(const placement *z, int term)
+/* Returns a term of a sum of products. A product that stands alone is a sum of one term. */
+static inline jet_term sum_term(const tape_placement *z, int term)
 {
     return z->node->op == OP_LINEAR ? z->node->terms[term] : (jet_term){1, (struct jet_node *)z->node};
 }
 
-static inline int slot_of(const lowering *low, const struct jet_node *node)
+static inline int node_slot(const graph_lowering *lowering, const struct jet_node *node)
 {
-    return node ? low->placements[node->index].slot : 0;
+    return node ? lowering->placements[node->index].slot : 0;
 }
 
 #endif

@@ -1,4 +1,5 @@
-/* precise.c - Computes the values of a tape in long double, for single numbers in which large terms cancel. */
+/* precise.c - Computes the values of a tape in long double, for energies in which large terms cancel
+ * (jet_sweep_long_double_values). */
 #include "tape.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
     ROW(OP_SQR, a *a)                                                                                                  \
     ROW(OP_DIV, a / b)                                                                                                 \
     ROW(OP_SQRT, sqrtl(a))                                                                                             \
-    ROW(OP_POW, power(a, run->c))                                                                                      \
+    ROW(OP_POW, power_of_long_double(a, run->exponent))                                                                \
     ROW(OP_HYPOT, hypotl(a, b))                                                                                        \
     ROW(OP_ATAN2, atan2l(a, b))                                                                                        \
     ROW(OP_EXP, expl(a))                                                                                               \
@@ -29,8 +30,8 @@
     ROW(OP_ACOSH, acoshl(a))                                                                                           \
     ROW(OP_ATANH, atanhl(a))
 
-/* a^c; for c = k/2 without powl, which costs as much as twenty products. */
-static long double power(long double a, double c)
+/* Computes a^c. For c = k/2 it uses no powl, which costs as much as twenty products. */
+static long double power_of_long_double(long double a, double c)
 {
     enum { MOST = 16 };
     int k = (int)fmax(-MOST, fmin(2 * c, MOST));
@@ -42,7 +43,7 @@ static long double power(long double a, double c)
     return k < 0 ? 1 / product : product;
 }
 
-static long double value_of(const jet_run *run, long double a, long double b)
+static long double evaluate_operation(const jet_run *run, long double a, long double b)
 {
 #define VALUE(op, value)                                                                                               \
     case op: return value;
@@ -52,31 +53,31 @@ static long double value_of(const jet_run *run, long double a, long double b)
     }
 }
 
-static long double linear_of(const jet_tape *tape, const jet_run *run, int i, const long double *y)
+static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run, int i, const long double *values)
 {
-    long double sum = tape->base[run->first + i];
+    long double sum = tape->constant_terms[run->first_constant + i];
     for (int k = run->term + i * run->terms, end = k + run->terms; k < end; k++)
-        sum += tape->term_coefficient[k] * y[tape->term_slot[k]];
+        sum += tape->term_coefficient[k] * values[tape->term_slot[k]];
     return sum;
 }
 
-static long double product_of(const jet_tape *tape, const jet_run *run, int i, const long double *y)
+static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run, int i, const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_operand_b;
     const int k0 = run->term + (run->is_scattered ? i * run->terms : 0), at = run->is_scattered ? 0 : i;
     long double sum = 0;
     for (int k = k0; k < k0 + run->terms; k++)
-        sum += tape->term_coefficient[k] * y[tape->term_slot[k] + at] * y[second[k] + at];
+        sum += tape->term_coefficient[k] * values[tape->term_slot[k] + at] * values[second[k] + at];
     return sum;
 }
 
-void jet_sweep_precisely(const jet_tape *tape, const double *x, long double *y)
+void jet_sweep_long_double_values(const jet_tape *tape, const double *x, long double *values)
 {
-    for (int i = tape->inputs; i < tape->inputs + tape->constants; i++) y[i] = x[i];
+    for (int i = tape->inputs; i < tape->inputs + tape->constants; i++) values[i] = x[i];
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        for (int i = 0; i < run->count; i++)
-            y[run->z + i] = run->op == OP_LINEAR ? linear_of(tape, run, i, y)
-                            : run->op == OP_PRODUCTS || run->op == OP_SQUARES
-                                ? product_of(tape, run, i, y)
-                                : value_of(run, y[run->a + i], y[run->b + i]);
+        for (int i = 0; i < run->operation_count; i++)
+            values[run->z + i] = run->op == OP_LINEAR ? evaluate_linear_sum(tape, run, i, values)
+                                 : run->op == OP_PRODUCTS || run->op == OP_SQUARES
+                                     ? evaluate_product_sum(tape, run, i, values)
+                                     : evaluate_operation(run, values[run->a + i], values[run->b + i]);
 }

@@ -1,4 +1,4 @@
-/* refusal.c - Keeps the text of the last refusal, and finds the operation at which a sweep has failed. */
+/* refusal.c - Keeps the text of the last refusal (refusal.h), and finds the operation at which a sweep has failed. */
 #include "refusal.h"
 #include "rule.h"
 
@@ -21,51 +21,53 @@ tvi_status jet_refuse(tvi_status status, const char *format, ...)
     return status;
 }
 
-tvi_status jet_refuse_memory(tvi_status status)
+tvi_status jet_explain_out_of_memory(tvi_status status)
 {
     return status == TVI_ENOMEM ? jet_refuse(status, "out of memory") : status;
 }
 
-const char *jet_refusal(void) { return last; }
+const char *jet_last_refusal_text(void) { return last; }
 
 #define NAME(op, name) [op] = #name,
-static const char *const names[OP_COUNT] = {JET_RULE_LIST(NAME)};
+static const char *const operation_names[OP_COUNT] = {JET_RULE_LIST(NAME)};
 #define REASON(reason, status, text) [reason] = text,
-static const char *const reasons[] = {JET_REASON_LIST(REASON)};
+static const char *const reason_texts[] = {JET_REASON_LIST(REASON)};
 
-tvi_status jet_refuse_output(const char *name, int outputs, int i, jet x)
+tvi_status jet_explain_refused_output(const char *name, int outputs, int i, jet x)
 {
     const bool is_poison = jet_is_poison(x);
     const jet_reason reason = is_poison ? (jet_reason)x.node->count : x.node ? JET_FOREIGN : JET_NOT_FINITE;
     const tvi_status status = is_poison ? (tvi_status)x.node->index : x.node ? TVI_EINVAL : TVI_ENONFINITE;
     char called[64];
     (void)snprintf(called, sizeof called, outputs > 1 ? "%s[%d]" : "%s", name, i);
-    if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s", called, reasons[reason]);
+    if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s", called, reason_texts[reason]);
     return jet_refuse(status, "%s is made of jet_%s, which has no power series at %g", called,
-                      names[reason - JET_OUTSIDE], x.number);
+                      operation_names[reason - JET_OUTSIDE], x.number);
 }
 
-/* The divisor of a division, or the operand of any other operation. */
-static double operand_of(const jet_run *run, const double *x, int lanes, int member)
+/* Returns the operand that is outside the domain: the divisor of a division, or the first operand of any other
+ * operation. */
+static double offending_operand(const jet_run *run, const double *x, int lanes, int member)
 {
     return x[(run->op == OP_DIV ? run->b : run->a) * lanes + member];
 }
 
-bool jet_refuse_sweep(const jet_tape *tape, double *x, int lanes)
+bool jet_explain_failed_sweep(const jet_tape *tape, double *x, int lanes)
 {
     double z;
-    (void)tape->interpreted->values(tape, x, lanes); /* generated code may leave slots out */
+    (void)tape->interpreter_sweeps->values(tape, x, lanes); /* Generated code may not have stored all slots. */
     (void)jet_refuse(TVI_EDOMAIN, "an operation has no power series");
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (!names[run->op]) continue;
+        if (!operation_names[run->op]) continue;
         const double *a = x + (size_t)run->a * (size_t)lanes, *b = x + (size_t)run->b * (size_t)lanes;
-        for (int i = 0; i < run->count * lanes; i++) {
-            if (jet_rules[run->op]->value(run->c, 1, a + i, b + i, &z)) continue;
+        for (int i = 0; i < run->operation_count * lanes; i++) {
+            if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int member = i / lanes;
-            const bool is_part = tape->part && tape->recorded[run->z + member] >= tape->part_of;
+            const bool is_part =
+                tape->derived_part && tape->recording_index[run->z + member] >= tape->derived_part_first;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
-                             is_part ? tape->part : "", is_part ? ": " : "", names[run->op],
-                             operand_of(run, x, lanes, i), tape->recorded[run->z + member]);
+                             is_part ? tape->derived_part : "", is_part ? ": " : "", operation_names[run->op],
+                             offending_operand(run, x, lanes, i), tape->recording_index[run->z + member]);
             return false;
         }
     }

@@ -1,5 +1,5 @@
-/* roots.h - Defines vectors whose inverse roots start from an estimate, for rule_power.c. Before AVX-512 there is no
- * estimate in double precision, and roots and quotients take no longer. */
+/* roots.h - Defines vector operations for inverse square roots that start from an estimate; rule_power.c uses them.
+ * Processors without AVX-512 have no such estimate in double precision, and roots and quotients are as fast there. */
 #ifndef TVI_AD_ROOTS_H
 #define TVI_AD_ROOTS_H
 
@@ -10,13 +10,13 @@
 #include <immintrin.h>
 #define HAS_ROOTS
 #ifdef JET_WIDE
-typedef __m512d roots;
+typedef __m512d roots_vector;
 enum { ROOTS = 8 };
 #define OF_ROOTS(name)      _mm512_##name
 #define ROOTS_AND(a, bits)  _mm512_castsi512_pd(_mm512_and_si512(_mm512_castpd_si512(a), bits))
 #define ROOTS_ALL_BITS(one) _mm512_set1_epi64(one)
 #else
-typedef __m256d roots;
+typedef __m256d roots_vector;
 enum { ROOTS = 4 };
 #define OF_ROOTS(name)      _mm256_##name
 #define ROOTS_AND(a, bits)  _mm256_castsi256_pd(_mm256_and_si256(_mm256_castpd_si256(a), bits))
@@ -31,8 +31,8 @@ typedef __mmask8 roots_mask;
 #define ROOTS_STORE(mask, z, a)  OF_ROOTS(mask_storeu_pd)(z, mask, a)
 #define ROOTS_BITS(a, bits)      ROOTS_AND(a, ROOTS_ALL_BITS(bits))
 
-/* An estimate of a^(-1/2). */
-JET_INLINE roots roots_estimate(roots a) { return OF_ROOTS(rsqrt14_pd)(a); }
+/* Returns an estimate of a^(-1/2). */
+JET_INLINE roots_vector estimate_inverse_roots(roots_vector a) { return OF_ROOTS(rsqrt14_pd)(a); }
 
 #endif
 

@@ -1,4 +1,4 @@
-/* rule.c - Defines the table of rules. */
+/* rule.c - Defines the table of rules, which rule.h declares. */
 #include "rule.h"
 
 #define RULE(op, name) [op] = &JET_RULE_OF(name),

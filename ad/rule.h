@@ -1,58 +1,59 @@
-/* rule.h - Declares what each operation does in every kind of sweep. Each operation is a line of the table in rule.c.
- * The rules of a family share a file, rule_*.c, and within it a recurrence.
+/* rule.h - Declares the rule of each operation: functions that compute it in every kind of sweep (docs/jets.md,
+ * sections 3 and 4). sweep.c calls the rules by the table of rule.c. Operations with similar recurrences share a file
+ * rule_*.c.
  *
- * Series are normalised: x(s) = sum_k x_k s^k. The frames below make a rule's loops from a body that is written for a
- * vector type V (vector.h). S reads a series that meets the lanes of a tangent. */
+ * Series are normalised: x(s) = sum_k x_k s^k. The macros below make the loops of a rule from a body that is written
+ * for a vector type V (vector.h). The macro S reads a number of a series for all lanes of a tangent. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 
 #include "tape.h"
 #include "vector.h"
 
-/* In the rules below a is the operand, b the second one and w the partner, if the operation has them. Other rules leave
- * these alone. */
+/* In the rules, a is the first operand, b the second one, w the partner, and z the result. */
 
-/* Computes z_0 from a_0 (and b_0), width numbers each; c is the node's number. Returns false if a power series does not
- * exist. A NaN is allowed, and goes on to the outputs. z overlaps neither a nor b. */
-typedef bool jet_value_rule(double c, int width, const double *a, const double *b, double *restrict z);
+/* Computes z_0 from a_0 and b_0, arrays of `width` numbers. The exponent is that of pow. Returns false if no power
+ * series exists at one of the numbers. A NaN is allowed, and propagates to z. z overlaps neither a nor b. */
+typedef bool jet_values_rule(double exponent, int width, const double *a, const double *b, double *restrict z);
 
-/* The other rules work on the members of a run, in blocks as the sweeps have them (tape.h), whose orders are `stride`
- * numbers apart for one lane. */
+/* The other rules work on all operations of a run, in blocks as tape.h defines them. In a block of one lane,
+ * consecutive orders are `stride` numbers apart. */
 
-/* Computes z_k from orders 0..k of a, b, w and 0..k-1 of z, k >= 1. */
+/* Computes z_k, k >= 1, from orders 0..k of a, b, w and orders 0..k-1 of z. */
 typedef void jet_series_rule(const jet_run *run, double *x, int k, size_t stride, int lanes);
 
-/* Computes dz_k from orders 0..k of a, b, w, da, db, dw, 0..k of z and 0..k-1 of dz, k >= 0; x has one lane, dx
- * several. */
+/* Computes dz_k, k >= 0, from orders 0..k of a, b, w, z, da, db, dw and orders 0..k-1 of dz. x has one lane, and dx
+ * has several. */
 typedef void jet_tangent_rule(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes);
 
-/* Applies the transpose of the derivative of the series rule, for k = top, ..., 0. It adds either what zbar_k, which is
- * complete, contributes to abar, bbar, wbar of orders 0..k and zbar of orders 0..k-1; or all that zbar of orders k..top
- * contribute to order k, and then the rule keeps its own numbers in the place of zbar_k from there on. It has one
- * lane. */
+/* Applies the transpose of the derivative of the series rule, for one lane and k = top, ..., 0 in turn. A rule does
+ * this in one of two ways. It adds all that zbar_k, which is complete, contributes to the adjoints of orders 0..k of
+ * a, b, w and 0..k-1 of z. Or it adds all that zbar of orders k..top contribute to the adjoints of order k; it then
+ * stores intermediate numbers of its own in the place of zbar_k. */
 typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride);
 
-/* Records what z-bar adds to the adjoint of z's operand a (which = 0) or b (which = 1). */
-typedef jet jet_pull_rule(struct jet_node *z, jet zbar, int which);
+/* Records the contribution of z-bar to the adjoint of an operand: 0 for a, 1 for b. */
+typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand);
 
-/* The orders of the partner that order k of z reads. No rule reads it for values. */
+/* The orders of the partner from which order k of z is computed. Values (order 0) need no partner. */
 typedef enum {
-    W_NONE,  /* there is none */
-    W_LOWER, /* orders below k only */
-    W_SAME   /* order k too, one operand */
+    W_NONE,  /* the operation has no partner */
+    W_LOWER, /* orders 0..k-1 */
+    W_SAME   /* orders 0..k; only for operations with one operand */
 } jet_partner_role;
 
+/* The rule of one operation. */
 typedef struct {
-    int operands; /* 1 or 2 */
+    int operand_count; /* 1 or 2 */
     jet_partner_role partner;
-    jet_value_rule *value;
-    jet_series_rule *series;
-    jet_tangent_rule *tangent;
-    jet_adjoint_rule *adjoint;
-    jet_pull_rule *pull;
+    jet_values_rule *compute_values;
+    jet_series_rule *compute_series_order;
+    jet_tangent_rule *compute_tangents;
+    jet_adjoint_rule *add_adjoints;
+    jet_pullback_rule *record_pullback;
 } jet_rule;
 
-/* Names of what is compiled once for each instruction set. */
+/* Adds the name of the instruction set to names that are compiled once for each set. */
 #ifndef JET_ISA
 #define JET_ISA base
 #endif
@@ -61,20 +62,21 @@ typedef struct {
 #define JET_FOR_ISA(name)        JET_PASTE(name, JET_ISA)
 #define JET_RULE_OF(name)        JET_FOR_ISA(jet_rule_##name)
 
-/* The table of rules, indexed by jet_op; NULL for INPUT, CONST and LINEAR, whose work needs no recurrence. MUL has only
- * a value, for numbers, and a pull. SQR, which no numbers make, has a pull. On a tape both are sums of products
- * (sums.h). */
+/* The table of rules, indexed by jet_op. It has NULL for INPUT, CONST, PARAMETER and LINEAR, which need no
+ * recurrence. MUL and SQR have no sweeps, since they become sums of products on a tape (sums.h); MUL has a value
+ * rule, which folds numbers, and both have pullbacks. */
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
-/* Computes the values of two runs together (jet_run.together), which costs little more than those of one. */
-#define jet_sine_cosine JET_FOR_ISA(jet_sine_cosine)
-void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes);
-/* Computes the values of up to four powers together, with the same bits as one by one. */
-#define jet_inverse_roots JET_FOR_ISA(jet_inverse_roots)
-bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes);
+/* Computes the values of a sine run and a cosine run of the same operands together (jet_run.fused_runs), which costs
+ * little more than one of them. */
+#define jet_compute_sine_cosine JET_FOR_ISA(jet_compute_sine_cosine)
+void jet_compute_sine_cosine(const jet_run *sine, const jet_run *cosine, double *block, int lanes);
+/* Computes the values of up to four runs of powers of the same operands together, with the same bits as one by one. */
+#define jet_compute_inverse_roots JET_FOR_ISA(jet_compute_inverse_roots)
+bool jet_compute_inverse_roots(const jet_run *first_run, int run_count, double *block, int lanes);
 
-/* Every rule and its row of the table, in the order of jet_op. */
+/* Lists all rules in the order of jet_op, with the operation and the name of the rule. */
 #define JET_RULE_LIST(ROW)                                                                                             \
     ROW(OP_MUL, mul)                                                                                                   \
     ROW(OP_SQR, sqr)                                                                                                   \
@@ -105,96 +107,98 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 #undef JET_DECLARE_RULE
 #endif
 
-/* Tells whether the operation has a value at positive numbers alone. */
-static inline bool jet_needs_positive(const jet_run *run)
+/* Tells whether the operation exists only for positive operands. */
+static inline bool jet_needs_positive_operand(const jet_run *run)
 {
-    return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != JET_FLOOR(run->c));
+    return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->exponent != JET_FLOOR(run->exponent));
 }
 
-/* Makes a run of one lane of a run of several, whose members and lanes stand side by side. */
+/* Returns the run for a block of one lane that covers all operations and lanes of a run in a block of several lanes.
+ * The numbers of both are adjacent. */
 JET_INLINE jet_run jet_flatten_lanes(const jet_run *run, int lanes)
 {
     return (jet_run){.op = run->op,
-                     .count = run->count * lanes,
+                     .operation_count = run->operation_count * lanes,
                      .z = run->z * lanes,
                      .a = run->a * lanes,
                      .b = run->b * lanes,
                      .w = run->w * lanes,
-                     .c = run->c};
+                     .exponent = run->exponent};
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* Defines name_series from SERIES(V, S), which sets JET_AT(V, z, k). */
+/* Defines the function name_series from the body SERIES(V, S), which sets JET_AT(V, z, k). */
 #define JET_SERIES_FRAME(name, SERIES)                                                                                 \
     static void name##_series(const jet_run *run, double *x, int k, size_t slots, int lanes)                           \
     {                                                                                                                  \
         const size_t each = (size_t)lanes, stride = slots * each;                                                      \
-        const double c = run->c, *a = x + (size_t)run->a * each, *b = x + (size_t)run->b * each;                       \
+        const double c = run->exponent, *a = x + (size_t)run->a * each, *b = x + (size_t)run->b * each;                \
         const double *w = x + (size_t)run->w * each;                                                                   \
         double *z = x + (size_t)run->z * each;                                                                         \
-        const int width = run->count * lanes;                                                                          \
+        const int width = run->operation_count * lanes;                                                                \
         (void)c, (void)a, (void)b, (void)w;                                                                            \
         JET_BLOCKS(width, SERIES, JET_OF);                                                                             \
     }
 
-/* Defines name_tangent from TANGENT(V, S), which sets JET_D_AT(V, dz, k). With one lane it goes across the members of
- * the run, otherwise across the lanes of each member. */
+/* Defines the function name_tangent from the body TANGENT(V, S), which sets JET_D_AT(V, dz, k). With one lane, its
+ * vectors go across the operations of the run; with several lanes, across the lanes of each operation. */
 #define JET_TANGENT_FRAME(name, TANGENT)                                                                               \
     static void name##_tangent(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes)       \
     {                                                                                                                  \
         const size_t each = (size_t)lanes, dstride = stride * each;                                                    \
-        const double c = run->c, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;                   \
+        const double c = run->exponent, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;            \
         const double *da = dx + (size_t)run->a * each, *db = dx + (size_t)run->b * each;                               \
         const double *dw = dx + (size_t)run->w * each;                                                                 \
         double *dz = dx + (size_t)run->z * each;                                                                       \
         (void)c, (void)a, (void)b, (void)w, (void)z, (void)da, (void)db, (void)dw;                                     \
         if (lanes == 1) {                                                                                              \
-            JET_BLOCKS(run->count, TANGENT, JET_OF);                                                                   \
+            JET_BLOCKS(run->operation_count, TANGENT, JET_OF);                                                         \
             return;                                                                                                    \
         }                                                                                                              \
-        for (int i = 0; i < run->count; i++) {                                                                         \
+        for (int i = 0; i < run->operation_count; i++) {                                                               \
             JET_BLOCKS(lanes, TANGENT, JET_ONE_OF);                                                                    \
             a++, b++, w++, z++, da += each, db += each, dw += each, dz += each;                                        \
         }                                                                                                              \
     }
 
-/* bar_k += x, or bar_k = x if nothing is there yet. bar is the adjoint of an operand of the run: operand 0 is a, and
- * the factors of term t are operands 2 t and 2 t + 1. */
+/* Adds x to bar_k, or assigns it if nothing was added to bar_k before. bar is the adjoint of an operand of the run:
+ * operand 0 is a, and the factors of term t are the operands 2 t and 2 t + 1. */
 #define JET_ADD_TO(V, bar, operand, x)                                                                                 \
     do {                                                                                                               \
-        if (JET_IS_FRESH(run, operand)) JET_AT(V, bar, k) = (x);                                                       \
+        if (JET_IS_ASSIGNED(run, operand)) JET_AT(V, bar, k) = (x);                                                    \
         else JET_AT(V, bar, k) += (x);                                                                                 \
     } while (0)
 #ifdef JET_EMITTED
-#define JET_IS_FRESH(run, operand) ((run)->fresh >> (operand)&1)
+#define JET_IS_ASSIGNED(run, operand) ((run)->assigned_operands >> (operand)&1)
 #else
-#define JET_IS_FRESH(run, operand) false
+#define JET_IS_ASSIGNED(run, operand) false
 #endif
 
-/* Defines name_adjoint from ADJOINT(V, S), which adds to JET_AT(V, abar, j) and the like. */
+/* Defines the function name_adjoint from the body ADJOINT(V, S), which adds to JET_AT(V, abar, j) and the like. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
     static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride)        \
     {                                                                                                                  \
-        const double c = run->c, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;                   \
+        const double c = run->exponent, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;            \
         double *abar = bar + run->a, *bbar = bar + run->b, *wbar = bar + run->w, *zbar = bar + run->z;                 \
         (void)c, (void)a, (void)b, (void)w, (void)z, (void)abar, (void)bbar, (void)wbar, (void)top;                    \
-        JET_BLOCKS(run->count, ADJOINT, JET_OF);                                                                       \
+        JET_BLOCKS(run->operation_count, ADJOINT, JET_OF);                                                             \
     }
 
-/* Defines all three from KIND_SERIES, KIND_TANGENT and KIND_ADJOINT. */
+/* Defines the three functions of a rule from the bodies KIND_SERIES, KIND_TANGENT and KIND_ADJOINT. */
 #define JET_FRAMES(name, KIND)                                                                                         \
     JET_SERIES_FRAME(name, KIND##_SERIES)                                                                              \
     JET_TANGENT_FRAME(name, KIND##_TANGENT)                                                                            \
     JET_ADJOINT_FRAME(name, KIND##_ADJOINT)
 
-/* Defines the row of the table; generated code (emit.h) has no table. */
+/* Defines the rule's row of the table. Generated code (emit.h) has no table. */
 #ifndef JET_EMITTED
 #define JET_RULE_ROW(name, ...) const jet_rule JET_RULE_OF(name) = {__VA_ARGS__};
 #else
 #define JET_RULE_ROW(name, ...)
 #endif
 #define JET_RULE(name, operands, partner)                                                                              \
-    JET_RULE_ROW(name, operands, partner, name##_value, name##_series, name##_tangent, name##_adjoint, name##_pull)
+    JET_RULE_ROW(name, operands, partner, evaluate_##name, name##_series, name##_tangent, name##_adjoint,              \
+                 record_##name##_pullback)
 
 #endif

@@ -1,12 +1,13 @@
-/* rule_growth.c - Defines the rules of functions whose derivative is another series times that of the argument, z' = s
- * w a' with s = 1 or -1: exponential, trigonometric and hyperbolic functions, and the error function. The partner w is
- * computed beside z and read at lower orders only. */
+/* rule_growth.c - Defines the rules of functions with z' = s w a', s = 1 or -1: exponential, trigonometric and
+ * hyperbolic functions, and the error function (docs/jets.md, section 4). The partner w is recorded with z, and read
+ * at lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 
 #include <math.h>
 
-/* k z_k = s sum_{j=1}^{k} j a_j w_{k-j}.   O(N^2). */
+/* The series rule computes z_k:
+ * k z_k = s sum_{j=1}^{k} j a_j w_{k-j}.   O(N^2). */
 #define GROWTH_SERIES(V, S, s)                                                                                         \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -14,7 +15,8 @@
         JET_AT(V, z, k) = sum * ((s) / (double)k);                                                                     \
     }
 
-/* k dz_k = s sum_{j=1}^{k} j (a_j dw_{k-j} + w_{k-j} da_j);   dz_0 = s w_0 da_0. */
+/* The tangent rule computes dz_k:
+ * k dz_k = s sum_{j=1}^{k} j (a_j dw_{k-j} + w_{k-j} da_j);   dz_0 = s w_0 da_0. */
 #define GROWTH_TANGENT(V, S, s)                                                                                        \
     {                                                                                                                  \
         V sum = (k == 0 ? 1.0 : 0.0) * S(V, w, 0) * JET_D_OF(V, da, 0);                                                \
@@ -22,7 +24,8 @@
         JET_D_AT(V, dz, k) = sum * ((s) / (k > 0 ? (double)k : 1.0));                                                  \
     }
 
-/* With t = s zbar_k / k:  abar_j += t j w_{k-j},  wbar_{k-j} += t j a_j  (j = 1..k);   abar_0 += s zbar_0 w_0. */
+/* The adjoint rule updates the adjoints:
+ * With t = s zbar_k / k:  abar_j += t j w_{k-j},  wbar_{k-j} += t j a_j  (j = 1..k);   abar_0 += s zbar_0 w_0. */
 #define GROWTH_ADJOINT(V, S, s)                                                                                        \
     {                                                                                                                  \
         const V t = S(V, zbar, k) * ((s) / (k > 0 ? (double)k : 1.0));                                                 \
@@ -38,19 +41,19 @@
 #define MINUS_TANGENT(V, S) GROWTH_TANGENT(V, S, -1)
 #define MINUS_ADJOINT(V, S) GROWTH_ADJOINT(V, S, -1)
 
-/* The rules of z = function(a) with the sign's bodies; the functions exist everywhere. */
+/* Defines the rule of z = function(a). SIGN names the bodies for s = 1 or -1. The functions exist for all numbers. */
 #define GROWTH_RULES(name, function, SIGN, s)                                                                          \
-    static bool name##_value(double c, int width, const double *a, const double *b, double *restrict z)                \
+    static bool evaluate_##name(double exponent, int count, const double *a, const double *b, double *restrict z)      \
     {                                                                                                                  \
-        (void)c, (void)b;                                                                                              \
-        jet_all_##function(width, a, z);                                                                               \
+        (void)exponent, (void)b;                                                                                       \
+        jet_array_##function(count, a, z);                                                                             \
         return true;                                                                                                   \
     }                                                                                                                  \
     JET_FRAMES(name, SIGN)                                                                                             \
-    static jet name##_pull(struct jet_node *z, jet zbar, int which)                                                    \
+    static jet record_##name##_pullback(struct jet_node *z, jet zbar, int operand)                                     \
     {                                                                                                                  \
-        (void)which;                                                                                                   \
-        return jet_mul(s, jet_mul(zbar, jet_of_node(z->w)));                                                           \
+        (void)operand;                                                                                                 \
+        return jet_mul(s, jet_mul(zbar, jet_from_node(z->w)));                                                         \
     }                                                                                                                  \
     JET_RULE(name, 1, W_LOWER)
 
@@ -63,24 +66,25 @@ GROWTH_RULES(tan, tan, PLUS, 1)   /* w = 1 + z^2 */
 GROWTH_RULES(tanh, tanh, PLUS, 1) /* w = sech2 a */
 GROWTH_RULES(erf, erf, PLUS, 1)   /* w = 2 exp(-a^2) / sqrt(pi) */
 
-void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes)
+void jet_compute_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes)
 {
     const size_t each = (size_t)lanes;
-    jet_all_sincos(sine->count * lanes, x + (size_t)sine->a * each, x + (size_t)sine->z * each,
-                   x + (size_t)cosine->z * each);
+    jet_array_sincos(sine->operation_count * lanes, x + (size_t)sine->a * each, x + (size_t)sine->z * each,
+                     x + (size_t)cosine->z * each);
 }
 
 /* ---- z = sech^2 a = 1 - w^2 with w = tanh a: the value without the cancellation, the series with w --------------- */
 
-static bool sech2_value(double c, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_sech2(double exponent, int count, const double *a, const double *b, double *restrict z)
 {
-    (void)c, (void)b;
-    jet_all_cosh(width, a, z);
-    for (int i = 0; i < width; i++) z[i] = 1 / (z[i] * z[i]);
+    (void)exponent, (void)b;
+    jet_array_cosh(count, a, z);
+    for (int i = 0; i < count; i++) z[i] = 1 / (z[i] * z[i]);
     return true;
 }
 
-/* z_k = -(w^2)_k,  k >= 1. */
+/* The series rule computes z_k:
+ * z_k = -(w^2)_k,  k >= 1. */
 #define SECH2_SERIES(V, S)                                                                                             \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -88,7 +92,8 @@ static bool sech2_value(double c, int width, const double *a, const double *b, d
         JET_AT(V, z, k) = -sum;                                                                                        \
     }
 
-/* dz_k = -2 sum_{j=0}^{k} w_j dw_{k-j}. */
+/* The tangent rule computes dz_k:
+ * dz_k = -2 sum_{j=0}^{k} w_j dw_{k-j}. */
 #define SECH2_TANGENT(V, S)                                                                                            \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -96,7 +101,8 @@ static bool sech2_value(double c, int width, const double *a, const double *b, d
         JET_D_AT(V, dz, k) = -2.0 * sum;                                                                               \
     }
 
-/* wbar_j -= 2 zbar_k w_{k-j},  j = 0..k. */
+/* The adjoint rule updates the adjoints:
+ * wbar_j -= 2 zbar_k w_{k-j},  j = 0..k. */
 #define SECH2_ADJOINT(V, S)                                                                                            \
     {                                                                                                                  \
         const V u = -2.0 * S(V, zbar, k);                                                                              \
@@ -105,11 +111,11 @@ static bool sech2_value(double c, int width, const double *a, const double *b, d
 
 JET_FRAMES(sech2, SECH2)
 
-/* dz/da = -2 w z. */
-static jet sech2_pull(struct jet_node *z, jet zbar, int which)
+/* The derivative is dz/da = -2 w z. */
+static jet record_sech2_pullback(struct jet_node *z, jet zbar, int operand)
 {
-    (void)which;
-    return jet_mul(-2, jet_mul(zbar, jet_mul(jet_of_node(z->w), jet_of_node(z))));
+    (void)operand;
+    return jet_mul(-2, jet_mul(zbar, jet_mul(jet_from_node(z->w), jet_from_node(z))));
 }
 
 JET_RULE(sech2, 1, W_SAME)

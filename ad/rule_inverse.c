@@ -1,12 +1,13 @@
-/* rule_inverse.c - Defines the rules of functions whose derivative divides by another series, z' = s a' / w with s = 1
- * or -1: the logarithm and the inverse trigonometric and hyperbolic functions. The partner w is read at lower orders
- * only. */
+/* rule_inverse.c - Defines the rules of functions with z' = s a' / w, s = 1 or -1: the logarithm and the inverse
+ * trigonometric and hyperbolic functions (docs/jets.md, section 4). The partner w is recorded with z, and read at
+ * lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 
 #include <math.h>
 
-/* w z' = s a'  =>  w_0 z_k = s a_k - (1/k) sum_{j=1}^{k-1} j z_j w_{k-j}.   O(N^2). */
+/* The series rule computes z_k:
+ * w z' = s a'  =>  w_0 z_k = s a_k - (1/k) sum_{j=1}^{k-1} j z_j w_{k-j}.   O(N^2). */
 #define INVERSE_SERIES(V, S, s)                                                                                        \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -14,7 +15,8 @@
         JET_AT(V, z, k) = (s * S(V, a, k) - sum / (double)k) / S(V, w, 0);                                             \
     }
 
-/* w_0 dz_k = s da_k - (1/k) sum_{j=1}^{k} j z_j dw_{k-j} - (1/k) sum_{j=1}^{k-1} (k-j) w_j dz_{k-j};
+/* The tangent rule computes dz_k:
+ * w_0 dz_k = s da_k - (1/k) sum_{j=1}^{k} j z_j dw_{k-j} - (1/k) sum_{j=1}^{k-1} (k-j) w_j dz_{k-j};
  * w_0 dz_0 = s da_0. */
 #define INVERSE_TANGENT(V, S, s)                                                                                       \
     {                                                                                                                  \
@@ -25,7 +27,8 @@
         JET_D_AT(V, dz, k) = (s * JET_D_OF(V, da, k) - scale * sum) / S(V, w, 0);                                      \
     }
 
-/* With u = zbar_k / w_0:  abar_k += s u,  wbar_{k-j} -= (j/k) u z_j (j = 1..k),  zbar_j -= (j/k) u w_{k-j} (j
+/* The adjoint rule updates the adjoints:
+ * With u = zbar_k / w_0:  abar_k += s u,  wbar_{k-j} -= (j/k) u z_j (j = 1..k),  zbar_j -= (j/k) u w_{k-j} (j
  * = 1..k-1). */
 #define INVERSE_ADJOINT(V, S, s)                                                                                       \
     {                                                                                                                  \
@@ -42,21 +45,22 @@
 #define MINUS_TANGENT(V, S) INVERSE_TANGENT(V, S, -1.0)
 #define MINUS_ADJOINT(V, S) INVERSE_ADJOINT(V, S, -1.0)
 
-/* Defines the rules of z = function(a) with the bodies of the sign. z does not exist if outside(a). */
+/* Defines the rule of z = function(a). SIGN names the bodies for s = 1 or -1. z does not exist if outside(a) is
+ * true. */
 #define INVERSE_RULES(name, function, SIGN, s, outside)                                                                \
-    static bool name##_value(double c, int width, const double *a, const double *b, double *restrict z)                \
+    static bool evaluate_##name(double exponent, int count, const double *a, const double *b, double *restrict z)      \
     {                                                                                                                  \
-        (void)c, (void)b;                                                                                              \
+        (void)exponent, (void)b;                                                                                       \
         int bad = 0;                                                                                                   \
-        for (int i = 0; i < width; i++) bad |= outside(a[i]);                                                          \
-        jet_all_##function(width, a, z);                                                                               \
+        for (int i = 0; i < count; i++) bad |= outside(a[i]);                                                          \
+        jet_array_##function(count, a, z);                                                                             \
         return !bad;                                                                                                   \
     }                                                                                                                  \
     JET_FRAMES(name, SIGN)                                                                                             \
-    static jet name##_pull(struct jet_node *z, jet zbar, int which)                                                    \
+    static jet record_##name##_pullback(struct jet_node *z, jet zbar, int operand)                                     \
     {                                                                                                                  \
-        (void)which;                                                                                                   \
-        return jet_mul(s, jet_div(zbar, jet_of_node(z->w)));                                                           \
+        (void)operand;                                                                                                 \
+        return jet_mul(s, jet_div(zbar, jet_from_node(z->w)));                                                         \
     }                                                                                                                  \
     JET_RULE(name, 1, W_LOWER)
 

@@ -1,26 +1,27 @@
-/* rule_polar.c - Defines the rules of the polar coordinates of (b, a): z = sqrt(a^2 + b^2), and the angle z = atan2(a,
- * b). Neither exists at (0, 0). */
+/* rule_polar.c - Defines the rules of polar coordinates, z = sqrt(a^2 + b^2) and z = atan2(a, b) (docs/jets.md,
+ * section 4). Neither function exists at a = b = 0. */
 #include "rule.h"
 
 #include <math.h>
 
-static bool is_outside(int width, const double *a, const double *b)
+static bool is_any_at_origin(int count, const double *a, const double *b)
 {
     int at_origin = 0;
-    for (int i = 0; i < width; i++) at_origin |= a[i] == 0 && b[i] == 0;
+    for (int i = 0; i < count; i++) at_origin |= a[i] == 0 && b[i] == 0;
     return at_origin;
 }
 
 /* ---- z = sqrt(a^2 + b^2), whose value neither overflows nor underflows ------------------------------------------- */
 
-static bool hypot_value(double c, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_hypot(double exponent, int count, const double *a, const double *b, double *restrict z)
 {
-    (void)c;
-    for (int i = 0; i < width; i++) z[i] = hypot(a[i], b[i]);
-    return !is_outside(width, a, b);
+    (void)exponent;
+    for (int i = 0; i < count; i++) z[i] = hypot(a[i], b[i]);
+    return !is_any_at_origin(count, a, b);
 }
 
-/* z^2 = a^2 + b^2  =>  z_0 z_k = a_0 a_k + b_0 b_k + (1/2) sum_{j=1}^{k-1} (a_j a_{k-j} + b_j b_{k-j} - z_j z_{k-j}).
+/* The series rule computes z_k:
+ * z^2 = a^2 + b^2  =>  z_0 z_k = a_0 a_k + b_0 b_k + (1/2) sum_{j=1}^{k-1} (a_j a_{k-j} + b_j b_{k-j} - z_j z_{k-j}).
  * O(N^2). */
 #define HYPOT_SERIES(V, S)                                                                                             \
     {                                                                                                                  \
@@ -30,7 +31,8 @@ static bool hypot_value(double c, int width, const double *a, const double *b, d
         JET_AT(V, z, k) = (S(V, a, 0) * S(V, a, k) + S(V, b, 0) * S(V, b, k) + 0.5 * sum) / S(V, z, 0);                \
     }
 
-/* z_0 dz_k = sum_{j=0}^{k} (a_j da_{k-j} + b_j db_{k-j}) - sum_{j=1}^{k} z_j dz_{k-j}. */
+/* The tangent rule computes dz_k:
+ * z_0 dz_k = sum_{j=0}^{k} (a_j da_{k-j} + b_j db_{k-j}) - sum_{j=1}^{k} z_j dz_{k-j}. */
 #define HYPOT_TANGENT(V, S)                                                                                            \
     {                                                                                                                  \
         V sum = S(V, a, 0) * JET_D_OF(V, da, k) + S(V, b, 0) * JET_D_OF(V, db, k);                                     \
@@ -40,7 +42,8 @@ static bool hypot_value(double c, int width, const double *a, const double *b, d
         JET_D_AT(V, dz, k) = sum / S(V, z, 0);                                                                         \
     }
 
-/* With u = zbar_k / z_0:  abar_{k-j} += u a_j,  bbar_{k-j} += u b_j (j = 0..k),  zbar_{k-j} -= u z_j (j = 1..k). */
+/* The adjoint rule updates the adjoints:
+ * With u = zbar_k / z_0:  abar_{k-j} += u a_j,  bbar_{k-j} += u b_j (j = 0..k),  zbar_{k-j} -= u z_j (j = 1..k). */
 #define HYPOT_ADJOINT(V, S)                                                                                            \
     {                                                                                                                  \
         const V u = S(V, zbar, k) / S(V, z, 0);                                                                        \
@@ -51,24 +54,25 @@ static bool hypot_value(double c, int width, const double *a, const double *b, d
 
 JET_FRAMES(hypot, HYPOT)
 
-/* dz/da = a / z,  dz/db = b / z. */
-static jet hypot_pull(struct jet_node *z, jet zbar, int which)
+/* The derivatives are dz/da = a / z and dz/db = b / z. */
+static jet record_hypot_pullback(struct jet_node *z, jet zbar, int operand)
 {
-    return jet_mul(zbar, jet_div(jet_of_node(which == 0 ? z->a : z->b), jet_of_node(z)));
+    return jet_mul(zbar, jet_div(jet_from_node(operand == 0 ? z->a : z->b), jet_from_node(z)));
 }
 
 JET_RULE(hypot, 2, W_NONE)
 
 /* ---- z = atan2(a, b), w = a^2 + b^2 ------------------------------------------------------------------------------ */
 
-static bool atan2_value(double c, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_atan2(double exponent, int count, const double *a, const double *b, double *restrict z)
 {
-    (void)c;
-    for (int i = 0; i < width; i++) z[i] = atan2(a[i], b[i]);
-    return !is_outside(width, a, b);
+    (void)exponent;
+    for (int i = 0; i < count; i++) z[i] = atan2(a[i], b[i]);
+    return !is_any_at_origin(count, a, b);
 }
 
-/* w z' = b a' - a b', whose sum_j j (a_j b_{k-j} - b_j a_{k-j}) is sum_j (2j - k) a_j b_{k-j}:
+/* The series rule computes z_k:
+ * w z' = b a' - a b', whose sum_j j (a_j b_{k-j} - b_j a_{k-j}) is sum_j (2j - k) a_j b_{k-j}:
  * k w_0 z_k = sum_{j=0}^{k} (2j - k) a_j b_{k-j} - sum_{j=1}^{k-1} j z_j w_{k-j}.   O(N^2). */
 #define ATAN2_SERIES(V, S)                                                                                             \
     {                                                                                                                  \
@@ -78,7 +82,8 @@ static bool atan2_value(double c, int width, const double *a, const double *b, d
         JET_AT(V, z, k) = sum / ((double)k * S(V, w, 0));                                                              \
     }
 
-/* k w_0 dz_k = sum_{j=0}^{k} (2j - k) (b_{k-j} da_j - a_{k-j} db_j) - sum_{j=1}^{k} j z_j dw_{k-j}
+/* The tangent rule computes dz_k:
+ * k w_0 dz_k = sum_{j=0}^{k} (2j - k) (b_{k-j} da_j - a_{k-j} db_j) - sum_{j=1}^{k} j z_j dw_{k-j}
  *            - sum_{j=1}^{k-1} j w_{k-j} dz_j;   w_0 dz_0 = b_0 da_0 - a_0 db_0. */
 #define ATAN2_TANGENT(V, S)                                                                                            \
     {                                                                                                                  \
@@ -91,7 +96,8 @@ static bool atan2_value(double c, int width, const double *a, const double *b, d
         JET_D_AT(V, dz, k) = sum / (order * S(V, w, 0));                                                               \
     }
 
-/* With u = zbar_k / (k w_0):  abar_j += u (2j - k) b_{k-j},  bbar_j -= u (2j - k) a_{k-j} (j = 0..k),
+/* The adjoint rule updates the adjoints:
+ * With u = zbar_k / (k w_0):  abar_j += u (2j - k) b_{k-j},  bbar_j -= u (2j - k) a_{k-j} (j = 0..k),
  * wbar_{k-j} -= u j z_j (j = 1..k),  zbar_j -= u j w_{k-j} (j = 1..k-1).
  * At k = 0, with u = zbar_0 / w_0:  abar_0 += u b_0,  bbar_0 -= u a_0. */
 #define ATAN2_ADJOINT(V, S)                                                                                            \
@@ -108,11 +114,11 @@ static bool atan2_value(double c, int width, const double *a, const double *b, d
 
 JET_FRAMES(atan2, ATAN2)
 
-/* dz/da = b / w,  dz/db = -a / w. */
-static jet atan2_pull(struct jet_node *z, jet zbar, int which)
+/* The derivatives are dz/da = b / w and dz/db = -a / w. */
+static jet record_atan2_pullback(struct jet_node *z, jet zbar, int operand)
 {
-    const jet quotient = jet_div(zbar, jet_of_node(z->w));
-    return which == 0 ? jet_mul(quotient, jet_of_node(z->b)) : jet_neg(jet_mul(quotient, jet_of_node(z->a)));
+    const jet quotient = jet_div(zbar, jet_from_node(z->w));
+    return operand == 0 ? jet_mul(quotient, jet_from_node(z->b)) : jet_neg(jet_mul(quotient, jet_from_node(z->a)));
 }
 
 JET_RULE(atan2, 2, W_LOWER)

@@ -1,44 +1,45 @@
-/* rule_product.c - Defines the rules of products and quotients, which are convolutions. On a tape products are sums of
- * products (sum_products.c). */
+/* rule_product.c - Defines the rules of quotients, and the values and pullbacks of products and squares
+ * (docs/jets.md, section 4). In the sweeps of a tape, products are sums of products (sum_products.c). */
 #include "rule.h"
 
 /* ---- z = a b ----------------------------------------------------------------------------------------------------- */
 
-static bool mul_value(double c, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_mul(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)c;
+    (void)exponent;
     for (int w = 0; w < width; w++) z[w] = a[w] * b[w];
     return true;
 }
 
-static jet mul_pull(struct jet_node *z, jet zbar, int which)
+static jet record_mul_pullback(struct jet_node *z, jet zbar, int operand)
 {
-    return jet_mul(zbar, jet_of_node(which == 0 ? z->b : z->a));
+    return jet_mul(zbar, jet_from_node(operand == 0 ? z->b : z->a));
 }
 
-JET_RULE_ROW(mul, .operands = 2, .value = mul_value, .pull = mul_pull)
+JET_RULE_ROW(mul, .operand_count = 2, .compute_values = evaluate_mul, .record_pullback = record_mul_pullback)
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
-/* If z-bar is c + k a, as in a^3 that was written with z, the pull is 2 c a + 2 k z, without a product. */
-static jet sqr_pull(struct jet_node *z, jet zbar, int which)
+/* If z-bar is c + k a, as for a^3 that was written as a product with z, the pullback is the sum 2 c a + 2 k z,
+ * without a product. */
+static jet record_sqr_pullback(struct jet_node *z, jet zbar, int operand)
 {
-    (void)which;
-    const jet a = jet_of_node(z->a);
+    (void)operand;
+    const jet a = jet_from_node(z->a);
     const struct jet_node *factor = zbar.node;
     if (!factor || factor->op != OP_LINEAR || factor->count != 1 || factor->terms[0].node != z->a)
         return jet_mul(2, jet_mul(zbar, a));
     const double twice[] = {2 * factor->number, 2 * factor->terms[0].coefficient};
-    return jet_linear(2, twice, (const jet[]){a, jet_of_node(z)});
+    return jet_record_linear_combination(2, twice, (const jet[]){a, jet_from_node(z)});
 }
 
-JET_RULE_ROW(sqr, .operands = 1, .pull = sqr_pull)
+JET_RULE_ROW(sqr, .operand_count = 1, .record_pullback = record_sqr_pullback)
 
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 
-static bool div_value(double c, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_div(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)c;
+    (void)exponent;
     int outside = 0;
     for (int w = 0; w < width; w++) {
         outside |= b[w] == 0;
@@ -47,7 +48,8 @@ static bool div_value(double c, int width, const double *a, const double *b, dou
     return !outside;
 }
 
-/* a = z b  =>  z_k = (a_k - sum_{j=1}^{k} b_j z_{k-j}) / b_0.   O(N^2). */
+/* The series rule computes z_k:
+ * a = z b  =>  z_k = (a_k - sum_{j=1}^{k} b_j z_{k-j}) / b_0.   O(N^2). */
 #define DIV_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -55,7 +57,8 @@ static bool div_value(double c, int width, const double *a, const double *b, dou
         JET_AT(V, z, k) = (S(V, a, k) - sum) / S(V, b, 0);                                                             \
     }
 
-/* dz_k = (da_k - sum_{j=0}^{k} z_j db_{k-j} - sum_{j=1}^{k} b_j dz_{k-j}) / b_0. */
+/* The tangent rule computes dz_k:
+ * dz_k = (da_k - sum_{j=0}^{k} z_j db_{k-j} - sum_{j=1}^{k} b_j dz_{k-j}) / b_0. */
 #define DIV_TANGENT(V, S)                                                                                              \
     {                                                                                                                  \
         V sum = S(V, z, 0) * JET_D_OF(V, db, k);                                                                       \
@@ -63,7 +66,8 @@ static bool div_value(double c, int width, const double *a, const double *b, dou
         JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - sum) / S(V, b, 0);                                                  \
     }
 
-/* With s = zbar_k / b_0:  abar_k += s,  bbar_j -= s z_{k-j} (j = 0..k),  zbar_{k-j} -= s b_j (j = 1..k). */
+/* The adjoint rule updates the adjoints:
+ * With s = zbar_k / b_0:  abar_k += s,  bbar_j -= s z_{k-j} (j = 0..k),  zbar_{k-j} -= s b_j (j = 1..k). */
 #define DIV_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
         const V s = S(V, zbar, k) / S(V, b, 0);                                                                        \
@@ -74,11 +78,11 @@ static bool div_value(double c, int width, const double *a, const double *b, dou
 
 JET_FRAMES(div, DIV)
 
-/* dz/da = 1 / b,  dz/db = -z / b. */
-static jet div_pull(struct jet_node *z, jet zbar, int which)
+/* The derivatives are dz/da = 1 / b and dz/db = -z / b. */
+static jet record_div_pullback(struct jet_node *z, jet zbar, int operand)
 {
-    const jet quotient = jet_div(zbar, jet_of_node(z->b));
-    return which == 0 ? quotient : jet_neg(jet_mul(quotient, jet_of_node(z)));
+    const jet quotient = jet_div(zbar, jet_from_node(z->b));
+    return operand == 0 ? quotient : jet_neg(jet_mul(quotient, jet_from_node(z)));
 }
 
 JET_RULE(div, 2, W_NONE)

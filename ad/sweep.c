@@ -1,94 +1,109 @@
-/* sweep.c - Runs a tape. Each kind of sweep walks through the runs once and calls the operation's rule. */
+/* sweep.c - Runs the sweeps of a tape as an interpreter. Each sweep goes through the runs once, and calls the rule
+ * of each run's operation. It is compiled once for each instruction set. */
 #include "sums.h"
 
-static const double *slot(const double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
-static double *slot_of(double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
-
-static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
-
-static bool values_together(const jet_run *run, double *x, int lanes)
+static const double *slot_numbers(const double *block, int index, int lanes)
 {
-    if (run->op == OP_POW) return jet_inverse_roots(run, run->together, x, lanes);
-    jet_sine_cosine(run, run + 1, x, lanes);
+    return block + (size_t)index * (size_t)lanes;
+}
+static double *writable_slot_numbers(double *block, int index, int lanes)
+{
+    return block + (size_t)index * (size_t)lanes;
+}
+
+static bool is_product_run(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
+
+static bool compute_runs_together(const jet_run *run, double *block, int lanes)
+{
+    if (run->op == OP_POW) return jet_compute_inverse_roots(run, run->fused_runs, block, lanes);
+    jet_compute_sine_cosine(run, run + 1, block, lanes);
     return true;
 }
 
-JET_INLINE bool values_of(const jet_tape *tape, double *x, int lanes)
+JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
     bool inside = true;
     for (const jet_run *run = tape->run, *const end = run + tape->runs; run < end; run++) {
-        if (is_product(run)) jet_product_values(tape, run, x, lanes);
-        else if (run->op == OP_LINEAR) jet_linear_values(tape, run, x, lanes);
-        else if (run->together > 1) {
-            inside &= values_together(run, x, lanes);
-            run += run->together - 1;
+        if (is_product_run(run)) jet_compute_product_values(tape, run, block, lanes);
+        else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
+        else if (run->fused_runs > 1) {
+            inside &= compute_runs_together(run, block, lanes);
+            run += run->fused_runs - 1;
         } else
-            inside &= jet_rules[run->op]->value(run->c, run->count * lanes, slot(x, run->a, lanes),
-                                                slot(x, run->b, lanes), slot_of(x, run->z, lanes));
+            inside &= jet_rules[run->op]->compute_values(
+                run->exponent, run->operation_count * lanes, slot_numbers(block, run->a, lanes),
+                slot_numbers(block, run->b, lanes), writable_slot_numbers(block, run->z, lanes));
     }
     return inside;
 }
 
-/* Makes the usual numbers of lanes constants for the compiler. */
-static bool values(const jet_tape *tape, double *x, int lanes)
+/* Computes the values. The usual numbers of lanes are constants for the compiler. */
+static bool sweep_values(const jet_tape *tape, double *block, int lanes)
 {
-    return lanes == 1 ? values_of(tape, x, 1) : lanes == 8 ? values_of(tape, x, 8) : values_of(tape, x, lanes);
+    return lanes == 1   ? sweep_values_inlined(tape, block, 1)
+           : lanes == 8 ? sweep_values_inlined(tape, block, 8)
+                        : sweep_values_inlined(tape, block, lanes);
 }
 
-JET_INLINE bool series_of(const jet_tape *tape, double *x, int k, int lanes)
+JET_INLINE bool sweep_series_inlined(const jet_tape *tape, double *block, int order, int lanes)
 {
-    if (k == 0) return values(tape, x, lanes);
+    if (order == 0) return sweep_values(tape, block, lanes);
     const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (is_product(run)) jet_product_series(tape, run, x, k, lanes);
-        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, x + (size_t)k * stride * (size_t)lanes, lanes);
-        else jet_rules[run->op]->series(run, x, k, stride, lanes);
+        if (is_product_run(run)) jet_compute_product_series(tape, run, block, order, lanes);
+        else if (run->op == OP_LINEAR)
+            jet_compute_linear_order(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
+        else jet_rules[run->op]->compute_series_order(run, block, order, stride, lanes);
     }
     return true;
 }
 
-static bool series(const jet_tape *tape, double *x, int k, int lanes)
+static bool sweep_series(const jet_tape *tape, double *block, int order, int lanes)
 {
-    return lanes == 1 ? series_of(tape, x, k, 1) : series_of(tape, x, k, lanes);
+    return lanes == 1 ? sweep_series_inlined(tape, block, order, 1) : sweep_series_inlined(tape, block, order, lanes);
 }
 
-static void tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
+static void sweep_tangents(const jet_tape *tape, const double *block, double *tangent_block, int order, int lanes)
 {
     const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, 1, lanes);
-        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride * (size_t)lanes, lanes);
-        else jet_rules[run->op]->tangent(run, x, dx, k, stride, lanes);
+        if (is_product_run(run)) jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, lanes);
+        else if (run->op == OP_LINEAR)
+            jet_compute_linear_order(tape, run, tangent_block + (size_t)order * stride * (size_t)lanes, lanes);
+        else jet_rules[run->op]->compute_tangents(run, block, tangent_block, order, stride, lanes);
     }
 }
 
-static void tangents_in_lanes(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
+static void sweep_tangents_in_lanes(const jet_tape *tape, const double *block, double *tangent_block, int order,
+                                    int lanes)
 {
     const size_t stride = (size_t)tape->slots * (size_t)lanes;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, lanes, lanes);
-        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride, lanes);
+        if (is_product_run(run)) jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
+        else if (run->op == OP_LINEAR)
+            jet_compute_linear_order(tape, run, tangent_block + (size_t)order * stride, lanes);
         else {
             const jet_run all = jet_flatten_lanes(run, lanes);
-            jet_rules[run->op]->tangent(&all, x, dx, k, stride, 1);
+            jet_rules[run->op]->compute_tangents(&all, block, tangent_block, order, stride, 1);
         }
     }
 }
 
-static void adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)
+static void sweep_adjoints(const jet_tape *tape, const double *block, double *adjoint_block, int order, int top)
 {
     const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;) {
-        if (is_product(run)) jet_product_adjoint(tape, run, x, bar, k, top);
-        else if (run->op == OP_LINEAR) jet_linear_adjoint(tape, run, bar + (size_t)k * stride);
-        else jet_rules[run->op]->adjoint(run, x, bar, k, top, stride);
+        if (is_product_run(run)) jet_add_product_adjoints(tape, run, block, adjoint_block, order, top);
+        else if (run->op == OP_LINEAR) jet_add_linear_adjoints(tape, run, adjoint_block + (size_t)order * stride);
+        else jet_rules[run->op]->add_adjoints(run, block, adjoint_block, order, top, stride);
     }
 }
 
-static void combine(int count, const double *c, size_t of_c, int width, const double *table, double *out)
+static void combine_rows(int count, const double *c, size_t coefficient_stride, int width, const double *table,
+                         double *out)
 {
-    jet_combine(count, c, of_c, width, table, out);
+    jet_combine_rows(count, c, coefficient_stride, width, table, out);
 }
 
-const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa), values,   series, tangents,
-                                            tangents_in_lanes,    adjoints, combine};
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa),    sweep_values,   sweep_series, sweep_tangents,
+                                            sweep_tangents_in_lanes, sweep_adjoints, combine_rows};

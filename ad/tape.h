@@ -1,11 +1,12 @@
-/* tape.h - Declares a recorded function as straight-line code, and the sweeps that run it.
+/* tape.h - Declares the tape, which is a recorded function as a straight-line program, and the sweeps that run it
+ * (docs/jets.md, section 2).
  *
- * A tape works on blocks of numbers that its caller owns. In a block each quantity has a slot, each slot `lanes`
- * independent numbers (the nodes of a quadrature, the directions of a derivative), and the block is repeated for each
- * order of a series:
+ * A tape works on blocks of numbers, which its caller owns. In a block each quantity has a slot, each slot has `lanes`
+ * independent numbers (such as the nodes of a quadrature or the directions of a derivative), and the block is repeated
+ * for each order of a series:
  *     x[(k * slots + slot) * lanes + lane].
- * Slots 0..inputs-1 are the inputs, which the caller sets; then come constants and computed quantities. Equal
- * operations that do not depend on each other have adjacent slots and run as one loop (a run). */
+ * The slots 0..inputs-1 are the inputs, which the caller sets. Constants and computed quantities follow. Equal
+ * operations that do not depend on each other have adjacent slots and are computed in one loop; they are a run. */
 #ifndef TVI_AD_TAPE_H
 #define TVI_AD_TAPE_H
 
@@ -14,86 +15,93 @@
 #include <stdint.h>
 
 typedef enum {
-    JET_TAPE_VALUES, /* order 0 only: what serves recurrences alone is left out */
+    JET_TAPE_VALUES, /* Only order 0 is computed; partners are left out. */
     JET_TAPE_SERIES
 } jet_tape_kind;
 
-/* A run: operations z + i = op(a + i, b + i), i < count, of adjacent slots, with the partners w + i. LINEAR: the number
- * of z + i is base[first + i], and each operation has its own terms term_coefficient[k] term_slot[k], k = term + i *
- * terms, ... PRODUCTS, SQUARES: the operations share terms, term_coefficient[k] (term_slot[k] + i) (term_operand_b[k] +
- * i), k = term, ... If operands are scattered, which only values have, each operation has its own terms, with
- * term_operand_b[k]. */
+/* A run: the operations z + i = op(a + i, b + i), i < count, of adjacent slots z + i, with partners w + i.
+ * LINEAR: z + i has the constant term constant_terms[first_constant + i], and terms of its own, term_coefficient[k]
+ * times slot term_slot[k], for `terms` values k from term + i * terms on.
+ * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
+ * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. If operands are scattered, on
+ * tapes of values alone, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
-    int count, z, a, b, w;
-    double c;         /* the number of the node */
-    bool has_numbers; /* LINEAR: some constant term is not 0 */
-    int first, terms, term;
+    int operation_count, z, a, b, w;
+    double exponent;    /* Exponent of POW; all others have 0. */
+    bool has_constants; /* LINEAR: some constant term is not 0. */
+    int first_constant, terms, term;
     bool is_scattered;
-    int together; /* how many runs from here on are computed together; otherwise 1 */
-    /* Bits of operands whose adjoints are not set before (emit_adjoints.h); otherwise 0. */
-    int fresh;
+    int fused_runs; /* Number of runs from this one on that one call computes together; otherwise 1. */
+    /* A bit for each operand whose adjoint this run assigns instead of adding to it (emit_adjoints.h); otherwise 0. */
+    int assigned_operands;
 } jet_run;
 
-/* A constant that may be replaced: parameter number `which`. */
+/* A constant that may be replaced: the parameter with this index. */
 typedef struct {
-    int which, slot;
+    int parameter_index, slot;
 } jet_tape_parameter;
 
-/* The most terms of PRODUCTS and SQUARES. A larger sum adds products that stand alone. */
+/* The greatest number of terms of PRODUCTS and SQUARES. The products of a longer sum are operations of their own. */
 enum { JET_TERMS_MAX = 4 };
 
-/* The instruction sets that the sweeps are compiled for (JET_ISA). */
+/* The instruction sets for which the sweeps are compiled (JET_ISA). */
 typedef enum { jet_isa_base, jet_isa_avx2, jet_isa_avx512, JET_ISA_COUNT } jet_isa;
 
 typedef struct jet_sweeps jet_sweeps;
 
+/* A recorded function as a straight-line program. Its integers are the numbers of inputs, constants and so on. */
 typedef struct {
-    /* The sweeps that run the tape: those of the instruction set, or generated code (emit.h). */
+    /* The sweeps that run the tape: those of the interpreter, or of generated code (emit.h). */
     const jet_sweeps *sweeps;
-    const jet_sweeps *interpreted; /* those of the instruction set */
+    const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
     int inputs, constants, parameters, slots, runs, rows, terms, outputs;
     jet_run *run;
-    double *constant;                /* [constants] of slots inputs .. inputs + constants - 1 */
-    jet_tape_parameter *parameter;   /* [parameters] constants that may be replaced */
-    double *base;                    /* [rows] */
-    int *term_slot, *term_operand_b; /* [terms] */
+    double *constant_values;         /* [constants] Values of the slots inputs .. inputs + constants - 1. */
+    jet_tape_parameter *parameter;   /* [parameters] The constants that may be replaced. */
+    double *constant_terms;          /* [rows] Constant terms of the LINEAR operations. */
+    int *term_slot, *term_operand_b; /* [terms] Slots of the terms, or of the factors of products. */
     double *term_coefficient;
-    int *output;      /* [outputs] slots */
-    int *recorded;    /* [slots] 1, 2, ... in the order of recording; copies 0, inputs less */
-    const char *part; /* name of the last operations (jet_graph_name_part), or NULL */
-    int part_of;      /* the number in `recorded` of the first of these */
+    int *output; /* [outputs] Slots of the outputs. */
+    /* [slots] Number of the operation in the order of recording, from 1 on; 0 for copies, less for inputs. */
+    int *recording_index;
+    /* Name of the operations that are not the user's own (jet_graph_begin_named_part), or NULL. */
+    const char *derived_part;
+    int derived_part_first; /* The recording_index of the first of these. */
 } jet_tape;
 
-/* Creates a tape. The outputs are accepted by the graph. The first `inputs` inputs of the graph have slots 0..inputs-1;
- * later ones follow only if an output depends on them. NULL without memory. */
+/* Creates a tape that computes the outputs, which the graph has accepted. The first `inputs` inputs of the graph
+ * have the slots 0..inputs-1; other inputs follow only if an output depends on them. Returns NULL if memory is
+ * lacking. */
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind);
 void jet_tape_free(jet_tape *tape);
 
 /* Tells whether a slot is 0 for all inputs and parameters. */
-bool jet_tape_is_zero(const jet_tape *tape, int slot);
+bool jet_tape_is_slot_zero(const jet_tape *tape, int slot);
 
-/* The FNV-1a hash of these bytes, after what was hashed before. Each step is a bijection of the hash, so that a single
- * changed byte always shows. */
+/* Continues an FNV-1a hash with these bytes. Each step is a bijection of the hash, so that a single changed byte
+ * always changes the result. */
 static const uint64_t JET_HASH_OF_NOTHING = UINT64_C(0xcbf29ce484222325);
-uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes);
+uint64_t jet_hash(uint64_t hash, const void *data, size_t byte_count);
 
-/* A hash of all that the sweeps read: tapes with equal hashes compute the same from the same inputs, bit for bit on one
- * instruction set. It distinguishes a missing tape, NULL, from any other. */
-uint64_t jet_tape_hash(uint64_t so_far, const jet_tape *tape);
+/* Continues a hash with everything that the sweeps read. Tapes with equal hashes compute the same results from the
+ * same inputs, bit for bit on one instruction set. A missing tape, NULL, has a hash of its own. */
+uint64_t jet_tape_hash(uint64_t hash, const jet_tape *tape);
 
-/* Sets the constants of a block, once, before the first sweep. Inputs are 0. A slot that a sweep computes is NaN until
- * the sweep has done so, so that no number can be read before it was computed. */
-void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
+/* Prepares a block, once, before its first sweep: sets the constants, and the inputs to 0. All other slots are NaN
+ * until a sweep computes them, so that a number that was read too early shows. */
+void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
 
-/* Sets parameter i in a prepared block to value[i][width], i < count. The values repeat after `width` lanes. Other
- * parameters stay as they are. */
-void jet_tape_set_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[]);
+/* Sets parameter i in a prepared block to value[i][width], for i < count. The `width` values are repeated over the
+ * lanes. Other parameters stay as they are. */
+void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int count, int width,
+                             const double value[]);
 
-/* Reads value[i] of the parameters in a lane of the block. Other values stay as they are. */
-void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, int lane, double value[]);
+/* Reads value[i] of each parameter i of the tape from one lane of a block. Other elements of `value` stay as they
+ * are. */
+void jet_tape_read_parameters(const jet_tape *tape, const double *block, int lanes, int lane, double value[]);
 
-/* The sweeps, compiled for one instruction set. */
+/* The sweeps of a tape, compiled for one instruction set. interpreter.h describes each of them. */
 struct jet_sweeps {
     jet_isa isa;
     bool (*values)(const jet_tape *tape, double *x, int lanes);
@@ -101,8 +109,8 @@ struct jet_sweeps {
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*tangents_in_lanes)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
-    /* Computes out[w] = sum_{j < count} c_j table[j][w], c_j = c[j * stride], w < width; the last, smallest terms
-     * first. */
+    /* Computes out[w] = sum_{j < count} c_j table[j][w] for w < width, with c_j = c[j * stride]. The last terms,
+     * which are the smallest in a series, are added first. */
     void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
 };
 

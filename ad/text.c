@@ -4,34 +4,34 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static bool has_room(jet_text *text, size_t more)
+static bool reserve_text(jet_text *text, size_t extra_length)
 {
-    if (text->failed) return false;
-    if (text->size + more < text->room) return true;
-    const size_t room = 2 * (text->size + more) + 4096;
-    char *data = realloc(text->data, room);
-    text->failed = !data;
+    if (text->is_incomplete) return false;
+    if (text->length + extra_length < text->capacity) return true;
+    const size_t capacity = 2 * (text->length + extra_length) + 4096;
+    char *data = realloc(text->data, capacity);
+    text->is_incomplete = !data;
     if (!data) return false;
     text->data = data;
-    text->room = room;
+    text->capacity = capacity;
     return true;
 }
 
-void jet_text_add_list(jet_text *text, const char *format, va_list values)
+void jet_text_append_list(jet_text *text, const char *format, va_list values)
 {
-    va_list again;
-    va_copy(again, values);
+    va_list values_copy;
+    va_copy(values_copy, values);
     const int length = vsnprintf(NULL, 0, format, values);
-    if (length < 0) text->failed = true;
-    else if (has_room(text, (size_t)length + 1))
-        text->size += (size_t)vsnprintf(text->data + text->size, (size_t)length + 1, format, again);
-    va_end(again);
+    if (length < 0) text->is_incomplete = true;
+    else if (reserve_text(text, (size_t)length + 1))
+        text->length += (size_t)vsnprintf(text->data + text->length, (size_t)length + 1, format, values_copy);
+    va_end(values_copy);
 }
 
-void jet_text_add(jet_text *text, const char *format, ...)
+void jet_text_append(jet_text *text, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    jet_text_add_list(text, format, values);
+    jet_text_append_list(text, format, values);
     va_end(values);
 }

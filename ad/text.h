@@ -1,4 +1,5 @@
-/* text.h - Appends formatted text to a buffer that grows. */
+/* text.h - Appends formatted text to a buffer that grows. The writers of generated code and the saved states call
+ * it. */
 #ifndef TVI_AD_TEXT_H
 #define TVI_AD_TEXT_H
 
@@ -8,13 +9,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* A text that grows; sizes in bytes. */
 typedef struct {
-    char *data; /* ends with 0; NULL: nothing yet. Freed by the caller */
-    size_t size, room;
-    bool failed; /* memory was lacking, and text is lost */
+    char *data; /* The text, which ends with 0 and is freed by the caller; NULL: the text is empty. */
+    size_t length, capacity;
+    bool is_incomplete; /* Memory was lacking, and text is missing. */
 } jet_text;
 
-void jet_text_add(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);
-void jet_text_add_list(jet_text *text, const char *format, va_list values) JET_FORMAT(2, 0);
+void jet_text_append(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);
+void jet_text_append_list(jet_text *text, const char *format, va_list values) JET_FORMAT(2, 0);
 
 #endif

@@ -1,9 +1,10 @@
-/* vector.h - Defines the loops around the recurrence of an operation, which is a rule. The recurrence is written once
- * for a vector type V. The loops take the numbers of a run (adjacent slots of one operation) in blocks of the machine's
- * vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders j.
+/* vector.h - Defines the loops around the body of a rule. The body computes a recurrence and is written once, for a
+ * vector type V. The loops process the numbers of a run (adjacent slots of one operation) in vectors of the machine's
+ * size, then in shorter ones, down to single numbers. Sums over orders j stay in registers.
  *
- * The rules and the sweeps are compiled once for each instruction set, JET_ISA (base, avx2, avx512); jet_sweeps_choose
- * (isa.c) picks the set at run time. Vector types are an extension of gcc and clang. */
+ * The rules and the sweeps are compiled once for each instruction set JET_ISA (base, avx2, avx512);
+ * jet_choose_sweeps_for_processor (isa.c) chooses the set at run time. Vector types are an extension of gcc and
+ * clang. */
 #ifndef TVI_AD_VECTOR_H
 #define TVI_AD_VECTOR_H
 
@@ -13,7 +14,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Eight numbers are one vector. */
+/* JET_WIDE: the machine's vectors hold eight numbers. */
 #ifdef __AVX512F__
 #define JET_WIDE
 #endif
@@ -23,12 +24,12 @@ typedef double jet_v4 JET_VECTOR(double, 4);
 typedef double jet_v2 JET_VECTOR(double, 2);
 typedef double jet_v1;
 
-/* Masks of lanes, whose bits are all set or none, as comparisons give them; and a choice between two vectors by a
- * mask. */
+/* The results of comparisons of vectors: the bits of each lane are all set, or all 0. JET_CHOOSE takes each lane of
+ * two vectors by a mask. */
 typedef long long jet_mask_of_jet_v8 JET_VECTOR(long long, 8);
 typedef long long jet_mask_of_jet_v4 JET_VECTOR(long long, 4);
 typedef long long jet_mask_of_jet_v2 JET_VECTOR(long long, 2);
-/* The widest of these that the instruction set has as one. */
+/* The widest vector that the instruction set has. */
 #ifdef JET_WIDE
 typedef jet_v8 jet_widest;
 typedef jet_mask_of_jet_v8 jet_mask_of_jet_widest;
@@ -44,7 +45,8 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
-/* Call BODY(V, S) for blocks at here = 0, width of V, ...; S is passed on. */
+/* The following macros call BODY(V, S) for consecutive vectors of an array. `here` is the index of the vector's
+ * first number, and S is passed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
     for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)
 #define JET_BLOCKS_4(width, BODY, S)                                                                                   \
@@ -70,8 +72,8 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
         JET_BLOCKS_1(width, BODY, S)                                                                                   \
     } while (0)
 
-/* Calls BODY for a width that is a multiple of 8. If eight lanes are two vectors it is unrolled, as a loop costs as
- * much as its body. */
+/* Calls BODY for a width that is a multiple of 8. If eight numbers are two vectors, the loop is unrolled, as the
+ * loop itself would cost as much as its body. */
 #ifdef JET_WIDE
 #define JET_BLOCKS_OF_8(width, BODY, S)                                                                                \
     for (int here = 0; here < (width); here += 8) BODY(jet_v8, S)
@@ -82,7 +84,7 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
     for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
 #endif
 
-/* Loads a V of the numbers of x at these indices, which may be adjacent. */
+/* Loads a vector of the numbers of x at these indices. If the indices are adjacent, it is a single load. */
 #define JET_GATHER(V, x, index)     (JET_IN_A_ROW(V, index) ? *(const V *)((x) + (index)[0]) : JET_GATHER_##V(x, index))
 #define JET_GATHER_jet_v1(x, index) ((x)[(index)[0]])
 #define JET_GATHER_jet_v2(x, index) ((jet_v2){JET_PAIR_AT(x, index)})
@@ -91,25 +93,26 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
     ((jet_v8){JET_PAIR_AT(x, index), JET_PAIR_AT(x, (index) + 2), JET_PAIR_AT(x, (index) + 4),                         \
               JET_PAIR_AT(x, (index) + 6)})
 #define JET_PAIR_AT(x, index)  (x)[(index)[0]], (x)[(index)[1]]
-#define JET_IN_A_ROW(V, index) jet_in_a_row((int)(sizeof(V) / sizeof(double)), index)
-JET_INLINE bool jet_in_a_row(int count, const int index[])
+#define JET_IN_A_ROW(V, index) jet_are_indices_adjacent((int)(sizeof(V) / sizeof(double)), index)
+JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
 {
     bool is_row = true;
     for (int i = 1; i < count; i++) is_row &= index[i] == index[0] + i;
     return is_row;
 }
 
-/* Order j of a series, and of a tangent, at the block. */
+/* Coefficient j of a series x, and of a tangent x, at the current vector; AT may be assigned to, OF is constant. */
 #define JET_AT(V, x, j)   (*(V *)((x) + stride * (size_t)(j) + here))
 #define JET_OF(V, x, j)   (*(const V *)((x) + stride * (size_t)(j) + here))
 #define JET_D_AT(V, x, j) (*(V *)((x) + dstride * (size_t)(j) + here))
 #define JET_D_OF(V, x, j) (*(const V *)((x) + dstride * (size_t)(j) + here))
-/* Order j of the series that goes with all lanes of a tangent. */
+/* Coefficient j of a series with one lane, which serves all lanes of a tangent. */
 #define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
 
-/* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. If the compiler knows
- * the orders, it sums from the middle outwards: the factors of a recurrence that are known last are those of the ends,
- * and last of all that of `to`, which is added alone. */
+/* Computes sum += sum_{j=from}^{to} term(j), in two chains of additions, which need not wait for each other. If the
+ * compiler knows the orders, the sum goes from the middle outwards. The factors of a recurrence that are computed
+ * last are in the first and the last term, and those of the last term are computed last of all; this term is added
+ * alone. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \
     do {                                                                                                               \
         V odd = {0};                                                                                                   \
@@ -125,7 +128,7 @@ JET_INLINE bool jet_in_a_row(int count, const int index[])
             if (above == most) JET_TWO_TERMS(sum, sum, below, above, term)                                             \
         } else JET_SUM_UPWARDS(V, sum, least, most, term);                                                             \
     } while (0)
-/* The sum from `from` upwards, in two chains. */
+/* Computes the same sum for increasing j, in two chains. */
 #define JET_SUM_UPWARDS(V, sum, from, to, term)                                                                        \
     do {                                                                                                               \
         V second = {0};                                                                                                \
@@ -149,7 +152,7 @@ JET_INLINE bool jet_in_a_row(int count, const int index[])
         }                                                                                                              \
     }
 
-/* for j = from..to: what a transposed sum adds to other orders. */
+/* Executes the statement for j = from..to. A transposed sum thereby adds to other orders. */
 #define JET_EACH(from, to, statement)                                                                                  \
     for (int j = (from), last = (to); j <= last; j++) statement
 

@@ -24,7 +24,7 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
     prolongation x;
     tvi_arena arena = {0};
     tvi_curve_take(&x.curve, &arena, system, top, true, 1);
-    x.memory = tvi_arena_open(&arena);
+    x.memory = tvi_arena_allocate_memory(&arena);
     if (!x.memory) exit(EXIT_FAILURE);
     tvi_curve_take(&x.curve, &arena, system, top, true, 1);
     tvi_blocks_prepare(arena.blocks);
@@ -92,7 +92,7 @@ static double fit_parabola(const double y[], double coefficient[3])
 static int count_products(const jet_tape *tape)
 {
     int count = 0;
-    for (int i = 0; i < tape->runs; i++) count += tape->run[i].op == OP_LINEAR ? 0 : tape->run[i].count;
+    for (int i = 0; i < tape->runs; i++) count += tape->run[i].op == OP_LINEAR ? 0 : tape->run[i].operation_count;
     return count;
 }
 

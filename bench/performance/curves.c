@@ -17,7 +17,7 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     if (!c) abort();
     tvi_arena arena = {0};
     lay_out(c, &arena, system, N);
-    c->memory = tvi_arena_open(&arena);
+    c->memory = tvi_arena_allocate_memory(&arena);
     if (!c->memory) abort();
     lay_out(c, &arena, system, N);
     tvi_blocks_prepare(arena.blocks);

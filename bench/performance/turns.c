@@ -57,7 +57,7 @@ void isa_pin(isa which)
 static const jet_sweeps *sweeps_of(isa which)
 {
     isa_pin(which);
-    return jet_sweeps_choose();
+    return jet_choose_sweeps_for_processor();
 }
 
 const char *isa_name(isa which)

@@ -23,11 +23,11 @@ static const int auxiliary[OP_COUNT] = {
 /* needed[i]: some output depends on node i by value. An operand has a smaller index than its node. */
 static bool *find_needed(const jet_graph *graph, int outputs, const jet output[])
 {
-    const int count = jet_graph_count(graph);
+    const int count = jet_graph_node_count(graph);
     bool *needed = quad_allocate((size_t)count, sizeof *needed);
     for (int i = 0; i < outputs; i++) needed[output[i].node->index] = true;
     for (int i = count - 1; i >= 0; i--) {
-        const struct jet_node *node = jet_graph_node(graph, i);
+        const struct jet_node *node = jet_graph_node_at(graph, i);
         if (!needed[i]) continue;
         if (node->a) needed[node->a->index] = true;
         if (node->b) needed[node->b->index] = true;
@@ -50,7 +50,7 @@ static instruction translate(const struct jet_node *node, const int series_of[])
 /* The instructions for the outputs; series 0..inputs-1 are the inputs. */
 quad_program quad_compile(const jet_graph *graph, int outputs, const jet output[])
 {
-    const int count = jet_graph_count(graph), inputs = jet_graph_inputs(graph);
+    const int count = jet_graph_node_count(graph), inputs = jet_graph_input_count(graph);
     bool *needed = find_needed(graph, outputs, output);
     int *series_of = quad_allocate((size_t)count, sizeof *series_of);
     quad_program program = {.series = inputs, .outputs = outputs};
@@ -59,7 +59,7 @@ quad_program quad_compile(const jet_graph *graph, int outputs, const jet output[
     for (int i = 0; i < inputs; i++) series_of[i] = i;
     for (int i = inputs; i < count; i++) {
         if (!needed[i]) continue;
-        const struct jet_node *node = jet_graph_node(graph, i);
+        const struct jet_node *node = jet_graph_node_at(graph, i);
         series_of[i] = program.series;
         program.series += 1 + auxiliary[node->op];
         program.code[program.count++] = translate(node, series_of);

@@ -9,7 +9,7 @@
 
 static quad_system *system_of(jet_graph *graph, int n, const double mass[], jet force[])
 {
-    if (jet_graph_accept(graph, n, force) != TVI_OK) return NULL;
+    if (jet_graph_accept_outputs(graph, n, force) != TVI_OK) return NULL;
     quad_system *system = quad_allocate(1, sizeof *system);
     system->n = n;
     system->mass = quad_vector(n);
@@ -32,7 +32,7 @@ quad_system *quad_system_force(int n, const double mass[], tvi_force_fn *force, 
 {
     jet *inputs, *F = quad_allocate((size_t)n, sizeof *F);
     jet_graph *graph = open_graph(n, &inputs);
-    for (int i = 0; i < n; i++) F[i] = jet_unset();
+    for (int i = 0; i < n; i++) F[i] = jet_make_unset();
     force(inputs, inputs[n], F, ctx);
     quad_system *system = system_of(graph, n, mass, F);
     jet_graph_free(graph);
@@ -48,8 +48,8 @@ quad_system *quad_system_potential(int n, const double mass[], tvi_potential_fn 
     jet_graph *graph = open_graph(n, &inputs);
     jet V = potential(inputs, inputs[n], ctx);
     quad_system *system = NULL;
-    if (jet_graph_accept(graph, 1, &V) == TVI_OK) {
-        if (!jet_gradient(graph, V, n, F)) abort();
+    if (jet_graph_accept_outputs(graph, 1, &V) == TVI_OK) {
+        if (!jet_record_gradient(graph, V, n, F)) abort();
         for (int i = 0; i < n; i++) F[i] = jet_neg(F[i]);
         system = system_of(graph, n, mass, F);
         if (system) system->potential = quad_compile(graph, 1, &V);

@@ -1,5 +1,7 @@
-/* arena.h - Hands out the memory of an integrator from one piece. The layout is walked twice: first to measure, with
- * base NULL, then to hand out. With the address sanitizer a gap that may not be accessed follows each piece. */
+/* arena.h - Allocates the memory of an integrator in one piece, an arena. The code that lays out the arrays runs
+ * twice: first to measure, while the arena has no memory, and then to get the addresses. With the address sanitizer,
+ * a gap that must not be accessed follows each array. All parts of an integrator, and the tools for single states,
+ * allocate here. */
 #ifndef TVI_SRC_ARENA_H
 #define TVI_SRC_ARENA_H
 
@@ -17,20 +19,22 @@
 #endif
 #endif
 
-/* The arena. The history is a region of its own, which holds all that one step leaves to the next. All zeros are the
- * history of no step, so that the owner of the memory can mark, undo, clear and save it without knowing its contents.
- * At the end of the history stand the rings. They are not marked, and undoing a step leaves them alone. They hold what
- * is set at the start of a run, and buffers that steps fill in turn; the marked history says which buffer is the
- * current one. */
+/* The arena. Its history is a region that contains everything one step leaves to the next one. All zeros are the
+ * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history without
+ * knowing its contents.
+ *
+ * The rings stand at the end of the history. They contain data that is set at the start of a run, and buffers that
+ * steps fill in turn. They are neither copied before a step nor restored after a failure; the rest, the marked
+ * history, says which buffer is the current one. */
 typedef struct tvi_block tvi_block;
 typedef struct {
-    char *base, *history, *rings;
-    /* Bytes so far: of the rest of the memory, of the marked history, and of the rings. */
-    size_t used, marked, ring_bytes;
-    const tvi_block *blocks; /* block.h */
+    char *memory, *history, *rings;
+    /* Bytes that are laid out so far: outside of the history, in the marked history, and in the rings. */
+    size_t used_bytes, marked, ring_bytes;
+    const tvi_block *blocks; /* List of the blocks of tapes (block.h). */
 } tvi_arena;
 
-/* The alignment of pieces. Marked pieces stand closer, since each step copies them. */
+/* Alignment of arrays in bytes. Arrays of the marked history are closer together, since each step copies them. */
 enum { ARENA_ALIGNMENT = 64, ARENA_MARKED_ALIGNMENT = 16 };
 
 #ifdef ARENA_HAS_GAPS
@@ -43,69 +47,75 @@ enum { ARENA_GAP = 0 };
 #define ARENA_UNCHECKED
 #endif
 
-static inline size_t tvi_arena_rounded(size_t bytes, size_t alignment)
+/* Rounds a number of bytes up to a multiple of the alignment. */
+static inline size_t tvi_arena_round_up(size_t bytes, size_t alignment)
 {
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-/* The bytes of the history. */
+/* Returns the size of the history in bytes, with the rings. */
 static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
 {
-    return tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT) + arena->ring_bytes;
+    return tvi_arena_round_up(arena->marked, ARENA_ALIGNMENT) + arena->ring_bytes;
 }
-/* All bytes. The marked history stands there twice, now and as it was before the last step. */
-static inline size_t tvi_arena_bytes(const tvi_arena *arena)
+/* Returns the size of all memory in bytes. The marked history is there twice: as it is, and as it was before the
+ * last step. */
+static inline size_t tvi_arena_total_bytes(const tvi_arena *arena)
 {
-    return arena->used + tvi_arena_history_bytes(arena) + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
+    return arena->used_bytes + tvi_arena_history_bytes(arena) + tvi_arena_round_up(arena->marked, ARENA_ALIGNMENT);
 }
 
-/* Allocates zeros for all that was measured, from which the arena then hands out. The memory is to be freed. NULL
- * without memory. */
-static inline void *tvi_arena_open(tvi_arena *arena)
+/* Allocates memory, all zeros, of the size that was measured, and starts to lay it out again. The caller frees the
+ * memory. Returns NULL if memory is lacking. */
+static inline void *tvi_arena_allocate_memory(tvi_arena *arena)
 {
-    const size_t bytes = tvi_arena_bytes(arena);
+    const size_t bytes = tvi_arena_total_bytes(arena);
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
     if (!memory) return NULL;
     memset(memory, 0, bytes);
-    char *const history = memory + arena->used;
-    char *const rings = history + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
-    *arena = (tvi_arena){.base = memory, .history = history, .rings = rings};
+    char *const history = memory + arena->used_bytes;
+    char *const rings = history + tvi_arena_round_up(arena->marked, ARENA_ALIGNMENT);
+    *arena = (tvi_arena){.memory = memory, .history = history, .rings = rings};
     return memory;
 }
 
-/* The piece of `bytes` bytes at region + used; NULL if there is no region. */
-static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes, size_t alignment)
+/* Returns the next `bytes` bytes of a region, and counts them in *used. Returns NULL while the region has no memory. */
+static inline void *tvi_arena_reserve_piece(char *region, size_t *used, size_t bytes, size_t alignment)
 {
-    const size_t room = tvi_arena_rounded(bytes, alignment) + ARENA_GAP;
+    const size_t room = tvi_arena_round_up(bytes, alignment) + ARENA_GAP;
     char *piece = region ? region + *used : NULL;
     if (piece) ASAN_POISON_MEMORY_REGION(piece + bytes, room - bytes);
     *used += room;
     return piece;
 }
 
-static inline void *tvi_arena_take(tvi_arena *arena, size_t bytes)
+/* Allocates memory outside of the history. */
+static inline void *tvi_arena_allocate(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->base, &arena->used, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->memory, &arena->used_bytes, bytes, ARENA_ALIGNMENT);
 }
 
-static inline void *tvi_arena_history(tvi_arena *arena, size_t bytes)
+/* Allocates memory in the marked history. */
+static inline void *tvi_arena_allocate_history(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->history, &arena->marked, bytes, ARENA_MARKED_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->history, &arena->marked, bytes, ARENA_MARKED_ALIGNMENT);
 }
 
-/* Takes a piece of the rings. */
-static inline void *tvi_arena_ring(tvi_arena *arena, size_t bytes)
+/* Allocates memory in the rings. */
+static inline void *tvi_arena_allocate_ring(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->rings, &arena->ring_bytes, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->rings, &arena->ring_bytes, bytes, ARENA_ALIGNMENT);
 }
 
+/* Allocates an array of numbers outside of the history. */
 static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)
 {
-    return tvi_arena_take(arena, count * sizeof(double));
+    return tvi_arena_allocate(arena, count * sizeof(double));
 }
 
-/* Copies a whole history, or clears it if `from` is NULL. The gaps of a history must not be touched by memcpy. */
-ARENA_UNCHECKED static inline void tvi_arena_copy(char *to, const char *from, size_t bytes)
+/* Copies a whole history, or clears it if `from` is NULL. It does not use memcpy if there are gaps, which memcpy
+ * must not access. */
+ARENA_UNCHECKED static inline void tvi_arena_copy_history(char *to, const char *from, size_t bytes)
 {
 #ifdef ARENA_HAS_GAPS
     for (size_t i = 0; i < bytes; i++) ((volatile char *)to)[i] = from ? from[i] : 0;

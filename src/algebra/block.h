@@ -1,5 +1,5 @@
-/* block.h - Takes blocks for sweeps of tapes in the arena, and fills them with the constants and parameters that a
- * system has recorded. */
+/* block.h - Allocates blocks for the sweeps of tapes in an arena, and sets their constants and parameters. The arena
+ * keeps a list of its blocks. */
 #ifndef TVI_SRC_ALGEBRA_BLOCK_H
 #define TVI_SRC_ALGEBRA_BLOCK_H
 
@@ -8,17 +8,19 @@
 
 struct tvi_block {
     const jet_tape *tape;
-    double *x; /* [orders][slots][lanes] */
+    double *x; /* [orders][slots][lanes] The numbers of the block (ad/tape.h). */
     int orders, lanes;
     const tvi_block *next;
 };
 
-/* Takes a block of the tape, with room for `more` numbers after it. The arena keeps a list of the blocks. */
-double *tvi_arena_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t more);
+/* Allocates a block of the tape, with room for `extra_numbers`
+ * numbers after it, and adds it to the arena's list. */
+double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t extra_numbers);
 
-/* Fills all blocks of the list with the constants of their tapes. The memory has to be there, all zeros. */
+/* Sets the constants of all blocks of the list. Their memory is allocated. */
 void tvi_blocks_prepare(const tvi_block *first);
-/* Sets parameter i to value[i][width], i < count, in all prepared blocks. The values repeat after `width` lanes. */
+/* Sets parameter i to value[i][width], i < count, in all prepared blocks. The `width` values are repeated over the
+ * lanes. */
 void tvi_blocks_set_parameters(const tvi_block *first, int count, int width, const double value[]);
 
 #endif

@@ -1,5 +1,5 @@
-/* linear.c - Factors and solves dense systems by LAPACK. No other file calls LAPACK; the smallest systems do without it
- * (linear_small.h). */
+/* linear.c - Factors and solves dense linear systems by LAPACK (linear.h). No other file calls LAPACK. Small systems
+ * are solved without it (linear_small.h). */
 #include "algebra/linear.h"
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
@@ -9,36 +9,40 @@
 #include <stdint.h>
 #include <string.h>
 
-/* LAPACK's own interface: Fortran, column-major; a character argument has a hidden length at the end. */
+/* Declares the Fortran functions of LAPACK, whose matrices are column-major. A character argument has a hidden
+ * length at the end. */
 void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
 void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
 
-/* Below this size OpenBLAS factors with one thread, so that dgetrf gives the same bits for any number of threads. Above
- * it dgetf2 is called. */
+/* For smaller matrices OpenBLAS factors with one thread, and the result of dgetrf does not depend on the number of
+ * threads. For others dgetf2 is called, which always uses one thread. */
 enum { DGETRF_BELOW = 100 };
 
-void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n) { tvi_factor_take_several(factor, arena, n, 1); }
+void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n)
+{
+    tvi_factor_take_several(factor, arena, n, 1);
+}
 
-void tvi_factor_take_several(tvi_factor *factor, tvi_arena *arena, int n, int width)
+void tvi_factor_take_several(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
 {
     const size_t numbers = (size_t)n * (size_t)width;
     factor->n = n;
     factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
     factor->row_scale = tvi_arena_doubles(arena, numbers);
     factor->column_scale = tvi_arena_doubles(arena, (size_t)n);
-    factor->pivot = tvi_arena_take(arena, (size_t)n * sizeof(int));
+    factor->pivot = tvi_arena_allocate(arena, (size_t)n * sizeof(int));
     factor->matrix = tvi_arena_doubles(arena, (size_t)n * numbers);
     factor->given = tvi_arena_doubles(arena, (size_t)n);
     factor->residual = tvi_arena_doubles(arena, (size_t)n);
 }
 
-tvi_status tvi_factor_compute(tvi_factor *factor)
+tvi_status tvi_factor_compute(tvi_lu_factor *factor)
 {
     const int n = factor->n;
     if (n <= LINEAR_SMALL) {
-#define CALL(n) return linear_small_compute(n, factor)
+#define CALL(n) return linear_small_equilibrate_and_factor(n, factor)
         LINEAR_BY_SIZE(n, CALL)
 #undef CALL
     }
@@ -46,32 +50,32 @@ tvi_status tvi_factor_compute(tvi_factor *factor)
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate(n, factor);
     (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    return linear_verdict(n, info == 0, factor);
+    return linear_check_factor(n, info == 0, factor);
 }
 
-double tvi_factor_least_pivot(const tvi_factor *factor) { return linear_least_pivot(factor->n, factor); }
+double tvi_factor_least_pivot(const tvi_lu_factor *factor) { return linear_least_pivot(factor->n, factor); }
 
-/* x <- (R A C)^-1 x, or transposed. A row-major matrix is the transpose of a column-major one. */
-static void apply(int n, const tvi_factor *factor, bool transposed, double x[])
+/* Computes x <- (R A C)^-1 x, or with the transpose. The row-major matrix here is LAPACK's matrix transposed. */
+static void solve_factored_by_lapack(int n, const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int one = 1;
     int info = 0;
     dgetrs_(transposed ? "N" : "T", &n, &one, factor->lu, &n, factor->pivot, x, &n, &info, 1);
 }
 
-/* Solves with A^-1 = C (R A C)^-1 R. */
-static void solve(const tvi_factor *factor, bool transposed, double x[])
+/* Solves A x = b or A^T x = b with A^-1 = C (R A C)^-1 R; b and the solution are in x. */
+static void solve_with_factor(const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int n = factor->n;
     if (n <= LINEAR_SMALL) {
-#define CALL(n) linear_solve_scaled(n, factor, transposed, linear_small_apply, x)
+#define CALL(n) linear_solve_scaled(n, factor, transposed, linear_small_solve_factored, x)
         LINEAR_BY_SIZE(n, CALL)
 #undef CALL
     } else {
-        linear_solve_scaled(n, factor, transposed, apply, x);
+        linear_solve_scaled(n, factor, transposed, solve_factored_by_lapack, x);
     }
 }
 
-void tvi_factor_solve(const tvi_factor *factor, double x[]) { solve(factor, false, x); }
+void tvi_factor_solve(const tvi_lu_factor *factor, double x[]) { solve_with_factor(factor, false, x); }
 
-void tvi_factor_solve_transposed(const tvi_factor *factor, double x[]) { solve(factor, true, x); }
+void tvi_factor_solve_transposed(const tvi_lu_factor *factor, double x[]) { solve_with_factor(factor, true, x); }

@@ -1,6 +1,7 @@
-/* linear_small.h - Factors and solves systems that are so small that a call of LAPACK costs more than their arithmetic.
- * It does what dgetf2 and dgetrs do, on the same data. Matrices are column-major, pivots count from 1. It is part of
- * the text of generated code, where the sizes are constants. */
+/* linear_small.h - Factors and solves systems so small that a call of LAPACK costs more than their arithmetic. The
+ * functions linear_small_* do what dgetf2 and dgetrs do with the same data: matrices are column-major, and pivots
+ * count from 1. linear.c and the curves call it; it is part of the text of generated code, where the sizes are
+ * constants. */
 #ifndef TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 #define TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 
@@ -13,12 +14,12 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The largest n for which whole steps are faster with this: 1.2 to 1.5 times on pendulum, Kepler, Henon-Heiles and
- * double pendulum, 1.2 times on FPU, whose matrices have 12 rows, than with the reference LAPACK. Few curves have
- * larger matrices: products.c. */
+/* The largest n for which whole steps are faster with these functions than with the reference LAPACK. The gain is a
+ * factor of 1.2 to 1.5 for pendulum, Kepler, Henon-Heiles and double pendulum, and 1.2 for FPU, whose matrices have
+ * 12 rows. Few curves have larger matrices (generating/products.h). */
 enum { LINEAR_SMALL = 16 };
 
-/* Expands call(n) with a constant for small n, so that the compiler knows n. */
+/* Calls call(n), with a constant argument if n is small, so that the compiler knows n. */
 #define LINEAR_BY_SIZE(n, call)                                                                                        \
     switch (n) {                                                                                                       \
     case 1: call(1); break;                                                                                            \
@@ -35,10 +36,10 @@ JET_INLINE void linear_swap(double *x, double *y)
     *y = kept;
 }
 
-/* Eliminates below the diagonal in column j. The pivot on the diagonal stays if no other is twice as large. An exchange
- * would mix rows of different units that are scaled alike by chance, and the small unknown would get the roundoff of
- * the large one. */
-JET_INLINE void linear_small_eliminate(int n, int j, double a[], int pivot[])
+/* Eliminates column j below the diagonal. The pivot stays on the diagonal unless another candidate is more than
+ * twice as large. Otherwise rows of different units that were scaled alike by chance would be exchanged, and the
+ * small unknown would get the roundoff of the large one. */
+JET_INLINE void linear_small_eliminate_column(int n, int j, double a[], int pivot[])
 {
     int largest = j;
     double most = 2 * fabs(a[j + j * n]);
@@ -56,18 +57,18 @@ JET_INLINE void linear_small_eliminate(int n, int j, double a[], int pivot[])
         for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * a[j + k * n];
 }
 
-/* Factors P L U in place, with partial pivoting; a pivot that is 0 is left so. The first columns have no loop, so that
- * all indices are constants for a small n. */
+/* Factors a = P L U in place, with partial pivoting. A pivot that is 0 stays 0. The first columns stand outside of
+ * the loop, so that all indices are constants for a small n. */
 JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
 {
-    if (n > 0) linear_small_eliminate(n, 0, a, pivot);
-    if (n > 1) linear_small_eliminate(n, 1, a, pivot);
-    if (n > 2) linear_small_eliminate(n, 2, a, pivot);
-    if (n > 3) linear_small_eliminate(n, 3, a, pivot);
-    for (int j = 4; j < n; j++) linear_small_eliminate(n, j, a, pivot);
+    if (n > 0) linear_small_eliminate_column(n, 0, a, pivot);
+    if (n > 1) linear_small_eliminate_column(n, 1, a, pivot);
+    if (n > 2) linear_small_eliminate_column(n, 2, a, pivot);
+    if (n > 3) linear_small_eliminate_column(n, 3, a, pivot);
+    for (int j = 4; j < n; j++) linear_small_eliminate_column(n, j, a, pivot);
 }
 
-/* x <- A^-1 x */
+/* Computes x <- A^-1 x. */
 JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) linear_swap(&x[i], &x[pivot[i] - 1]);
@@ -79,7 +80,7 @@ JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], 
     }
 }
 
-/* x <- A^-T x */
+/* Computes x <- A^-T x. */
 JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) {
@@ -93,13 +94,13 @@ JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const in
 
 /* ---- Factors of all sizes ---------------------------------------------------------------------------------------- */
 
-/* The power of two next to 1/size, so that scaling rounds nothing; 1 if size is 0. */
-JET_INLINE double linear_inverse_power(double size)
+/* Returns a power of two close to 1/size, with which scaling is exact; 1 if size is 0 or not finite. */
+JET_INLINE double linear_inverse_power_of_two(double size)
 {
     uint64_t bits;
     if (size == 0 || !isfinite(size)) return 1;
     memcpy(&bits, &size, sizeof bits);
-    const uint64_t exponent = bits >> 52; /* size = 1.f 2^(exponent - 1023), or subnormal */
+    const uint64_t exponent = bits >> 52; /* The bits of size = 1.f 2^(exponent - 1023), or of a subnormal number. */
     if (exponent < 23 || exponent > 2040) return exponent < 23 ? 0x1p1000 : 0x1p-1018;
     bits = (2045 - exponent) << 52;
     double power;
@@ -107,12 +108,13 @@ JET_INLINE double linear_inverse_power(double size)
     return power;
 }
 
-/* Two rows have different units if their scales differ by this factor. */
+/* Rows have different units if their scales differ by at least this factor. */
 enum { LINEAR_OTHER_UNIT = 8 };
 
-/* A <- R A C, with columns, then rows, of size about 1. The rows of the Jacobian matrices of a curve's ends (closure.h)
- * are coordinates. The columns are scaled first, which removes the units: the pivots do not depend on them. */
-JET_INLINE void linear_equilibrate(int n, tvi_factor *factor)
+/* Scales A <- R A C so that all columns, and then all rows, have about the size 1. The columns are scaled first,
+ * which removes the units, so that the pivots do not depend on them. (In the Jacobian matrices of curves, rows are
+ * coordinates.) */
+JET_INLINE void linear_equilibrate(int n, tvi_lu_factor *factor)
 {
     double least = INFINITY, largest = 0;
     for (int j = 0; j < n; j++) {
@@ -121,14 +123,14 @@ JET_INLINE void linear_equilibrate(int n, tvi_factor *factor)
             const double entry = fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]);
             if (entry > size) size = entry;
         }
-        factor->column_scale[j] = linear_inverse_power(size);
+        factor->column_scale[j] = linear_inverse_power_of_two(size);
         for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
     }
     for (int i = 0; i < n; i++) {
         double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
         for (int j = 0; j < n; j++)
             if (fabs(row[j]) > size) size = fabs(row[j]);
-        factor->row_scale[i] = linear_inverse_power(size);
+        factor->row_scale[i] = linear_inverse_power_of_two(size);
         for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
         least = tvi_smaller(factor->row_scale[i], least);
         largest = tvi_larger(factor->row_scale[i], largest);
@@ -137,14 +139,15 @@ JET_INLINE void linear_equilibrate(int n, tvi_factor *factor)
     if (factor->is_refined) memcpy(factor->matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
 }
 
-JET_INLINE bool linear_is_exchanged(int n, const tvi_factor *factor)
+/* Tells whether the factorisation exchanged rows. */
+JET_INLINE bool linear_has_row_exchanges(int n, const tvi_lu_factor *factor)
 {
     for (int i = 0; i < n; i++)
         if (factor->pivot[i] != i + 1) return true;
     return false;
 }
 
-JET_INLINE double linear_least_pivot(int n, const tvi_factor *factor)
+JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
 {
     double least = INFINITY;
     for (int i = 0; i < n; i++) {
@@ -154,23 +157,23 @@ JET_INLINE double linear_least_pivot(int n, const tvi_factor *factor)
     return least;
 }
 
-/* The status of a factor of a matrix with rows and columns of size 1. */
-JET_INLINE tvi_status linear_verdict(int n, bool is_factored, tvi_factor *factor)
+/* Returns the status of a factorisation of a scaled matrix: TVI_ESINGULAR if a pivot is at the level of roundoff.
+ * Also decides whether solutions are refined. */
+JET_INLINE tvi_status linear_check_factor(int n, bool is_factored, tvi_lu_factor *factor)
 {
-    factor->is_refined = factor->is_refined && linear_is_exchanged(n, factor);
+    factor->is_refined = factor->is_refined && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
-/* x <- scale x, component by component */
-JET_INLINE void linear_rescale(int n, const double scale[], double x[])
+/* Multiplies each component x_i by scale_i. */
+JET_INLINE void linear_scale_components(int n, const double scale[], double x[])
 {
     for (int i = 0; i < n; i++) x[i] *= scale[i];
 }
 
-/* One step of iterative refinement of (R A C)^-1 given. If pivots mix unknowns of different units, it removes the
- * roundoff of the large unknowns from the small ones (Skeel, Math. Comp. 35, 1980). This function computes the
- * residual. */
-JET_INLINE void linear_compute_residual(int n, const tvi_factor *factor, bool transposed, const double x[])
+/* Computes the residual for one step of iterative refinement, in factor->residual. If rows of different units were
+ * exchanged, the step removes the roundoff of large unknowns from small ones (Skeel, Math. Comp. 35, 1980). */
+JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool transposed, const double x[])
 {
     const int row_stride = transposed ? 1 : n, column_stride = transposed ? n : 1;
     for (int i = 0; i < n; i++) {
@@ -180,39 +183,40 @@ JET_INLINE void linear_compute_residual(int n, const tvi_factor *factor, bool tr
     }
 }
 
-JET_INLINE void linear_refine(int n, const tvi_factor *factor, double x[])
+JET_INLINE void linear_add_refinement(int n, const tvi_lu_factor *factor, double x[])
 {
     for (int i = 0; i < n; i++) x[i] += factor->residual[i];
 }
 
-typedef void linear_apply(int n, const tvi_factor *factor, bool transposed, double x[]);
+typedef void linear_factored_solver(int n, const tvi_lu_factor *factor, bool transposed, double x[]);
 
-/* x <- A^-1 x or A^-T x, with A^-1 = C (R A C)^-1 R */
-JET_INLINE void linear_solve_scaled(int n, const tvi_factor *factor, bool transposed, linear_apply *apply, double x[])
+/* Computes x <- A^-1 x or A^-T x with A^-1 = C (R A C)^-1 R, where `apply` computes with (R A C)^-1. */
+JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool transposed, linear_factored_solver *apply,
+                                    double x[])
 {
-    linear_rescale(n, transposed ? factor->column_scale : factor->row_scale, x);
+    linear_scale_components(n, transposed ? factor->column_scale : factor->row_scale, x);
     if (factor->is_refined) memcpy(factor->given, x, (size_t)n * sizeof *x);
     apply(n, factor, transposed, x);
     if (factor->is_refined) {
         linear_compute_residual(n, factor, transposed, x);
         apply(n, factor, transposed, factor->residual);
-        linear_refine(n, factor, x);
+        linear_add_refinement(n, factor, x);
     }
-    linear_rescale(n, transposed ? factor->row_scale : factor->column_scale, x);
+    linear_scale_components(n, transposed ? factor->row_scale : factor->column_scale, x);
 }
 
 /* ---- Factors of small sizes -------------------------------------------------------------------------------------- */
 
-JET_INLINE tvi_status linear_small_compute(int n, tvi_factor *factor)
+JET_INLINE tvi_status linear_small_equilibrate_and_factor(int n, tvi_lu_factor *factor)
 {
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
-    return linear_verdict(n, true, factor);
+    return linear_check_factor(n, true, factor);
 }
 
-/* Solves by the factor. A row-major matrix is the transpose of a column-major one. */
-JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transposed, double x[])
+/* Computes x <- (R A C)^-1 x, or with the transpose. The row-major matrix is a column-major one transposed. */
+JET_INLINE void linear_small_solve_factored(int n, const tvi_lu_factor *factor, bool transposed, double x[])
 {
     if (transposed) linear_small_solve(n, factor->lu, factor->pivot, x);
     else linear_small_solve_transposed(n, factor->lu, factor->pivot, x);
@@ -220,18 +224,20 @@ JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transpo
 
 /* ---- Without exchanges of rows, of matrices that are I + O(h) in some units -------------------------------------- */
 
-/* A pivot that is smaller or larger by this factor than what stood on the diagonal needs the factor with exchanges of
- * rows. The same holds for a pivot below this in a row in the units of its columns. */
+/* A pivot must neither be smaller nor larger, by this factor, than the number on the diagonal before the
+ * elimination; otherwise rows must be exchanged. In a row in the units of its columns, it must not be smaller than
+ * this number itself. */
 static const double LINEAR_LEAST_PIVOT = 0x1p-10;
-/* The limit for an inverse, which rounds more than a factor does. */
+/* The same limit for an inverse, which rounds more than a factorisation does. */
 static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
 
-#define LINEAR_ELIMINATE(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
+#define LINEAR_ELIMINATE(V, S) JET_AT(V, other_row, 0) -= multiplier * JET_OF(V, row, 0);
 
-/* Tells whether a pivot needs no exchange of rows, compared with what stood in its place before. */
-JET_INLINE bool linear_is_safe_pivot(double pivot, double before, double least)
+/* Tells whether a pivot is good enough without an exchange of rows, compared with the number that was in its place
+ * before the elimination. */
+JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, double least)
 {
-    const double size = fabs(pivot), most = fabs(before);
+    const double size = fabs(pivot), most = fabs(diagonal_before);
     return size > least * most && least * size < most;
 }
 
@@ -253,10 +259,11 @@ JET_INLINE void linear_multiply(int width, const double a[], const double b[], d
     JET_BLOCKS(width, LINEAR_MULTIPLY, );
 }
 
-/* A = L U, row-major: U in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
+/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
  * factor->row_scale. In this layout rows are only written as a whole. The first `in_units` rows are in the units of
  * their columns. Clears is_safe [width] if a pivot needs an exchange of rows, or is no number. */
-JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tvi_factor *factor, long long is_safe[])
+JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tvi_lu_factor *factor,
+                                        long long is_safe[])
 {
     const size_t stride = (size_t)n;
     double before[LINEAR_SMALL * LINEAR_MOST_WIDTH];
@@ -275,19 +282,20 @@ JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tv
         }
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
-            double *other = factor->lu + i * n * width, *l = factor->matrix + (i * n + j) * width;
-            linear_multiply(width, other + j * width, inverse, l);
-            const double part = *l;
+            double *other_row = factor->lu + i * n * width, *l = factor->matrix + (i * n + j) * width;
+            linear_multiply(width, other_row + j * width, inverse, l);
+            const double multiplier = *l;
             if (width == 1 && n >= 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
             JET_UNROLLED
             for (int k = j + 1; (width > 1 || n < 4) && k < n; k++)
-                linear_take_product(width, l, row + k * width, other + k * width);
+                linear_take_product(width, l, row + k * width, other_row + k * width);
         }
     }
 }
 
-/* x <- A^-1 x. The last known unknown is subtracted last. */
-JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_factor *factor, double x[])
+/* Computes x <- A^-1 x. The unknown that is computed last is subtracted last, so that the other products need not
+ * wait. */
+JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
@@ -303,7 +311,7 @@ JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_factor *facto
 }
 
 /* x <- A^-T x */
-JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_factor *factor, double x[])
+JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
@@ -317,27 +325,27 @@ JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_fa
     for (int j = n - 1; j > i; j--) linear_take_product(width, l + (j * n + i) * width, x + j * width, x + i * width);
 }
 
-/* A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; then the contents of A are undefined. */
+/* Computes A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; A is then undefined. */
 JET_INLINE bool linear_unpivoted_invert(int n, double a[])
 {
     const size_t stride = (size_t)n;
     bool is_safe = true;
-    double before[LINEAR_SMALL] = {0};
+    double diagonal_before[LINEAR_SMALL] = {0};
     JET_UNROLLED
-    for (int j = 0; j < n; j++) before[j] = a[j * n + j];
+    for (int j = 0; j < n; j++) diagonal_before[j] = a[j * n + j];
     JET_UNROLLED
     for (int j = 0; j < n; j++) {
         double *row = a + j * n;
         const double pivot = row[j], inverse = 1 / pivot;
-        is_safe &= linear_is_safe_pivot(pivot, before[j], LINEAR_LEAST_INVERTED);
+        is_safe &= linear_is_safe_pivot(pivot, diagonal_before[j], LINEAR_LEAST_INVERTED);
         row[j] = 1;
         for (int k = 0; k < n; k++) row[k] *= inverse;
         JET_UNROLLED
         for (int i = 0; i < n; i++) {
-            double *other = a + i * n;
-            const double part = other[j];
+            double *other_row = a + i * n;
+            const double multiplier = other_row[j];
             if (i == j) continue;
-            other[j] = 0;
+            other_row[j] = 0;
             JET_BLOCKS(n, LINEAR_ELIMINATE, );
         }
     }

@@ -1,9 +1,9 @@
-/* quadrature.c - Computes Gauss, Lobatto, trapezoid and rectangle rules, for any number of nodes. */
+/* quadrature.c - Computes Gauss, Lobatto, trapezoid and rectangle rules for any number of nodes (quadrature.h). */
 #include "algebra/quadrature.h"
 
 #include <math.h>
 
-int tvi_quadrature_fixed_points(tvi_quadrature rule)
+int tvi_quadrature_fixed_point_count(tvi_quadrature rule)
 {
     switch (rule) {
     case TVI_TRAPEZOID: return 2;
@@ -13,9 +13,9 @@ int tvi_quadrature_fixed_points(tvi_quadrature rule)
     }
 }
 
-int tvi_quadrature_least_points(tvi_quadrature rule)
+int tvi_quadrature_least_point_count(tvi_quadrature rule)
 {
-    const int fixed = tvi_quadrature_fixed_points(rule);
+    const int fixed = tvi_quadrature_fixed_point_count(rule);
     return fixed ? fixed : rule == TVI_LOBATTO ? 2 : 1;
 }
 
@@ -30,7 +30,7 @@ int tvi_quadrature_order(tvi_quadrature rule, int points)
     }
 }
 
-tvi_quadrature tvi_quadrature_mirrored(tvi_quadrature rule)
+tvi_quadrature tvi_quadrature_mirror(tvi_quadrature rule)
 {
     switch (rule) {
     case TVI_RECTANGLE_START: return TVI_RECTANGLE_END;
@@ -40,7 +40,7 @@ tvi_quadrature tvi_quadrature_mirrored(tvi_quadrature rule)
 }
 
 /* Computes P_n(x) and P_{n-1}(x) by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
-static void legendre(int n, long double x, long double *P, long double *P_before)
+static void evaluate_legendre_polynomials(int n, long double x, long double *P, long double *P_before)
 {
     long double now = 1, before = 0;
     for (int k = 0; k < n; k++) {
@@ -52,45 +52,46 @@ static void legendre(int n, long double x, long double *P, long double *P_before
     *P_before = before;
 }
 
-enum { NEWTON_STEPS = 60 }; /* never reached: the iteration stops at roundoff */
+enum { NEWTON_STEPS = 60 }; /* Never reached, since the iteration stops at roundoff. */
 
-/* The root of P_n near x, by (1 - x^2) P_n' = n (P_{n-1} - x P_n). Its weight is 2 / ((1 - x^2) P_n'^2). */
-static long double gauss_root(int n, long double x, long double *weight)
+/* Finds the root of P_n near x by Newton's method, with (1 - x^2) P_n' = n (P_{n-1} - x P_n). Its weight is 2 / ((1
+ * - x^2) P_n'^2). */
+static long double refine_gauss_node(int n, long double x, long double *weight)
 {
     long double P, before, slope = 1;
     for (int step = 0; step < NEWTON_STEPS; step++) {
-        legendre(n, x, &P, &before);
+        evaluate_legendre_polynomials(n, x, &P, &before);
         slope = n * (before - x * P) / (1 - x * x);
         const long double correction = P / slope;
         x -= correction;
         if (fabsl(correction) <= 1e-18L) break;
     }
-    legendre(n, x, &P, &before);
+    evaluate_legendre_polynomials(n, x, &P, &before);
     slope = n * (before - x * P) / (1 - x * x);
     *weight = 2 / ((1 - x * x) * slope * slope);
     return x;
 }
 
-/* The root of P_n' near x, n = points - 1, by (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n. Its weight is 2 / (n (n+1)
- * P_n^2). */
-static long double lobatto_root(int n, long double x, long double *weight)
+/* Finds the root of P_n' near x, n = points - 1, by Newton's method, with (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n.
+ * Its weight is 2 / (n (n+1) P_n^2). */
+static long double refine_lobatto_node(int n, long double x, long double *weight)
 {
     long double P, before;
     for (int step = 0; step < NEWTON_STEPS; step++) {
-        legendre(n, x, &P, &before);
+        evaluate_legendre_polynomials(n, x, &P, &before);
         const long double slope = n * (before - x * P) / (1 - x * x);
         const long double curvature = (2 * x * slope - n * (n + 1) * P) / (1 - x * x);
         const long double correction = slope / curvature;
         x -= correction;
         if (fabsl(correction) <= 1e-18L) break;
     }
-    legendre(n, x, &P, &before);
+    evaluate_legendre_polynomials(n, x, &P, &before);
     *weight = 2 / (n * (n + 1) * P * P);
     return x;
 }
 
-/* Computes half of the nodes by Newton's method, the others by symmetry. */
-static void symmetric_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
+/* Computes one half of the nodes by Newton's method, and the other half by symmetry. */
+static void compute_symmetric_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
 {
     const long double pi = 3.141592653589793238462643383279502884L;
     for (int i = 0; i < (points + 1) / 2; i++) {
@@ -101,12 +102,12 @@ static void symmetric_nodes(tvi_quadrature rule, int points, long double node[],
             weight[i] = 2 / ((long double)points * (points - 1));
         } else if (i == mirror) {
             x = 0;
-            if (rule == TVI_LOBATTO) (void)lobatto_root(points - 1, 0, &weight[i]);
-            else (void)gauss_root(points, 0, &weight[i]);
+            if (rule == TVI_LOBATTO) (void)refine_lobatto_node(points - 1, 0, &weight[i]);
+            else (void)refine_gauss_node(points, 0, &weight[i]);
         } else if (rule == TVI_LOBATTO) {
-            x = lobatto_root(points - 1, -cosl(pi * i / (points - 1)), &weight[i]);
+            x = refine_lobatto_node(points - 1, -cosl(pi * i / (points - 1)), &weight[i]);
         } else {
-            x = gauss_root(points, -cosl(pi * (i + 0.75L) / (points + 0.5L)), &weight[i]);
+            x = refine_gauss_node(points, -cosl(pi * (i + 0.75L) / (points + 0.5L)), &weight[i]);
         }
         node[i] = x;
         node[mirror] = -x;
@@ -114,7 +115,7 @@ static void symmetric_nodes(tvi_quadrature rule, int points, long double node[],
     }
 }
 
-void tvi_quadrature_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
+void tvi_quadrature_compute_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
 {
     switch (rule) {
     case TVI_TRAPEZOID:
@@ -123,6 +124,6 @@ void tvi_quadrature_nodes(tvi_quadrature rule, int points, long double node[], l
         break;
     case TVI_RECTANGLE_START: node[0] = -1, weight[0] = 2; break;
     case TVI_RECTANGLE_END: node[0] = 1, weight[0] = 2; break;
-    default: symmetric_nodes(rule, points, node, weight);
+    default: compute_symmetric_nodes(rule, points, node, weight);
     }
 }

@@ -1,4 +1,4 @@
-/* sizes.h - Measures the sizes of numbers and arrays, and tests whether they are finite. */
+/* sizes.h - Computes the magnitudes of numbers and arrays, and tests whether they are finite. All folders call it. */
 #ifndef TVI_SRC_SIZES_H
 #define TVI_SRC_SIZES_H
 
@@ -10,29 +10,30 @@
 #include <stdint.h>
 #include <string.h>
 
-static inline uint64_t tvi_bits(double x)
+static inline uint64_t tvi_double_bits(double x)
 {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
     return bits;
 }
 
-/* 0 if and only if x is finite, as then x - x is 0. */
-static inline uint64_t tvi_bits_of_infinite(double x) { return tvi_bits(x - x); }
+/* Returns 0 if and only if x is finite: only then x - x is 0. */
+static inline uint64_t tvi_nonfinite_bits(double x) { return tvi_double_bits(x - x); }
 
-/* Tells whether all rows [n] are finite. The bits are combined in any order. */
+/* Tells whether all numbers in rows of n numbers, `stride` apart, are finite. It combines the bits of all numbers,
+ * so that compilers can use vectors. */
 static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const double x[])
 {
     uint64_t any = 0;
     for (int r = 0; r < rows; r++)
-        for (int i = 0; i < n; i++) any |= tvi_bits_of_infinite(x[(size_t)r * stride + (size_t)i]);
+        for (int i = 0; i < n; i++) any |= tvi_nonfinite_bits(x[(size_t)r * stride + (size_t)i]);
     return any == 0;
 }
 
 static inline bool tvi_all_finite(int n, const double x[]) { return tvi_rows_are_finite(1, 0, n, x); }
 
-/* max |x_i| over n numbers, `stride` apart. */
-static inline double tvi_largest(int n, const double x[], int stride)
+/* Returns max |x_i| over n numbers that are `stride` apart. */
+static inline double tvi_largest_magnitude(int n, const double x[], int stride)
 {
     double size = 0;
     for (int i = 0; i < n; i++) {
@@ -42,13 +43,14 @@ static inline double tvi_largest(int n, const double x[], int stride)
     return size;
 }
 
-/* The larger and the smaller of two numbers without a call, unlike fmax and fmin; b if one is no number. */
+/* Return the larger and the smaller of two numbers, unlike fmax and fmin without a call. The result is b if one of
+ * them is not a number. */
 static inline double tvi_larger(double a, double b) { return a > b ? a : b; }
 static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
-/* The number nearer to 0. */
-static inline double tvi_shorter(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
+/* Returns the number with the smaller magnitude. */
+static inline double tvi_smaller_magnitude(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 
-/* part / whole; 0 if part is 0. */
-static inline double tvi_ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
+/* Returns part / whole, or 0 if part is 0. */
+static inline double tvi_ratio_or_zero(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
 #endif

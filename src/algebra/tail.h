@@ -85,12 +85,12 @@ static inline void tvi_tails_of_members(const tvi_subsystems *parts, int n, int 
         for (int m = 0; m < width; m++) largest[m] = 0;
         for (; k < end; k++)
             for (int m = 0; m < width; m++) {
-                const double one = share[tvi_subsystems_member(parts, k) * width + m];
+                const double one = share[tvi_subsystems_component(parts, k) * width + m];
                 largest[m] = one > largest[m] ? one : largest[m];
             }
         for (k = first; k < end; k++)
             for (int m = 0; m < width; m++) {
-                const int at = tvi_subsystems_member(parts, k) * width + m;
+                const int at = tvi_subsystems_component(parts, k) * width + m;
                 const double tail = tvi_tail_of(ratio[at], share[at], largest[m]);
                 most[m] = tail > most[m] ? tail : most[m];
             }

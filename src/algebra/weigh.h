@@ -1,4 +1,4 @@
-/* weigh.h - Adds weighted rows, or the sizes of rows. The sums of series use it. */
+/* weigh.h - Adds weighted rows, or their magnitudes. The sums of series (generating/series.h) call it. */
 #ifndef TVI_SRC_ALGEBRA_WEIGH_H
 #define TVI_SRC_ALGEBRA_WEIGH_H
 
@@ -30,15 +30,15 @@
 
 /* out[components] += sum_r weight[r] row[r * stride ..], from the last row to the first, so that the small terms of a
  * series come first. */
-static inline void tvi_add_rows(size_t count, const double weight[], size_t stride, size_t components,
-                                const double row[], double out[])
+static inline void tvi_add_weighted_rows(size_t count, const double weight[], size_t stride, size_t components,
+                                         const double row[], double out[])
 {
     JET_BLOCKS((int)components, TVI_WEIGH, TVI_ITSELF);
 }
 
-/* The sum of |row|. */
-static inline void tvi_add_sizes(size_t count, const double weight[], size_t stride, size_t components,
-                                 const double row[], double out[])
+/* Computes the same sum of the magnitudes |row|. */
+static inline void tvi_add_weighted_magnitudes(size_t count, const double weight[], size_t stride, size_t components,
+                                               const double row[], double out[])
 {
     JET_BLOCKS((int)components, TVI_WEIGH, TVI_ITS_SIZE);
 }

@@ -1,27 +1,30 @@
-/* code.h - Declares what generated code defines, and where the library finds it. It is part of the text of generated
- * code. */
+/* code.h - Declares the structure that generated code defines, and by which the library finds its functions. It is
+ * part of the text of generated code. */
 #ifndef TVI_SRC_COMPILED_CODE_H
 #define TVI_SRC_COMPILED_CODE_H
 
 #include "tape.h"
 
+/* The tapes of a system that generated code may run. */
 typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_BEND, TVI_CODE_HESSIAN, TVI_CODE_TAPES } tvi_code_tape;
 
 struct galerkin_code;
 struct tvi_curve_code;
 
+/* The data and functions of generated code. */
 typedef struct tvi_code {
-    uint64_t library, system, options; /* fingerprints of what it was made by and for */
-    jet_isa isa;                       /* it was compiled for */
-    /* Sweeps of the system's tapes; NULL, also for one of the sweeps: the tape is interpreted. */
+    /* Hashes of the library's texts, of the system and of the options for which the code was made. */
+    uint64_t library_hash, system_hash, options_hash;
+    jet_isa isa; /* The instruction set for which the code was compiled. */
+    /* Sweeps of the system's tapes. If a pointer, or a function in it, is NULL, the interpreter runs the tape. */
     const jet_sweeps *sweeps[TVI_CODE_TAPES];
-    const struct galerkin_code *galerkin; /* NULL: the library makes all steps */
-    const struct tvi_curve_code *curve;   /* NULL: order by order */
+    const struct galerkin_code *galerkin; /* Loops of the Galerkin curve; NULL: the library's own are used. */
+    const struct tvi_curve_code *curve;   /* Functions of a Taylor curve; NULL: the library's own are used. */
 } tvi_code;
 
 struct tvi_compiled {
     const tvi_code *code;
-    /* The loaded library. NULL: the code is part of the program, and its users are not counted. */
+    /* The loaded shared library. NULL: the code is part of the program, and its users are not counted. */
     void *library;
     int users;
 };

@@ -14,7 +14,7 @@
 
 extern char **environ;
 
-const char *tvi_environment(const char *name)
+const char *tvi_environment_variable(const char *name)
 {
     const char *value = getenv(name);
     return value && *value ? value : NULL;
@@ -22,60 +22,68 @@ const char *tvi_environment(const char *name)
 
 /* ---- Files ------------------------------------------------------------------------------------------------------- */
 
-static bool write_all(int file, const char *data, size_t size)
+static bool write_all(int file, const char *data, size_t byte_count)
 {
-    while (size > 0) {
-        const ssize_t written = write(file, data, size);
+    while (byte_count > 0) {
+        const ssize_t written = write(file, data, byte_count);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) return false;
         data += written;
-        size -= (size_t)written;
+        byte_count -= (size_t)written;
     }
     return true;
 }
 
-static bool write_to(const char *path, int flags, const void *data, size_t size)
+static bool write_with_flags(const char *path, int flags, const void *data, size_t byte_count)
 {
     const int file = open(path, O_WRONLY | O_CLOEXEC | flags, 0644);
     if (file < 0) return false;
-    const bool is_written = write_all(file, data, size);
+    const bool is_written = write_all(file, data, byte_count);
     return close(file) == 0 && is_written;
 }
 
-bool tvi_file_write(const char *path, const void *data, size_t size)
+bool tvi_file_write(const char *path, const void *data, size_t byte_count)
 {
-    return write_to(path, O_CREAT | O_TRUNC, data, size);
+    return write_with_flags(path, O_CREAT | O_TRUNC, data, byte_count);
 }
 
-bool tvi_file_append(const char *path, const void *data, size_t size) { return write_to(path, O_APPEND, data, size); }
+bool tvi_file_append(const char *path, const void *data, size_t byte_count)
+{
+    return write_with_flags(path, O_APPEND, data, byte_count);
+}
 
-static bool is_own(const struct stat *s) { return s->st_uid == geteuid() && !(s->st_mode & (S_IWGRP | S_IWOTH)); }
+/* Tells whether the file belongs to the user, and no other user may write to it. */
+static bool belongs_to_user_alone(const struct stat *s)
+{
+    return s->st_uid == geteuid() && !(s->st_mode & (S_IWGRP | S_IWOTH));
+}
 
-static char *read_all(int file, size_t *size)
+static char *read_all(int file, size_t *byte_count)
 {
     struct stat s;
-    if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !is_own(&s)) return NULL;
+    if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !belongs_to_user_alone(&s)) return NULL;
     char *data = malloc((size_t)s.st_size + 1);
-    for (*size = 0; data && *size < (size_t)s.st_size;) {
-        const ssize_t got = read(file, data + *size, (size_t)s.st_size - *size);
+    for (*byte_count = 0; data && *byte_count < (size_t)s.st_size;) {
+        const ssize_t got = read(file, data + *byte_count, (size_t)s.st_size - *byte_count);
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0) break;
-        *size += (size_t)got;
+        *byte_count += (size_t)got;
     }
-    if (data) data[*size] = 0;
+    if (data) data[*byte_count] = 0;
     return data;
 }
 
-char *tvi_file_read(const char *path, size_t *size)
+char *tvi_file_read(const char *path, size_t *byte_count)
 {
-    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); /* does not wait for a pipe */
+    /* O_NONBLOCK keeps the call from waiting for a pipe. */
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (file < 0) return NULL;
-    char *data = read_all(file, size);
+    char *data = read_all(file, byte_count);
     close(file);
     return data;
 }
 
-bool tvi_file_claim(const char *path) { return chmod(path, 0700) == 0; }
+bool tvi_file_restrict_to_user(const char *path) { return chmod(path, 0700) == 0; }
 
 bool tvi_file_move(const char *from, const char *to) { return rename(from, to) == 0; }
 
@@ -83,8 +91,8 @@ bool tvi_file_move(const char *from, const char *to) { return rename(from, to) =
 
 typedef bool directory_fn(const char *path);
 
-/* Tells whether all directories above this one pass the check, from the top. The path is written to for a while. */
-static bool is_true_above(char *path, directory_fn *check)
+/* Tells whether all parent directories of a path pass a check, from the top on. The path is modified meanwhile. */
+static bool do_all_parents_pass(char *path, directory_fn *check)
 {
     for (char *at = path + 1; (at = strchr(at, '/')); at++) {
         *at = 0;
@@ -95,43 +103,47 @@ static bool is_true_above(char *path, directory_fn *check)
     return true;
 }
 
-static bool make(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0; }
+static bool make_directory(const char *path)
+{
+    return mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0;
+}
 
-/* Who owns a directory, or may write to it, may put another one in the place of one that it has. The sticky bit keeps
- * a group and all others from that, and not the owner, who is the user, or root. */
-static bool keeps_what_it_has(const char *path)
+/* Tells whether no other user can replace an entry of the directory. The owner of a directory can do this, and so
+ * can everyone who may write to it, unless its sticky bit is set. The owner must therefore be the user or root. */
+static bool is_directory_protected(const char *path)
 {
     struct stat s;
     if (stat(path, &s) != 0 || (s.st_uid != geteuid() && s.st_uid != 0)) return false;
     return !(s.st_mode & (S_IWGRP | S_IWOTH)) || (s.st_mode & S_ISVTX);
 }
 
-/* All directories above this one, also above the working directory and where links lead. */
-static bool is_kept(const char *path)
+/* Tells whether all parents of the directory are protected, after all links are resolved. */
+static bool are_parents_protected(const char *path)
 {
     char *real = realpath(path, NULL);
-    const bool is_true = real && keeps_what_it_has("/") && is_true_above(real, keeps_what_it_has);
+    const bool is_true = real && is_directory_protected("/") && do_all_parents_pass(real, is_directory_protected);
     free(real);
     return is_true;
 }
 
-bool tvi_directory_make(const char *path)
+bool tvi_directory_create_protected(const char *path)
 {
     struct stat s;
-    const size_t size = strlen(path) + 1;
-    char *copy = malloc(size);
+    const size_t byte_count = strlen(path) + 1;
+    char *copy = malloc(byte_count);
     if (!copy) return false;
-    memcpy(copy, path, size);
-    const bool is_made = is_true_above(copy, make) && make(copy);
+    memcpy(copy, path, byte_count);
+    const bool is_made = do_all_parents_pass(copy, make_directory) && make_directory(copy);
     free(copy);
-    return is_made && is_kept(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) && is_own(&s);
+    return is_made && are_parents_protected(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) &&
+           belongs_to_user_alone(&s);
 }
 
-bool tvi_directory_own(char *path)
+bool tvi_directory_create_temporary(char *path)
 {
     char *const name = strrchr(path, '/');
     *name = 0;
-    const bool is_safe = is_kept(path) && keeps_what_it_has(path);
+    const bool is_safe = are_parents_protected(path) && is_directory_protected(path);
     *name = '/';
     return is_safe && mkdtemp(path) != NULL;
 }
@@ -144,11 +156,11 @@ void tvi_directory_remove(const char *path, const char *const file[])
 
 /* ---- The compiler ------------------------------------------------------------------------------------------------ */
 
-static int wait_for(pid_t child)
+static int wait_for_exit(pid_t child)
 {
     int status;
     while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return 0; /* the caller judges the compiler by its output */
+        if (errno != EINTR) return 0; /* The caller judges the compiler by its output. */
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -158,8 +170,8 @@ static int wait_for(pid_t child)
 #endif
 #endif
 
-/* Closes the program's own files for the compiler, and for a server that the compiler may leave behind. */
-static bool closes_others(posix_spawn_file_actions_t *actions)
+/* Closes all other files of this process in the compiler, and in a server that the compiler may leave behind. */
+static bool add_close_of_other_files(posix_spawn_file_actions_t *actions)
 {
 #ifdef HAS_CLOSEFROM
     return posix_spawn_file_actions_addclosefrom_np(actions, 3) == 0;
@@ -176,8 +188,8 @@ int tvi_process_run(char *const argv[], const char *output)
     const bool is_set =
         posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0) == 0 &&
         posix_spawn_file_actions_addopen(&actions, 1, output, O_WRONLY | O_CREAT | O_TRUNC, 0600) == 0 &&
-        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && closes_others(&actions);
+        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && add_close_of_other_files(&actions);
     const bool is_started = is_set && posix_spawnp(&child, argv[0], &actions, NULL, argv, environ) == 0;
     posix_spawn_file_actions_destroy(&actions);
-    return is_started ? wait_for(child) : -1;
+    return is_started ? wait_for_exit(child) : -1;
 }

@@ -1,37 +1,39 @@
-/* files.h - Reads and writes the files of generated code, and starts the compiler. Other files ask
- * the operating system only to load libraries, and for the processor (load.c, attach.c, ad/isa.c). */
+/* files.h - Reads and writes the files of generated code, and starts the compiler; load.c and compile.c call it. No
+ * other file calls the operating system, except to load libraries and to identify the processor (load.c, attach.c,
+ * ad/isa.c). */
 #ifndef TVI_SRC_COMPILED_FILES_H
 #define TVI_SRC_COMPILED_FILES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Write a new file, or append to one that is there. */
-bool tvi_file_write(const char *path, const void *data, size_t size);
-bool tvi_file_append(const char *path, const void *data, size_t size);
-/* Reads all of a file that belongs to the user and is no link, with a 0 after it. The text is to be freed. NULL: there
- * is no such file. */
-char *tvi_file_read(const char *path, size_t *size);
+/* Write a new file, or append to an existing one. Return whether all bytes are written. */
+bool tvi_file_write(const char *path, const void *data, size_t byte_count);
+bool tvi_file_append(const char *path, const void *data, size_t byte_count);
+/* Reads a whole file, and adds a 0 at its end. The file must belong to the user and must not be a link. The caller
+ * frees the text. Returns NULL if there is no such file. */
+char *tvi_file_read(const char *path, size_t *byte_count);
 
-/* Closes the file to other users, whatever the umask is. */
-bool tvi_file_claim(const char *path);
+/* Removes the access of all other users to the file, whatever the umask is. */
+bool tvi_file_restrict_to_user(const char *path);
 
-/* Creates the directory and those above it, if they are missing. Returns whether it belongs to the user, and no other
- * user may write to it or replace it. */
-bool tvi_directory_make(const char *path);
-/* Creates a new directory for this process, from a path that ends with /NAME-XXXXXX. No other user can replace it.
- */
-bool tvi_directory_own(char *path);
-/* Removes the directory, with the named files in it. NULL ends the names. */
+/* Creates the directory, and its parents if they are missing. Returns whether it belongs to the user, and no other
+ * user can write to it or replace it. */
+bool tvi_directory_create_protected(const char *path);
+/* Creates a new directory for this process from a path that ends with /NAME-XXXXXX, which is replaced by a unique
+ * name. Fails if another user could replace the directory. */
+bool tvi_directory_create_temporary(char *path);
+/* Removes the files of this list, which ends with NULL, and then the directory. */
 void tvi_directory_remove(const char *path, const char *const file[]);
-/* Moves a file in one operation, so that others see the old file or the new one. */
+/* Renames a file in one operation, so that other processes see the old file or the new one. */
 bool tvi_file_move(const char *from, const char *to);
 
-/* Runs argv[0], found as a shell finds it, with its output in a file and no other file of the program open. Returns 0
- * on success, a positive exit status, 128 and more after a signal, or a negative number if it could not be started. */
+/* Runs the program argv[0], which is searched for as a shell does. Its output goes to a file, and no other file of
+ * this process stays open in it. Returns 0 on success, a positive exit status, 128 and more after a signal, or a
+ * negative number if it could not be started. */
 int tvi_process_run(char *const argv[], const char *output);
 
-/* The value of a variable of the environment; NULL: it is not set. */
-const char *tvi_environment(const char *name);
+/* Returns the value of a variable of the environment. NULL: it is not set, or empty. */
+const char *tvi_environment_variable(const char *name);
 
 #endif

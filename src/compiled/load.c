@@ -1,6 +1,6 @@
-/* load.c - Compiles the text of generated code, and loads it. It compiles in a directory of its own, and moves the
- * library to the cache, under a name that hashes all that it was made of. A file in the cache ends with a seal, so that
- * a damaged or foreign file is detected and made anew. */
+/* load.c - Compiles the text of generated code, and loads the shared library. It compiles in a temporary directory,
+ * and then moves the library to the cache, under a name that is a hash of everything the library was made from. Each
+ * file in the cache ends with a seal, so that a damaged or foreign file is detected and compiled again. */
 #include "compiled/compiled.h"
 #include "compiled/files.h"
 #include "refusal.h"
@@ -18,33 +18,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The compiler flags of the library's own instruction sets. */
+/* The compiler flags for each of the library's instruction sets. */
 static const char *const flags_of[JET_ISA_COUNT] = {TVI_COMPILED_FLAGS};
 
-/* The arguments after all others. */
-static char *const last_words[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
-enum { LAST_WORDS = sizeof last_words / sizeof *last_words };
+/* The last arguments of the compiler. */
+static char *const last_arguments[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
+enum { LAST_ARGUMENTS = sizeof last_arguments / sizeof *last_arguments };
 
-/* The key of a compilation, a hash of 128 bits. */
+/* The key of a compilation: a hash of 128 bits of the text, the compiler, its flags and the processor. */
 typedef struct {
     uint64_t hash[2];
 } tvi_key;
 
-/* The last bytes of a file in the cache. */
+/* The seal: the last bytes of a file in the cache. */
 typedef struct {
     char magic[8];
     tvi_key key;
-    uint64_t checksum; /* of all bytes before it */
-} seal;
+    uint64_t checksum; /* Hash of all bytes before the seal. */
+} cache_seal;
 
-/* A request: the compiler and its flags, as the user, the environment or the library gives them. */
+/* A request to compile. The compiler and its flags come from the user, the environment or the library. */
 typedef struct {
     const char *compiler, *flags;
-    /* The directory of the cache, or of temporary files if there is none. */
+    /* The directory of the cache. Without a cache, the directory for temporary files. */
     jet_text directory;
-    bool keeps;
+    bool uses_cache; /* The library is stored in the cache. */
     tvi_key key;
-} request;
+} compilation_request;
 
 /* The files of one compilation. */
 typedef struct {
@@ -53,126 +53,129 @@ typedef struct {
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
 
-/* Adds a path below a directory, in a form that no compiler takes for an option. */
-static void add_below(jet_text *path, const char *directory, const char *below)
+/* Appends the path `below` in a directory, in a form that no compiler takes for an option. */
+static void append_path_below(jet_text *path, const char *directory, const char *below)
 {
-    jet_text_add(path, "%s%s%s", *directory == '/' ? "" : "./", directory, below);
+    jet_text_append(path, "%s%s%s", *directory == '/' ? "" : "./", directory, below);
 }
 
-/* A directory of the environment; NULL: there is none, or where it is depends on where the program was started. */
-static const char *directory_named(const char *variable)
+/* Returns the directory that a variable of the environment names. NULL: it is not set, or the path is relative. */
+static const char *absolute_path_from_environment(const char *variable)
 {
-    const char *path = tvi_environment(variable);
+    const char *path = tvi_environment_variable(variable);
     return path && *path == '/' ? path : NULL;
 }
 
-static void find_directory(request *r, const char *cache)
+static void choose_cache_directory(compilation_request *request, const char *cache)
 {
-    const char *home = directory_named("HOME"), *user = directory_named("XDG_CACHE_HOME");
-    r->keeps = !cache || *cache;
-    if (cache && *cache) add_below(&r->directory, cache, "");
-    else if (!r->keeps || (!home && !user)) {
-        const char *temporary = tvi_environment("TMPDIR");
-        r->keeps = false;
-        add_below(&r->directory, temporary ? temporary : "/tmp", "");
-    } else if (user) add_below(&r->directory, user, "/tvi");
-    else add_below(&r->directory, home, "/.cache/tvi");
+    const char *home = absolute_path_from_environment("HOME"), *user = absolute_path_from_environment("XDG_CACHE_HOME");
+    request->uses_cache = !cache || *cache;
+    if (cache && *cache) append_path_below(&request->directory, cache, "");
+    else if (!request->uses_cache || (!home && !user)) {
+        const char *temporary = tvi_environment_variable("TMPDIR");
+        request->uses_cache = false;
+        append_path_below(&request->directory, temporary ? temporary : "/tmp", "");
+    } else if (user) append_path_below(&request->directory, user, "/tvi");
+    else append_path_below(&request->directory, home, "/.cache/tvi");
 }
 
-static void hash(tvi_key *key, const void *data, size_t size)
+static void add_to_key(tvi_key *key, const void *data, size_t byte_count)
 {
-    for (int i = 0; i < 2; i++) key->hash[i] = jet_hash(key->hash[i], data, size);
+    for (int i = 0; i < 2; i++) key->hash[i] = jet_hash(key->hash[i], data, byte_count);
 }
 
-/* Hashes what the flag "native" stands for on this processor. */
-static void hash_processor(tvi_key *key)
+/* Adds to the key what the flag "native" depends on, the features of this processor. */
+static void add_processor_to_key(tvi_key *key)
 {
 #ifdef JET_ISA_X86
     unsigned id[8] = {0}, of_core;
     __get_cpuid(1, &id[0], &of_core, &id[1], &id[2]);
     __get_cpuid_count(7, 0, &id[3], &id[4], &id[5], &id[6]);
-    hash(key, id, sizeof id);
+    add_to_key(key, id, sizeof id);
 #elif defined(__linux__)
     const unsigned long features[] = {getauxval(AT_HWCAP), getauxval(AT_HWCAP2)};
-    hash(key, features, sizeof features);
+    add_to_key(key, features, sizeof features);
 #else
     (void)key;
 #endif
 }
 
-static request request_of(const jet_text *text, const tvi_compiler *how, jet_isa isa)
+static compilation_request make_request(const jet_text *text, const tvi_compiler *compiler, jet_isa isa)
 {
-    const char *usual = tvi_environment("CC");
-    request r = {.compiler = how->compiler ? how->compiler
-                             : usual       ? usual
-                                           : "cc",
-                 .flags = how->flags ? how->flags : flags_of[isa],
-                 .key = {{JET_HASH_OF_NOTHING, ~JET_HASH_OF_NOTHING}}};
-    find_directory(&r, how->cache);
-    hash(&r.key, text->data, text->size);
-    hash(&r.key, r.compiler, strlen(r.compiler) + 1);
-    hash(&r.key, r.flags, strlen(r.flags) + 1);
-    for (int i = 0; i < LAST_WORDS; i++) hash(&r.key, last_words[i], strlen(last_words[i]) + 1);
-    hash_processor(&r.key);
-    return r;
+    const char *default_compiler = tvi_environment_variable("CC");
+    compilation_request request = {.compiler = compiler->compiler ? compiler->compiler
+                                               : default_compiler ? default_compiler
+                                                                  : "cc",
+                                   .flags = compiler->flags ? compiler->flags : flags_of[isa],
+                                   .key = {{JET_HASH_OF_NOTHING, ~JET_HASH_OF_NOTHING}}};
+    choose_cache_directory(&request, compiler->cache);
+    add_to_key(&request.key, text->data, text->length);
+    add_to_key(&request.key, request.compiler, strlen(request.compiler) + 1);
+    add_to_key(&request.key, request.flags, strlen(request.flags) + 1);
+    for (int i = 0; i < LAST_ARGUMENTS; i++) add_to_key(&request.key, last_arguments[i], strlen(last_arguments[i]) + 1);
+    add_processor_to_key(&request.key);
+    return request;
 }
 
 /* ---- Seals ------------------------------------------------------------------------------------------------------- */
 
-static seal seal_of(const tvi_key *key, const char *data, size_t size)
+static cache_seal compute_seal(const tvi_key *key, const char *data, size_t byte_count)
 {
-    return (seal){{'t', 'v', 'i', ' ', 'c', 'o', 'd', 'e'}, *key, jet_hash(JET_HASH_OF_NOTHING, data, size)};
+    return (cache_seal){
+        {'t', 'v', 'i', ' ', 'c', 'o', 'd', 'e'}, *key, jet_hash(JET_HASH_OF_NOTHING, data, byte_count)};
 }
 
-static bool is_sealed(const char *path, const tvi_key *key)
+/* Tells whether the file exists, and ends with the seal for this key and its contents. */
+static bool has_valid_seal(const char *path, const tvi_key *key)
 {
-    size_t size;
-    char *data = tvi_file_read(path, &size);
+    size_t byte_count;
+    char *data = tvi_file_read(path, &byte_count);
     bool is_there = false;
-    if (data && size > sizeof(seal)) {
-        const seal wanted = seal_of(key, data, size - sizeof wanted);
-        is_there = memcmp(data + size - sizeof wanted, &wanted, sizeof wanted) == 0;
+    if (data && byte_count > sizeof(cache_seal)) {
+        const cache_seal wanted = compute_seal(key, data, byte_count - sizeof wanted);
+        is_there = memcmp(data + byte_count - sizeof wanted, &wanted, sizeof wanted) == 0;
     }
     free(data);
     return is_there;
 }
 
-/* Tells whether a library is complete: its table of sections is what the linker writes last. */
-static bool is_whole(const char *data, size_t size)
+/* Tells whether the file of a shared library is complete. The linker writes its table of sections last. */
+static bool is_library_complete(const char *data, size_t byte_count)
 {
 #ifdef __ELF__
     ElfW(Ehdr) head;
-    if (size < sizeof head) return false;
+    if (byte_count < sizeof head) return false;
     memcpy(&head, data, sizeof head);
-    return memcmp(head.e_ident, ELFMAG, SELFMAG) == 0 && head.e_shoff > 0 && head.e_shoff <= size &&
-           (size_t)head.e_shnum * head.e_shentsize <= size - head.e_shoff;
+    return memcmp(head.e_ident, ELFMAG, SELFMAG) == 0 && head.e_shoff > 0 && head.e_shoff <= byte_count &&
+           (size_t)head.e_shnum * head.e_shentsize <= byte_count - head.e_shoff;
 #else
     (void)data;
-    return size > 0;
+    return byte_count > 0;
 #endif
 }
 
-static bool put_seal(const char *path, const tvi_key *key)
+/* Appends the seal to a complete library. Returns false if it is not complete. */
+static bool append_seal(const char *path, const tvi_key *key)
 {
-    size_t size = 0;
-    char *data = tvi_file_claim(path) ? tvi_file_read(path, &size) : NULL;
-    const bool serves = data && is_whole(data, size);
-    const seal s = seal_of(key, data, serves ? size : 0);
+    size_t byte_count = 0;
+    char *data = tvi_file_restrict_to_user(path) ? tvi_file_read(path, &byte_count) : NULL;
+    const bool serves = data && is_library_complete(data, byte_count);
+    const cache_seal s = compute_seal(key, data, serves ? byte_count : 0);
     free(data);
     return serves && tvi_file_append(path, &s, sizeof s);
 }
 
 /* ---- The compiler ------------------------------------------------------------------------------------------------ */
 
-enum { WORDS_MOST = 128 };
+enum { MAX_WORDS = 128 };
 
-/* Splits a text at its blanks. Returns false if there are too many words. */
-static bool add_words(char *text, char *words[], int *count)
+/* Splits a text at its blanks, and appends the words to an array. Returns false if there are too many words. */
+static bool split_into_words(char *text, char *words[], int *count)
 {
     for (char *at = text; *at;) {
         at += strspn(at, " \t\n");
         if (!*at) break;
-        if (*count == WORDS_MOST) return false;
+        if (*count == MAX_WORDS) return false;
         words[(*count)++] = at;
         at += strcspn(at, " \t\n");
         if (*at) *at++ = 0;
@@ -180,11 +183,12 @@ static bool add_words(char *text, char *words[], int *count)
     return true;
 }
 
-/* Refuses with the first line of the compiler's output that names an error, or with the first line. */
-static tvi_status quote_output(const char *compiler, const char *path)
+/* Refuses with TVI_ECOMPILE. The text is the first line of the compiler's output that contains "error", otherwise
+ * the first line. */
+static tvi_status refuse_with_compiler_output(const char *compiler, const char *path)
 {
-    size_t size = 0;
-    char *output = tvi_file_read(path, &size);
+    size_t byte_count = 0;
+    char *output = tvi_file_read(path, &byte_count);
     const char *named = output ? strstr(output, "error") : NULL, *line = output ? output : "";
     while (named && named > output && named[-1] != '\n') named--;
     if (named) line = named;
@@ -193,31 +197,32 @@ static tvi_status quote_output(const char *compiler, const char *path)
     return status;
 }
 
-static tvi_status run_compiler(const request *r, const compilation_files *w)
+static tvi_status run_compiler(const compilation_request *request, const compilation_files *files)
 {
-    char *words[WORDS_MOST + LAST_WORDS + 4];
+    char *words[MAX_WORDS + LAST_ARGUMENTS + 4];
     int count = 0;
     jet_text text = {0};
-    jet_text_add(&text, "%s %s", r->compiler, r->flags);
-    bool is_split = !text.failed && add_words(text.data, words, &count) && count > 0;
-    char *const files[] = {"-o", w->library.data, w->source.data};
-    memcpy(words + count, files, sizeof files);
-    memcpy(words + count + 3, last_words, sizeof last_words);
-    words[count + 3 + LAST_WORDS] = NULL;
-    const int failed = is_split ? tvi_process_run(words, w->output.data) : -1;
+    jet_text_append(&text, "%s %s", request->compiler, request->flags);
+    bool is_split = !text.is_incomplete && split_into_words(text.data, words, &count) && count > 0;
+    char *const file_arguments[] = {"-o", files->library.data, files->source.data};
+    memcpy(words + count, file_arguments, sizeof file_arguments);
+    memcpy(words + count + 3, last_arguments, sizeof last_arguments);
+    words[count + 3 + LAST_ARGUMENTS] = NULL;
+    const int failed = is_split ? tvi_process_run(words, files->output.data) : -1;
     free(text.data);
-    if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", r->compiler);
-    return failed > 0 ? quote_output(r->compiler, w->output.data) : TVI_OK;
+    if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", request->compiler);
+    return failed > 0 ? refuse_with_compiler_output(request->compiler, files->output.data) : TVI_OK;
 }
 
-/* Writes the source and compiles it. A library for the cache gets its seal. */
-static tvi_status make_library(const request *r, const compilation_files *w, const jet_text *text)
+/* Writes the source and compiles it. The library gets its seal for the cache. */
+static tvi_status compile_library(const compilation_request *request, const compilation_files *files,
+                                  const jet_text *text)
 {
-    if (!tvi_file_write(w->source.data, text->data, text->size))
-        return jet_refuse(TVI_ECOMPILE, "%s cannot be written", w->source.data);
-    const tvi_status status = run_compiler(r, w);
-    if (status != TVI_OK || put_seal(w->library.data, &r->key)) return status;
-    return jet_refuse(TVI_ECOMPILE, "%s made no library, or not all of it", r->compiler);
+    if (!tvi_file_write(files->source.data, text->data, text->length))
+        return jet_refuse(TVI_ECOMPILE, "%s cannot be written", files->source.data);
+    const tvi_status status = run_compiler(request, files);
+    if (status != TVI_OK || append_seal(files->library.data, &request->key)) return status;
+    return jet_refuse(TVI_ECOMPILE, "%s made no library, or not all of it", request->compiler);
 }
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
@@ -240,63 +245,70 @@ static tvi_status open_library(tvi_compiled **out, const char *path)
     return *out ? TVI_OK : TVI_ENOMEM;
 }
 
-/* Compiles the library and opens it. One that cannot be loaded is not kept. */
-static tvi_status compile_and_open(tvi_compiled **out, const request *r, const compilation_files *w,
-                                   const jet_text *text, const char *kept)
+/* Compiles the library, opens it, and moves it to the cache. A library that cannot be opened is not stored. */
+static tvi_status compile_and_open(tvi_compiled **out, const compilation_request *request,
+                                   const compilation_files *files, const jet_text *text, const char *cached_path)
 {
-    tvi_status status = make_library(r, w, text);
+    tvi_status status = compile_library(request, files, text);
     if (status != TVI_OK) return status;
-    status = open_library(out, w->library.data);
-    if (status != TVI_OK || !r->keeps || tvi_file_move(w->library.data, kept)) return status;
+    status = open_library(out, files->library.data);
+    if (status != TVI_OK || !request->uses_cache || tvi_file_move(files->library.data, cached_path)) return status;
     tvi_compiled_free(*out);
     *out = NULL;
-    return jet_refuse(TVI_ECOMPILE, "%s cannot be written", kept);
+    return jet_refuse(TVI_ECOMPILE, "%s cannot be written", cached_path);
 }
 
-static tvi_status make_and_open(tvi_compiled **out, const request *r, const jet_text *text, const char *kept)
+static tvi_status compile_in_temporary_directory(tvi_compiled **out, const compilation_request *request,
+                                                 const jet_text *text, const char *cached_path)
 {
-    compilation_files w = {.directory = {0}};
+    compilation_files files = {.directory = {0}};
     tvi_status status;
-    jet_text_add(&w.directory, "%s/make-XXXXXX", r->directory.data);
-    if (w.directory.failed) return TVI_ENOMEM;
-    if (!tvi_directory_own(w.directory.data)) {
-        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or others may exchange it", r->directory.data);
-        free(w.directory.data);
+    jet_text_append(&files.directory, "%s/make-XXXXXX", request->directory.data);
+    if (files.directory.is_incomplete) return TVI_ENOMEM;
+    if (!tvi_directory_create_temporary(files.directory.data)) {
+        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or others may exchange it",
+                            request->directory.data);
+        free(files.directory.data);
         return status;
     }
-    jet_text_add(&w.source, "%s/tvi.c", w.directory.data);
-    jet_text_add(&w.library, "%s/tvi.so", w.directory.data);
-    jet_text_add(&w.output, "%s/output", w.directory.data);
-    const bool failed = w.source.failed || w.library.failed || w.output.failed;
-    status = failed ? TVI_ENOMEM : compile_and_open(out, r, &w, text, kept);
-    const char *const files[] = {w.source.data, w.library.data, w.output.data, NULL};
-    tvi_directory_remove(w.directory.data, files);
-    free(w.directory.data);
-    free(w.source.data);
-    free(w.library.data);
-    free(w.output.data);
+    jet_text_append(&files.source, "%s/tvi.c", files.directory.data);
+    jet_text_append(&files.library, "%s/tvi.so", files.directory.data);
+    jet_text_append(&files.output, "%s/output", files.directory.data);
+    const bool failed = files.source.is_incomplete || files.library.is_incomplete || files.output.is_incomplete;
+    status = failed ? TVI_ENOMEM : compile_and_open(out, request, &files, text, cached_path);
+    const char *const to_remove[] = {files.source.data, files.library.data, files.output.data, NULL};
+    tvi_directory_remove(files.directory.data, to_remove);
+    free(files.directory.data);
+    free(files.source.data);
+    free(files.library.data);
+    free(files.output.data);
     return status;
 }
 
-static tvi_status find_or_make(tvi_compiled **out, const request *r, const jet_text *text)
+static tvi_status load_from_cache_or_compile(tvi_compiled **out, const compilation_request *request,
+                                             const jet_text *text)
 {
-    jet_text kept = {0};
-    if (r->keeps && !tvi_directory_make(r->directory.data))
+    jet_text cached_path = {0};
+    if (request->uses_cache && !tvi_directory_create_protected(request->directory.data))
         return jet_refuse(TVI_ECOMPILE,
                           "%s is not a directory of the user's own that no other may write to or exchange",
-                          r->directory.data);
-    jet_text_add(&kept, "%s/%016" PRIx64 "%016" PRIx64 ".so", r->directory.data, r->key.hash[0], r->key.hash[1]);
-    if (kept.failed) return TVI_ENOMEM;
-    const bool is_there = r->keeps && is_sealed(kept.data, &r->key);
-    const tvi_status status = is_there ? open_library(out, kept.data) : make_and_open(out, r, text, kept.data);
-    free(kept.data);
+                          request->directory.data);
+    jet_text_append(&cached_path, "%s/%016" PRIx64 "%016" PRIx64 ".so", request->directory.data, request->key.hash[0],
+                    request->key.hash[1]);
+    if (cached_path.is_incomplete) return TVI_ENOMEM;
+    const bool is_there = request->uses_cache && has_valid_seal(cached_path.data, &request->key);
+    const tvi_status status = is_there ? open_library(out, cached_path.data)
+                                       : compile_in_temporary_directory(out, request, text, cached_path.data);
+    free(cached_path.data);
     return status;
 }
 
-tvi_status tvi_compiled_load(tvi_compiled **out, const jet_text *text, const tvi_compiler *how, jet_isa isa)
+tvi_status tvi_compiled_load_or_compile(tvi_compiled **out, const jet_text *text, const tvi_compiler *compiler,
+                                        jet_isa isa)
 {
-    request r = request_of(text, how, isa);
-    const tvi_status status = r.directory.failed ? TVI_ENOMEM : find_or_make(out, &r, text);
-    free(r.directory.data);
+    compilation_request request = make_request(text, compiler, isa);
+    const tvi_status status =
+        request.directory.is_incomplete ? TVI_ENOMEM : load_from_cache_or_compile(out, &request, text);
+    free(request.directory.data);
     return status;
 }

@@ -1,5 +1,6 @@
-/* name.c - Checks the name for the function of generated code. All names are allowed, except those that C, C++ and the
- * text itself use. Other words of the text are renamed if they equal the function's name (generate.c). */
+/* name.c - Checks the name of the function that generated code defines. Names that C, C++ or the generated text use
+ * are refused. If another word of the text equals the name, the text is changed instead (generate.c). compile.c
+ * calls it. */
 #include "compiled/compiled.h"
 
 #include <string.h>
@@ -7,8 +8,8 @@
 static const char small[] = "abcdefghijklmnopqrstuvwxyz", large[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ",
                   digits[] = "0123456789";
 
-/* The keywords, each between blanks. */
-static const char words[] =
+/* The keywords of C and C++, each between blanks. */
+static const char keywords[] =
     " alignas aligned alignof always_inline and and_eq asm auto bitand bitor bool break case catch char class compl"
     " const const_cast constexpr continue decltype default defined delete do double dynamic_cast else enum explicit"
     " export extern false float for friend goto if inline int long may_alias mutable namespace new noexcept noinline"
@@ -16,9 +17,9 @@ static const char words[] =
     " signed sizeof static static_assert static_cast std struct switch template this thread_local throw true try "
     "typedef"
     " typeid typename typeof union unsigned using vector_size virtual void volatile wchar_t while xor xor_eq ";
-/* The names of types, macros and functions in the C library and much of POSIX; then the functions that also exist with
- * f and l at the end of their names. */
-static const char library[] =
+/* The types, macros and functions of the C library and of much of POSIX. names_with_suffixes are functions that also
+ * exist with f and l at the end of their names. */
+static const char library_names[] =
     " abort abs accept access alarm aligned_alloc alloca asctime assert at_quick_exit atexit atof atoi atol atoll"
     " bcopy bind brk bsearch btowc bzero c16rtomb c32rtomb call_once calloc char16_t char32_t chdir chmod chown"
     " clearerr clock clock_t close cnd_broadcast cnd_destroy cnd_init cnd_signal cnd_timedwait cnd_wait complex"
@@ -51,15 +52,16 @@ static const char library[] =
     " wcsstr wcstod wcstof wcstoimax wcstok wcstol wcstold wcstoll wcstombs wcstoul wcstoull wcstoumax wcsxfrm wctob"
     " wctomb wctrans wctrans_t wctype wctype_t wint_t wmemchr wmemcmp wmemcpy wmemmove wmemset wprintf write wscanf y0"
     " y1 yn ";
-static const char in_three_types[] =
+static const char names_with_suffixes[] =
     " acos acosh asin asinh atan atan2 atanh cabs cacos cacosh carg casin casinh catan catanh cbrt ccos ccosh ceil"
     " cexp cimag clog conj copysign cos cosh cpow cproj creal csin csinh csqrt ctan ctanh erf erfc exp exp2 expm1 fabs"
     " fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint"
     " lround modf nan nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan"
     " tanh tgamma trunc ";
-static const char *const own[] = {"tvi_", "jet_", "TVI_", "JET_", "Sleef_"}, *const families[] = {"atomic_"};
+static const char *const reserved_prefixes[] = {"tvi_", "jet_", "TVI_", "JET_", "Sleef_"}, *const library_prefixes[] = {
+                                                                                               "atomic_"};
 
-static bool is_among(const char *name, const char *list)
+static bool is_word_in_list(const char *name, const char *list)
 {
     const size_t size = strlen(name);
     for (const char *at = list; (at = strstr(at, name)); at++)
@@ -67,25 +69,25 @@ static bool is_among(const char *name, const char *list)
     return false;
 }
 
-static bool begins_as(const char *name, const char *const beginning[], size_t count)
+static bool begins_with_any(const char *name, const char *const beginning[], size_t count)
 {
     for (size_t i = 0; i < count; i++)
         if (!strncmp(name, beginning[i], strlen(beginning[i]))) return true;
     return false;
 }
 
-enum { LONGEST = 32 /* characters of any of its names, and more */ };
+enum { MAX_NAME_LENGTH = 32 /* More characters than any of these names has. */ };
 
-static bool is_of_library(const char *name)
+static bool is_c_library_name(const char *name)
 {
-    char type[LONGEST];
+    char type[MAX_NAME_LENGTH];
     const size_t size = strlen(name);
-    if (is_among(name, library) || is_among(name, in_three_types)) return true;
-    if (begins_as(name, families, sizeof families / sizeof *families)) return true;
-    if (size < 2 || size >= LONGEST || !strchr("fl", name[size - 1])) return false;
+    if (is_word_in_list(name, library_names) || is_word_in_list(name, names_with_suffixes)) return true;
+    if (begins_with_any(name, library_prefixes, sizeof library_prefixes / sizeof *library_prefixes)) return true;
+    if (size < 2 || size >= MAX_NAME_LENGTH || !strchr("fl", name[size - 1])) return false;
     memcpy(type, name, size - 1);
     type[size - 1] = 0;
-    return is_among(type, in_three_types);
+    return is_word_in_list(type, names_with_suffixes);
 }
 
 static bool is_identifier(const char *name)
@@ -96,13 +98,14 @@ static bool is_identifier(const char *name)
     return true;
 }
 
-const char *tvi_compiled_misnamed(const char *name)
+const char *tvi_compiled_reason_name_refused(const char *name)
 {
     if (!is_identifier(name)) return "is no identifier";
-    if (is_among(name, words)) return "is a word of C or C++";
-    if (is_of_library(name)) return "is a name of the C library";
+    if (is_word_in_list(name, keywords)) return "is a word of C or C++";
+    if (is_c_library_name(name)) return "is a name of the C library";
     if (*name == '_') return "begins with _, as the names of the compiler do";
-    if (!strcmp(name, "jet") || begins_as(name, own, sizeof own / sizeof *own))
+    if (!strcmp(name, "jet") ||
+        begins_with_any(name, reserved_prefixes, sizeof reserved_prefixes / sizeof *reserved_prefixes))
         return "begins as the names of this library do";
     return strpbrk(name, small) ? NULL : "is in capitals, as macros are";
 }

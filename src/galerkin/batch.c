@@ -20,7 +20,7 @@ typedef struct {
 } batch_history;
 
 typedef struct {
-    tvi_single single_stepper;
+    tvi_member_stepper single_stepper;
     galerkin *single; /* work of the single stepper, which has all tables */
     galerkin_nodes nodes;
     galerkin_tail_inputs tail_inputs;
@@ -63,7 +63,7 @@ static void take_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system
 {
     const size_t of_unknowns = (size_t)system->inputs * (size_t)width, numbers = of_unknowns * (size_t)points;
     *nodes = (galerkin_nodes){.unknowns = system->inputs, .half = system->n, .points = points, .width = width};
-    nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, 0);
+    nodes->x = tvi_arena_allocate_block(arena, system->field_values, 1, points * width, 0);
     nodes->start = tvi_arena_doubles(arena, of_unknowns);
     nodes->high = tvi_arena_doubles(arena, numbers);
     nodes->base = tvi_arena_doubles(arena, numbers);
@@ -74,17 +74,19 @@ static void take_history(batch *w, tvi_arena *arena, size_t numbers)
 {
     const size_t width = (size_t)w->nodes.width;
     double **const of_last[] = {&w->last.h, &w->last.h_before, &w->last.t};
-    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_history(arena, width * sizeof(double));
-    w->last.convergence = tvi_arena_history(arena, width * sizeof *w->last.convergence);
-    w->ring_index = tvi_arena_history(arena, sizeof *w->ring_index);
-    for (int i = 0; i < GALERKIN_RING; i++) w->impulses[i] = tvi_arena_history(arena, numbers * sizeof(double));
+    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_history(arena, width * sizeof(double));
+    w->last.convergence = tvi_arena_allocate_history(arena, width * sizeof *w->last.convergence);
+    w->ring_index = tvi_arena_allocate_history(arena, sizeof *w->ring_index);
+    for (int i = 0; i < GALERKIN_RING; i++)
+        w->impulses[i] = tvi_arena_allocate_history(arena, numbers * sizeof(double));
 }
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    batch *taken = tvi_arena_take(arena, sizeof *taken);
+    batch *taken = tvi_arena_allocate(arena, sizeof *taken);
     batch w = {.ring_index = NULL};
-    tvi_single_take(&w.single_stepper, arena, &tvi_stepper_galerkin, system, options, width, options->degree);
+    tvi_member_stepper_allocate(&w.single_stepper, arena, &tvi_stepper_galerkin, system, options, width,
+                                options->degree);
     w.single = w.single_stepper.work;
     take_nodes(&w.nodes, arena, system, options->degree, width);
     const size_t count = (size_t)width, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
@@ -96,8 +98,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, n);
     w.tail = tvi_arena_doubles(arena, count);
-    w.in_lanes = tvi_arena_take(arena, count * sizeof *w.in_lanes);
-    w.is_rough = tvi_arena_take(arena, count * sizeof *w.is_rough);
+    w.in_lanes = tvi_arena_allocate(arena, count * sizeof *w.in_lanes);
+    w.is_rough = tvi_arena_allocate(arena, count * sizeof *w.is_rough);
     take_history(&w, arena, unknowns * (size_t)options->degree);
     if (taken) *taken = w;
     return taken;
@@ -109,7 +111,7 @@ static void prepare(void *work)
     galerkin *single = w->single;
     galerkin_nodes *nodes = &w->nodes;
     double *const drift = w->frame.drift, *const drift_low = w->frame.drift_low;
-    tvi_single_prepare(&w->single_stepper);
+    tvi_member_stepper_prepare(&w->single_stepper);
     const galerkin_nodes *of_one = &single->field.nodes;
     nodes->is_moving = w->verdicts.is_moving;
     nodes->lanes = of_one->lanes;
@@ -139,14 +141,16 @@ static void gather_impulses(const batch *w, const double *from, int m, double *t
 {
     const galerkin_nodes *nodes = &w->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
-        tvi_gather(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m, to + u * nodes->lanes);
+        tvi_gather_member(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m,
+                          to + u * nodes->lanes);
 }
 
 static void scatter_impulses(const batch *w, const double *from, int m, double *to)
 {
     const galerkin_nodes *nodes = &w->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
-        tvi_scatter(nodes->points, nodes->width, from + u * nodes->lanes, m, to + u * nodes->points * nodes->width);
+        tvi_scatter_member(nodes->points, nodes->width, from + u * nodes->lanes, m,
+                           to + u * nodes->points * nodes->width);
 }
 
 static double *impulses(const batch *w, int after_last)
@@ -191,12 +195,12 @@ static bool is_sound(const void *work)
     return ring_index >= 0 && ring_index < GALERKIN_RING;
 }
 
-static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, int m,
+static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, int m,
                            tvi_stats *stats)
 {
     const jet_tape *tape = w->single->field.system->field_values;
     lane_to_scalar(w, m, w->single);
-    if (tvi_single_step(&w->single_stepper, tape, w->nodes.x, w->nodes.points, h, origin, end, m, stats))
+    if (tvi_step_member(&w->single_stepper, tape, w->nodes.x, w->nodes.points, h, origin, end, m, stats))
         scalar_to_lane(w, m, w->single);
 }
 
@@ -257,7 +261,8 @@ static tvi_status pass(void *work, const galerkin_nodes *nodes, double moved[], 
         if (!nodes->is_moving[m]) continue;
         step->stats->force_evaluations += nodes->points;
         step->stats->passes++;
-        if (!is_inside && !tvi_single_is_inside(&w->single_stepper, tape, nodes->x, nodes->points, m)) hold(w, m);
+        if (!is_inside && !tvi_is_member_inside_domain(&w->single_stepper, tape, nodes->x, nodes->points, m))
+            hold(w, m);
     }
     w->frame.loops->move(nodes, w->frame.matrix, nodes->x, field->slot, moved);
     return TVI_OK;
@@ -299,7 +304,8 @@ static void copy_lanes(const batch *w, int rows, const double *from, double *to)
         for (int m = 0; m < width; m++) to[m] = w->in_lanes[m] ? from[m] : to[m];
 }
 
-static void finish(batch *w, double h, const tvi_batch_origin *origin, const tvi_origin *from, const tvi_batch_end *end)
+static void finish(batch *w, double h, const tvi_batch_origin *origin, const tvi_origin *from,
+                   const tvi_batch_results *end)
 {
     const int n = w->single->n;
     galerkin_end_step(&w->frame, &w->nodes, from, &w->increments, w->tail);
@@ -318,7 +324,7 @@ static void finish(batch *w, double h, const tvi_batch_origin *origin, const tvi
     }
 }
 
-static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
+static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats)
 {
     batch *w = work;
     const tvi_origin from = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};

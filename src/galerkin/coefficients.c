@@ -27,7 +27,7 @@ static void set_nodes(galerkin_coefficients *w)
 {
     const int m = w->points;
     double left = 1;
-    tvi_quadrature_nodes(TVI_GAUSS, m, w->exact_node, w->exact_weight);
+    tvi_quadrature_compute_nodes(TVI_GAUSS, m, w->exact_node, w->exact_weight);
     for (int i = 0; i < m; i++) {
         w->exact_node[i] = (1 + w->exact_node[i]) / 2;
         w->exact_weight[i] /= 2;

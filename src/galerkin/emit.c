@@ -6,9 +6,9 @@ extern const char *const tvi_embedded_galerkin[];
 
 void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[])
 {
-    jet_text_add(text, "static const int galerkin_%s[] = {", what);
-    for (int i = 0; i < count; i++) jet_text_add(text, "%d, ", value[i]);
-    jet_text_add(text, "0};\n");
+    jet_text_append(text, "static const int galerkin_%s[] = {", what);
+    for (int i = 0; i < count; i++) jet_text_append(text, "%d, ", value[i]);
+    jet_text_append(text, "0};\n");
 }
 
 #define FIELD(name) #name, r->name
@@ -18,32 +18,32 @@ static void emit_rule(jet_text *text, const tvi_passes_rule *r)
     const struct {
         const char *name;
         double value; /* also for integers */
-    } field[] = {{FIELD(most)},        {FIELD(exactly)}, {FIELD(goal)},   {FIELD(noise)},
-                 {FIELD(contraction)}, {FIELD(stuck)},   {FIELD(period)}, {FIELD(is_quadratic)}};
-    jet_text_add(text, "static const tvi_passes_rule galerkin_rule = {");
+    } field[] = {{FIELD(max_passes)},      {FIELD(exact_passes)}, {FIELD(correction_goal)}, {FIELD(roundoff_level)},
+                 {FIELD(max_contraction)}, {FIELD(stall_ratio)},  {FIELD(stall_period)},    {FIELD(is_quadratic)}};
+    jet_text_append(text, "static const tvi_passes_rule galerkin_rule = {");
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
-        jet_text_add(text, ".%s = %a, ", field[i].name, field[i].value);
-    jet_text_add(text, "};\n");
+        jet_text_append(text, ".%s = %a, ", field[i].name, field[i].value);
+    jet_text_append(text, "};\n");
 }
 
 static void emit_lines(jet_text *text, const char *const *line)
 {
-    for (; *line; line++) jet_text_add(text, "%s", *line);
+    for (; *line; line++) jet_text_append(text, "%s", *line);
 }
 
 void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule)
 {
     const galerkin_nodes *nodes = &field->nodes;
-    jet_text_add(text,
-                 "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_POINTS = %d, "
-                 "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, GALERKIN_PARTS = %d, "
-                 "GALERKIN_IS_SEPARABLE = %d, "
-                 "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
-                 nodes->lanes, field->points, field->system->n, nodes->unknowns, nodes->moving, nodes->parts.count,
-                 galerkin_is_second_order(field), galerkin_rows_kept(field->system->field_values), nodes->lanes);
+    jet_text_append(text,
+                    "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_POINTS = %d, "
+                    "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, GALERKIN_PARTS = %d, "
+                    "GALERKIN_IS_SEPARABLE = %d, "
+                    "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
+                    nodes->lanes, field->points, field->system->n, nodes->unknowns, nodes->moving, nodes->parts.count,
+                    galerkin_is_second_order(field), galerkin_rows_kept(field->system->field_values), nodes->lanes);
     emit_lines(text, tvi_embedded_galerkin);
     emit_rule(text, rule);
     field->form->emit(text, field);
     emit_lines(text, field->form->text);
-    jet_text_add(text, "static const galerkin_code tvi_loops = {galerkin_steps};\n");
+    jet_text_append(text, "static const galerkin_code tvi_loops = {galerkin_steps};\n");
 }

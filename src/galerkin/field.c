@@ -5,7 +5,7 @@
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     field->rows = field->nodes.unknowns;
-    field->nodes.x = tvi_arena_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
+    field->nodes.x = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
     field->inputs = field->nodes.x;
     field->ahead = field->matrix;
 }
@@ -25,9 +25,9 @@ static void prepare(galerkin_field *field)
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x)
 {
     const int lanes = field->nodes.lanes;
-    for (int i = 0; i < tvi_system_outputs(field->system); i++)
+    for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
-            x[tape->output[i] * lanes + lane] += tvi_roundoff_sign(field->noise, field->noise->change[i]);
+            x[tape->output[i] * lanes + lane] += tvi_roundoff_random_sign(field->noise, field->noise->change[i]);
 }
 
 static tvi_status start(galerkin_field *field, const tvi_origin *origin)

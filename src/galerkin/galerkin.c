@@ -56,7 +56,7 @@ static int cyclic_at_end(const tvi_system *system)
     const int *force = system->field_values->output;
     int count = 0;
     if (system->form != TVI_HAMILTONIAN) return 0;
-    while (count < system->n && jet_tape_is_zero(system->field_values, force[system->n - 1 - count])) count++;
+    while (count < system->n && jet_tape_is_slot_zero(system->field_values, force[system->n - 1 - count])) count++;
     return count;
 }
 
@@ -84,7 +84,7 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     nodes->scale = tvi_arena_doubles(arena, unknowns);
     nodes->inverse_size = tvi_arena_doubles(arena, unknowns);
     nodes->per_movement = tvi_arena_doubles(arena, (size_t)system->n);
-    field->slot = tvi_arena_take(arena, unknowns * sizeof(int));
+    field->slot = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
 static void take_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system, double *scale)
@@ -103,7 +103,7 @@ static void take_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, con
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    galerkin *taken = tvi_arena_take(arena, sizeof *taken);
+    galerkin *taken = tvi_arena_allocate(arena, sizeof *taken);
     galerkin w = {.options = options, .n = system->n};
     take_field(&w.field, arena, system, options->degree);
     const int unknowns = w.field.nodes.unknowns, lanes = w.field.nodes.lanes;
@@ -180,7 +180,7 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
     double t[MAX_LANES];
     if (!w->field.system->uses_time) return;
     for (int i = 0; i < w->field.nodes.lanes; i++) t[i] = origin->t + (origin->t_low + h * w->coefficients.c[i]);
-    tvi_system_set_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
+    tvi_system_write_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
 }
 
 /* Sets the unknowns of a step that continues no step of its size: by the last step, beginning after `part` of it; NULL:
@@ -216,7 +216,7 @@ JET_INLINE tvi_status pass(void *work, const galerkin_nodes *nodes, double *move
     const in_library *step = work;
     galerkin_field *field = &step->w->field;
     (void)nodes;
-    if (roundoff && (*moved <= step->w->rule.noise || tvi_galerkin_is_near(field, step->origin)))
+    if (roundoff && (*moved <= step->w->rule.roundoff_level || tvi_galerkin_is_near(field, step->origin)))
         return tvi_galerkin_measure(field, &step->w->probe, moved, roundoff, step->stats);
     return tvi_galerkin_pass(field, moved, step->stats);
 }
@@ -286,7 +286,7 @@ static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tv
     return to;
 }
 
-static bool iterates(const galerkin *w) { return w->rule.most > 0; }
+static bool iterates(const galerkin *w) { return w->rule.max_passes > 0; }
 
 /* Makes a step from a prediction by earlier steps, or from the state alone. */
 static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
@@ -323,9 +323,9 @@ static void emit_loops(jet_text *text, const tvi_system *system, const tvi_optio
 {
     tvi_arena arena = {0};
     (void)take(&arena, system, options);
-    void *memory = tvi_arena_open(&arena);
+    void *memory = tvi_arena_allocate_memory(&arena);
     galerkin *w = memory ? take(&arena, system, options) : NULL;
-    text->failed |= !w;
+    text->is_incomplete |= !w;
     if (!w) return;
     prepare(w);
     tvi_galerkin_emit(text, &w->field, &w->rule);
@@ -336,11 +336,12 @@ static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
     const int lanes = lanes_for(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_used_tapes used = {
-        .values = {.name = "tvi_values", .lanes = {lanes, of_batch}, .is_force = system->form == TVI_SEPARABLE},
-        .member = "galerkin",
-        .emit_loops = emit_loops};
-    if (system->hessian_values) used.hessian = (jet_emission){.name = "tvi_hessian", .lanes = {lanes}};
+    tvi_used_tapes used = {.values = {.name = "tvi_values",
+                                      .lanes = {lanes, of_batch},
+                                      .may_move_pair_factors = system->form == TVI_SEPARABLE},
+                           .code_member = "galerkin",
+                           .emit_loops = emit_loops};
+    if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lanes = {lanes}};
     return used;
 }
 

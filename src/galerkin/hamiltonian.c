@@ -19,18 +19,18 @@ typedef struct {
 
 static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
 {
-    rounds->matrix = tvi_arena_take(arena, lanes * lanes * sizeof *rounds->matrix);
-    rounds->packed = tvi_arena_take(arena, rows * rows * lanes * sizeof *rounds->packed);
+    rounds->matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *rounds->matrix);
+    rounds->packed = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *rounds->packed);
     rounds->size = tvi_arena_doubles(arena, rows);
     rounds->per_size = tvi_arena_doubles(arena, rows);
     float **const vectors[] = {&rounds->change, &rounds->total, &rounds->impulse, &rounds->all};
-    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_take(arena, rows * lanes * sizeof(float));
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, rows * lanes * sizeof(float));
 }
 
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
-    hamiltonian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
+    hamiltonian *taken = field->own = tvi_arena_allocate(arena, sizeof *taken);
     hamiltonian w = {.passes = {.loops = field->loops}};
     field->rows = field->nodes.unknowns;
     field->nodes.x = tvi_arena_doubles(arena, 2 * unknowns * lanes);
@@ -41,11 +41,11 @@ static void take(galerkin_field *field, tvi_arena *arena)
     w.passes.rates.x = field->nodes.x ? field->nodes.x + unknowns * lanes : NULL;
     w.passes.rates.high = w.passes.rates.base = tvi_arena_doubles(arena, unknowns * lanes);
     w.passes.rates.scale = tvi_arena_doubles(arena, unknowns);
-    w.passes.rounds.unknown = w.unknown = tvi_arena_take(arena, unknowns * sizeof(int));
-    w.passes.rounds.index = w.index = tvi_arena_take(arena, unknowns * unknowns * sizeof(int));
+    w.passes.rounds.unknown = w.unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    w.passes.rounds.index = w.index = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     take_rounds(&w.passes.rounds, arena, unknowns, lanes);
     w.passes.changes = tvi_arena_doubles(arena, unknowns * lanes);
-    for (int i = 0; i < 2; i++) w.passes.slot[i] = w.slot[i] = tvi_arena_take(arena, unknowns * sizeof(int));
+    for (int i = 0; i < 2; i++) w.passes.slot[i] = w.slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
     if (taken) *taken = w;
 }
 
@@ -165,8 +165,8 @@ static void emit(jet_text *text, const galerkin_field *field)
     const lanes_rounds *rounds = &w->passes.rounds;
     const int unknowns = field->nodes.unknowns;
     tvi_galerkin_model_emit(text, &w->model);
-    jet_text_add(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n", rounds->count,
-                 rounds->moving, rounds->rows);
+    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n", rounds->count,
+                    rounds->moving, rounds->rows);
     tvi_galerkin_emit_ints(text, "value_slot", unknowns, w->slot[false]);
     tvi_galerkin_emit_ints(text, "hessian_slot", unknowns, w->slot[true]);
     tvi_galerkin_emit_ints(text, "unknown", rounds->rows, rounds->unknown);

@@ -240,7 +240,7 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first
     const bool has_momenta = nodes->unknowns > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {
-        const int i = tvi_subsystems_member(&nodes->parts, k);
+        const int i = tvi_subsystems_component(&nodes->parts, k);
         const MEMBER size = NAME(size_of)(nodes, i, s, here);
         MEMBER_AT(nodes->inverse_size, i) = size;
         largest_q = IF_ABOVE(size, largest_q, size, largest_q);
@@ -251,7 +251,7 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first
     }
     const MEMBER least_q = NAME(least_of)(largest_q), least_p = NAME(least_of)(largest_p);
     for (int k = first; k < end; k++) {
-        const int i = tvi_subsystems_member(&nodes->parts, k);
+        const int i = tvi_subsystems_component(&nodes->parts, k);
         MEMBER_AT(nodes->inverse_size, i) = 1 / (MEMBER_AT(nodes->inverse_size, i) + least_q);
         if (!has_momenta) continue;
         const MEMBER own = nodes->per_movement[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);

@@ -24,7 +24,7 @@ static void take_inverse(lanes_inverse *matrix, tvi_arena *arena, int n, int lan
     matrix->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
     matrix->row_scale = tvi_arena_doubles(arena, numbers);
     matrix->column_scale = tvi_arena_doubles(arena, numbers);
-    matrix->pivot = tvi_arena_take(arena, numbers * sizeof(int));
+    matrix->pivot = tvi_arena_allocate(arena, numbers * sizeof(int));
     matrix->x = tvi_arena_doubles(arena, numbers);
 }
 
@@ -33,7 +33,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     const tvi_system *system = field->system;
     const int n = system->n, unknowns = 2 * n;
     const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
-    lagrangian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
+    lagrangian *taken = field->own = tvi_arena_allocate(arena, sizeof *taken);
     lagrangian w = {.passes = {.loops = field->loops}};
     field->rows = 3 * n;
     field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
@@ -44,7 +44,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
     w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
-    tvi_legendre_take(&w.legendre, arena, system);
+    tvi_legendre_allocate(&w.legendre, arena, system);
     take_inverse(&w.passes.mass, arena, n, field->nodes.lanes);
     w.passes.rates = field->nodes;
     w.passes.rates.x = field->nodes.x ? lagrangian_row(&field->nodes, unknowns) : NULL;

@@ -97,7 +97,7 @@ static inline void lagrangian_set_places(int count, const double *nodes, double 
 {
     const uint64_t unit = UINT64_C(1) << LAGRANGIAN_LAST_BITS;
     for (int i = 0; i < count; i++) {
-        const uint64_t bits = (tvi_bits(nodes[i]) + unit / 2) & ~(unit - 1);
+        const uint64_t bits = (tvi_double_bits(nodes[i]) + unit / 2) & ~(unit - 1);
         memcpy(&places[i], &bits, sizeof bits);
     }
 }

@@ -215,8 +215,8 @@ typedef struct galerkin_loops {
     /* Computes tail [width]; share, ratio [n][width] are scratch. */
     void (*tail)(const galerkin_tail_inputs *inputs, int width, double *share, double *ratio, double tail[]);
 
-    /* Only for several members: does what tvi_passes_judge does, for pass number `count` of the members that move.
-     * Returns how many go on. */
+    /* Only for several members: does what tvi_passes_add_and_judge does, for pass number `count` of the members that
+     * move. Returns how many go on. */
     int (*judge)(galerkin_verdicts *verdicts, const tvi_passes_rule *rule, int width, int count);
 
     /* Only for one member: does what `move` does, and sets displacements [unknowns][lanes], so that x is high +

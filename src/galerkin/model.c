@@ -7,11 +7,11 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
     const size_t lanes = (size_t)field->nodes.lanes;
     model->blocks =
         (galerkin_blocks){.n = system->n, .lanes = field->nodes.lanes, .inputs = system->hessian_values->inputs};
-    model->blocks.values = tvi_arena_block(arena, system->field_values, 1, field->nodes.lanes, 0);
-    model->blocks.hessian = tvi_arena_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
+    model->blocks.values = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lanes, 0);
+    model->blocks.hessian = tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
     model->lanes.moved = tvi_arena_doubles(arena, 2 * (size_t)system->n * lanes);
-    model->term = tvi_arena_take(arena, 2 * (size_t)system->hessian_entries * sizeof *model->term);
-    model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
+    model->term = tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *model->term);
+    model->end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *model->end);
 }
 
 /* Lists the rows of the symmetric matrix of second derivatives. Columns of the second half come first, as V moves
@@ -67,11 +67,11 @@ void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model)
     const jet_tape *hessian = field->system->hessian_values;
     const int rows = 2 * model->blocks.n;
     tvi_galerkin_emit_ints(text, "end", rows, model->end);
-    jet_text_add(text, "static const lanes_term galerkin_term[] = {");
+    jet_text_append(text, "static const lanes_term galerkin_term[] = {");
     for (int k = 0; k < model->end[rows - 1]; k++)
-        jet_text_add(text, "{%d, %d}, ", model->term[k].column, model->term[k].slot);
-    jet_text_add(text,
-                 "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
-                 "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                 hessian->inputs, galerkin_rows_kept(hessian), model->blocks.lanes);
+        jet_text_append(text, "{%d, %d}, ", model->term[k].column, model->term[k].slot);
+    jet_text_append(text,
+                    "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
+                    "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
+                    hessian->inputs, galerkin_rows_kept(hessian), model->blocks.lanes);
 }

@@ -6,7 +6,7 @@ enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
 /* Computes x [components][places] = start + its change up to theta, by a table of dense.h, [lanes][places], and the
  * impulses. */
-static void integrate_impulses(const galerkin *w, tvi_range range, int places, const double theta[],
+static void integrate_impulses(const galerkin *w, tvi_component_range range, int places, const double theta[],
                                const double *table, const double *impulses, const double *start, const double *drift,
                                const double *rise, double *x)
 {
@@ -17,7 +17,7 @@ static void integrate_impulses(const galerkin *w, tvi_range range, int places, c
 
 /* Computes q, p [n][places], components used[0] of q and used[1] of p. It integrates the polynomial of degree m - 1
  * through the rates. */
-static void follow_curve(const galerkin *w, const tvi_range used[2], int places, const double theta[],
+static void follow_curve(const galerkin *w, const tvi_component_range used[2], int places, const double theta[],
                          const double *once, const double *twice, const double q_start[], const double p_start[],
                          double *q, double *p)
 {
@@ -31,14 +31,14 @@ static void follow_curve(const galerkin *w, const tvi_range used[2], int places,
 void tvi_galerkin_dense(void *work, double theta, double dq[], double dp[])
 {
     const galerkin *w = work;
-    const tvi_range all[] = {{0, w->n}, {0, w->n}};
+    const tvi_component_range all[] = {{0, w->n}, {0, w->n}};
     double once[MAX_LANES] = {0}, twice[MAX_LANES] = {0};
     tvi_galerkin_dense_integrate(&w->dense, theta, once, twice);
     follow_curve(w, all, 1, &theta, once, twice, w->predictor.none, w->predictor.none, dq, dp);
 }
 
-void tvi_galerkin_sample(void *work, const tvi_range used[2], const double q_start[], const double p_start[], double *q,
-                         double *p)
+void tvi_galerkin_sample(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
+                         double *q, double *p)
 {
     const galerkin *w = work;
     follow_curve(w, used, TVI_SAMPLES, tvi_sample_theta, w->dense.once, w->dense.twice, q_start, p_start, q, p);

@@ -9,9 +9,10 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const 
 {
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
-    w->last = tvi_arena_history(arena, sizeof *w->last);
+    w->last = tvi_arena_allocate_history(arena, sizeof *w->last);
     w->rough_limit = unknowns * lanes * (1e-2 * 1e-2);
-    for (int i = 0; i < GALERKIN_RING; i++) w->impulses[i] = tvi_arena_ring(arena, count * width * sizeof(double));
+    for (int i = 0; i < GALERKIN_RING; i++)
+        w->impulses[i] = tvi_arena_allocate_ring(arena, count * width * sizeof(double));
     w->from_two = tvi_arena_doubles(arena, 2 * width * width);
     w->from_last = tvi_arena_doubles(arena, 2 * width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);

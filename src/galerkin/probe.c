@@ -20,8 +20,8 @@
  * much, alternately. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
-    .most = 100, .goal = SQUARE(GOAL), .noise = SQUARE(32 * DBL_EPSILON), .contraction = SQUARE(0.5),                  \
-    .stuck = TVI_PASSES_ALL, .period = 2
+    .max_passes = 100, .correction_goal = SQUARE(GOAL), .roundoff_level = SQUARE(32 * DBL_EPSILON),                    \
+    .max_contraction = SQUARE(0.5), .stall_ratio = TVI_PASSES_ALL, .stall_period = 2
 const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
@@ -29,10 +29,10 @@ const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
 {
     tvi_passes_rule rule = *of_one;
-    rule.goal *= numbers;
-    rule.noise *= numbers;
+    rule.correction_goal *= numbers;
+    rule.roundoff_level *= numbers;
     rule = tvi_passes_rule_with_options(&rule, o, SQUARE(o->tolerance));
-    if (o->passes == TVI_PREDICT_ONLY) rule.most = 0;
+    if (o->passes == TVI_PREDICT_ONLY) rule.max_passes = 0;
     return rule;
 }
 
@@ -46,7 +46,7 @@ static size_t numbers(const galerkin_field *field, int rows) { return (size_t)ro
 
 void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field)
 {
-    tvi_roundoff_take(&probe->of_field, arena, field->system);
+    tvi_roundoff_allocate(&probe->of_field, arena, field->system);
     probe->before = tvi_arena_doubles(arena, numbers(field, field->rows));
     probe->displaced = tvi_arena_doubles(arena, numbers(field, field->rows));
     probe->base = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
@@ -106,8 +106,8 @@ tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, do
     const galerkin_nodes *nodes = &field->nodes;
     memcpy(probe->before, nodes->x, numbers(field, field->rows) * sizeof(double));
     stats->force_evaluations +=
-        tvi_roundoff_of_field(&probe->of_field, field->system, field->inputs, nodes->lanes, field->points);
-    for (int i = 0; i < tvi_system_outputs(field->system); i++) probe->of_field.change[i] *= UNITS;
+        tvi_roundoff_estimate_of_field(&probe->of_field, field->system, field->inputs, nodes->lanes, field->points);
+    for (int i = 0; i < tvi_system_output_count(field->system); i++) probe->of_field.change[i] *= UNITS;
     tvi_status status = pass_displaced(field, probe, moved, stats);
     if (status == TVI_OK) status = tvi_galerkin_pass(field, moved, stats);
     *roundoff = distance(nodes, probe->displaced);
@@ -118,6 +118,6 @@ tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, do
 bool tvi_galerkin_is_near(const galerkin_field *field, const tvi_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
-    return tvi_roundoff_is_near(field->system, field->h, origin->q, origin->p, nodes->x,
-                                nodes->x + field->system->n * nodes->lanes, nodes->lanes, field->points);
+    return tvi_roundoff_is_motion_small(field->system, field->h, origin->q, origin->p, nodes->x,
+                                        nodes->x + field->system->n * nodes->lanes, nodes->lanes, field->points);
 }

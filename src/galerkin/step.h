@@ -29,8 +29,8 @@ void tvi_galerkin_set_size(galerkin *w, double h);
 
 /* Define tvi_stepper.dense and .sample. */
 void tvi_galerkin_dense(void *work, double theta, double dq[], double dp[]);
-void tvi_galerkin_sample(void *work, const tvi_range used[2], const double q_start[], const double p_start[], double *q,
-                         double *p);
+void tvi_galerkin_sample(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
+                         double *q, double *p);
 
 /* Tells whether the system's passes know no second derivatives. */
 bool tvi_galerkin_is_plain(const tvi_system *system);

@@ -99,7 +99,7 @@ JET_INLINE galerkin_extrapolation galerkin_from_steps(const galerkin_frame *fram
 /* Adds a pass of a member, with its movement. */
 JET_INLINE tvi_passes_verdict galerkin_judge(const tvi_passes_rule *rule, galerkin_trial *trial, double moved)
 {
-    const tvi_passes_verdict verdict = tvi_passes_judge(&trial->passes, rule, moved);
+    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&trial->passes, rule, moved);
     if (trial->count++ == 0) trial->convergence.first = moved;
     trial->convergence.slowest = trial->passes.slowest;
     trial->status = !(moved < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
@@ -118,7 +118,7 @@ JET_INLINE void galerkin_solve_members(const galerkin_frame *frame, const galerk
         verdicts->has_ended[m] = 0;
         left -= (int)verdicts->is_moving[m];
     }
-    for (int count = 1; left > 0 && count <= frame->rule->most; count++) {
+    for (int count = 1; left > 0 && count <= frame->rule->max_passes; count++) {
         (void)solver->pass(solver->work, nodes, verdicts->moved, NULL);
         left = frame->loops->judge(verdicts, frame->rule, nodes->width, count);
     }
@@ -128,7 +128,7 @@ JET_INLINE void galerkin_solve_members(const galerkin_frame *frame, const galerk
 JET_INLINE void galerkin_solve(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_solver *solver,
                                galerkin_trial *trial, double *moved)
 {
-    const int most = frame->rule->most;
+    const int most = frame->rule->max_passes;
     bool is_stuck = false;
     tvi_passes_begin(&trial->passes, trial->convergence.slowest);
     trial->count = 0;
@@ -169,7 +169,7 @@ JET_INLINE void galerkin_end_step(const galerkin_frame *frame, const galerkin_no
 JET_INLINE bool galerkin_sums_are_finite(int count, const double *x, const double *dx)
 {
     uint64_t any = 0;
-    for (int i = 0; i < count; i++) any |= tvi_bits_of_infinite(x[i] + dx[i]);
+    for (int i = 0; i < count; i++) any |= tvi_nonfinite_bits(x[i] + dx[i]);
     return any == 0;
 }
 
@@ -177,7 +177,7 @@ JET_INLINE bool galerkin_sums_are_finite(int count, const double *x, const doubl
 JET_INLINE bool galerkin_advance(int n, const tvi_step_run *row, const tvi_run_state *now, double tail, int passes)
 {
     if (!(tail <= row->skip_limits.tail && passes <= row->skip_limits.passes)) return false;
-    if (!tvi_step_ends_before(row, now->q)) return false;
+    if (!tvi_step_ends_before_limit(row, now->q)) return false;
     if (!galerkin_sums_are_finite(n + 1, now->q, row->increments.dq)) return false;
     if (!galerkin_sums_are_finite(n, now->p, row->increments.dp)) return false;
     (void)tvi_add_all_compensated(n + 1, now->q, now->q_low, row->increments.dq, row->increments.dq_low);

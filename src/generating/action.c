@@ -13,13 +13,13 @@ double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve)
     const int n = curve->n, points = action->points;
     tvi_roundoff *roundoff = &action->roundoff;
     if (tvi_curve_factor_slope(curve) != TVI_OK) return 0;
-    (void)tvi_roundoff_of_field(roundoff, curve->system, action->x, points, points);
+    (void)tvi_roundoff_estimate_of_field(roundoff, curve->system, action->x, points, points);
     for (int i = 0; i < n; i++) {
-        const double of_v = DBL_EPSILON * tvi_largest(points, action->on_v + i * points, 1);
-        action->correction[i] = tvi_roundoff_sign(roundoff, roundoff->change[n + i] + of_v);
+        const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->on_v + i * points, 1);
+        action->correction[i] = tvi_roundoff_random_sign(roundoff, roundoff->change[n + i] + of_v);
     }
     tvi_factor_solve(&curve->slope, action->correction);
-    return TVI_ROUNDOFF_UNITS * tvi_largest(n, action->correction, 1);
+    return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(n, action->correction, 1);
 }
 
 tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
@@ -83,7 +83,7 @@ static tvi_status seed(tvi_action *action, tvi_curve *curve, double seed_Q[], do
         const tvi_status status = curve->code->seed(action, curve, seed_Q, seed_U);
         /* momenta that are stuck: whether by roundoff is measured */
         if (status == TVI_ENOCONV) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
-        if (status == TVI_EDOMAIN) (void)jet_refuse_sweep(action->field, action->x, action->points);
+        if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(action->field, action->x, action->points);
         return status;
     }
     seeds_begin(action, curve, seed_Q, seed_U);

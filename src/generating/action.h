@@ -16,7 +16,7 @@ const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind)
  * resolved. mirrors: the span is symmetric, and nodes may be there twice (seeds.h). width: that of the curve. */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                      tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width);
-void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top);
+void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top);
 
 /* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns
  * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV (the velocities of a Hamiltonian). */

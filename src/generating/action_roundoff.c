@@ -15,8 +15,8 @@ int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, co
     const int n = curve->n, points = action->points;
     memset(of_q, 0, (size_t)n * sizeof *of_q);
     memset(of_p, 0, (size_t)n * sizeof *of_p);
-    if (!tvi_roundoff_is_near(system, h, q, p, action->x, action->momentum, points, points)) return 0;
-    const int values = tvi_roundoff_of_field(&action->roundoff, system, action->x, points, points);
+    if (!tvi_roundoff_is_motion_small(system, h, q, p, action->x, action->momentum, points, points)) return 0;
+    const int values = tvi_roundoff_estimate_of_field(&action->roundoff, system, action->x, points, points);
     for (int i = 0; i < n; i++) {
         const double of_force = fabs(h) * change[i], of_second = separable ? 0 : change[n + i];
         of_p[i] = of_force + DBL_EPSILON * fabs(p[i]);

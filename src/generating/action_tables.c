@@ -35,7 +35,7 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
                         .points = points,
                         .orders = top + 1,
                         .width = width};
-    if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirrored(options->quadrature) == options->quadrature) {
+    if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
         shape.half = half_of(system, points, width);
         shape.points = 2 * shape.half;
     }
@@ -44,7 +44,7 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
 
 tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = expanded->has_top_momentum ? degree : degree - 1;
     const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE;
     return shape_of(system, options, expanded->action, degree, p_degree, degree + one_more,
@@ -80,9 +80,9 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     take_table(&action->weighted_slope, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
     action->row = tvi_arena_doubles(arena, orders * (size_t)width);
     if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
-    action->x = tvi_arena_block(arena, action->field, 1, action->points * width, 0);
+    action->x = tvi_arena_allocate_block(arena, action->field, 1, action->points * width, 0);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
-        action->bend = tvi_arena_block(arena, system->bend_values, 1, action->points, 0);
+        action->bend = tvi_arena_allocate_block(arena, system->bend_values, 1, action->points, 0);
     action->P = tvi_arena_doubles(arena, orders * n);
     double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
@@ -91,12 +91,12 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
         action->H_pp = tvi_arena_doubles(arena, n * n * points);
         action->dx = tvi_arena_doubles(arena, (size_t)action->field->slots * points);
     }
-    tvi_roundoff_take(&action->roundoff, arena, system);
+    tvi_roundoff_allocate(&action->roundoff, arena, system);
 }
 
 /* Returns the error of the quadrature for s^r on the span; it is exactly 0 below the order of the quadrature. */
 static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
-                               tvi_span span)
+                               tvi_scaled_span span)
 {
     if (r < order) return 0;
     long double error = -(powl(span.to, r + 1) - powl(span.from, r + 1)) / (r + 1);
@@ -142,11 +142,11 @@ static int node_of(const tvi_action *action, int count, int point, double *part)
     return half > 0 && point >= half ? count - 1 - node : node;
 }
 
-void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top)
+void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top)
 {
     const int count = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, count);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
-    tvi_quadrature_nodes(options->quadrature, count, s, weight);
+    tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
     for (int point = 0; point < action->points; point++) {
         double part;
         const int i = node_of(action, count, point, &part);

@@ -36,12 +36,12 @@ static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, c
     x->G = tvi_arena_doubles(arena, n * 2 * n);
     x->multiplier = tvi_arena_doubles(arena, n);
     x->dz = tvi_arena_doubles(arena, 2 * n);
-    tvi_factor_take(&x->factor, arena, system->n);
+    tvi_factor_allocate(&x->factor, arena, system->n);
 }
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    tvi_both_ends *taken = tvi_arena_take(arena, sizeof *taken);
+    tvi_both_ends *taken = tvi_arena_allocate(arena, sizeof *taken);
     tvi_both_ends w = {.system = system,
                        .options = options,
                        .n = system->n,
@@ -53,8 +53,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
     tvi_newton_take(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_take(&w.legendre, arena, system);
-        w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
+        tvi_legendre_allocate(&w.legendre, arena, system);
+        w.velocity = tvi_arena_allocate_history(arena, n * sizeof *w.velocity);
     }
     w.q_unit = tvi_combination_take(&w.a.curve, arena);
     w.z_unit = tvi_combination_take(&w.a.curve, arena);
@@ -67,7 +67,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_span span)
+static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_scaled_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
@@ -85,8 +85,8 @@ static void prepare(void *taken)
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     tvi_newton_prepare(&w->newton, w->options, true);
-    prepare_side(w, &w->a, (tvi_span){0, 1, 1});
-    prepare_side(w, &w->b, (tvi_span){-1, 0, 1});
+    prepare_side(w, &w->a, (tvi_scaled_span){0, 1, 1});
+    prepare_side(w, &w->b, (tvi_scaled_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
@@ -250,7 +250,7 @@ static tvi_status predict(const attempt *a)
     const size_t n = (size_t)w->n;
     const tvi_origin *origin = a->origin;
     tvi_status status =
-        tvi_legendre_start(&w->legendre, w->system, a->h, origin->t, origin->q, origin->p, w->velocity, w->z);
+        tvi_legendre_compute_start(&w->legendre, w->system, a->h, origin->t, origin->q, origin->p, w->velocity, w->z);
     if (status != TVI_OK) return status;
     status = expand(a, &w->a, w->z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z + n, n * sizeof(double));

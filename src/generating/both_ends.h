@@ -17,13 +17,13 @@ typedef struct {
     tvi_combination to_end; /* a(1) - q0 or b(-1) - q1 */
     tvi_combination near_u; /* U_0 */
     tvi_combination q_dense, u_dense;
-    double *blend;      /* [points] w or 1 - w at the nodes */
-    double *seed;       /* [r + 1][n] */
-    double *R;          /* [2n] */
-    double *G;          /* [n][2n] Jacobian of to_end; the identity of Q_0 is not in it */
-    double *multiplier; /* [n] l or m */
-    double *dz;         /* [2n] what z lacks at the end of the passes */
-    tvi_factor factor;  /* B */
+    double *blend;        /* [points] w or 1 - w at the nodes */
+    double *seed;         /* [r + 1][n] */
+    double *R;            /* [2n] */
+    double *G;            /* [n][2n] Jacobian of to_end; the identity of Q_0 is not in it */
+    double *multiplier;   /* [n] l or m */
+    double *dz;           /* [2n] what z lacks at the end of the passes */
+    tvi_lu_factor factor; /* B */
 } tvi_side;
 
 typedef struct {

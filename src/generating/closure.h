@@ -40,7 +40,7 @@ extern const tvi_solver tvi_by_matrices, tvi_by_products_base, tvi_by_products_a
 typedef struct tvi_closure {
     const tvi_system *system;
     int n;
-    tvi_span span;
+    tvi_scaled_span span;
     tvi_curve curve;
     /* These give q-, q+, q+ - q-, and (to q- - from q+)/(to - from). The last has no Q_1 in it, and is the mean of the
      * ends if the expansion is at the midpoint. */
@@ -90,7 +90,7 @@ static inline void closure_correct_ends(const tvi_closure *c)
 /* Sets p_size [n], the sums of the sizes of the terms of p, by which corrections of p are measured. */
 static inline void closure_set_p_size(const tvi_closure *c)
 {
-    curve_sum_by(tvi_add_sizes, &c->curve, &c->p_sizes, c->p_size);
+    curve_sum_by(tvi_add_weighted_magnitudes, &c->curve, &c->p_sizes, c->p_size);
     const int width = curve_width(&c->curve);
     for (int i = 0; i < curve_n(&c->curve); i++)
         for (int at = i * width; at < (i + 1) * width; at++) c->p_size[at] /= fabs(c->curve.kappa[i]);

@@ -44,7 +44,7 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->u_sizes = tvi_combination_take(curve, arena);
     curve->per = tvi_arena_doubles(arena, orders + 1);
     curve->log_of = tvi_arena_doubles(arena, orders + 1);
-    curve->x = tvi_arena_block(arena, system->field_series, top + 1, width, 0);
+    curve->x = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
         curve->dx = tvi_arena_doubles(arena, orders * slots);
         curve->bar = tvi_arena_doubles(arena, orders * slots);
@@ -58,7 +58,7 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
-        tvi_factor_take(&curve->slope, arena, system->n);
+        tvi_factor_allocate(&curve->slope, arena, system->n);
         curve->columns = tvi_arena_doubles(arena, slots * n);
         curve->rest = tvi_arena_doubles(arena, n * tvi_curve_lanes(curve));
         curve->column = tvi_arena_doubles(arena, n);
@@ -115,7 +115,7 @@ static tvi_status expand_by_orders(tvi_curve *curve)
 static tvi_status expand_by_code(tvi_curve *curve)
 {
     const tvi_status status = curve->code->expand(curve);
-    if (status == TVI_EDOMAIN) (void)jet_refuse_sweep(curve->system->field_series, curve->x, 1);
+    if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->x, 1);
     return status;
 }
 

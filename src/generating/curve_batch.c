@@ -15,7 +15,7 @@ enum { MOST_WIDTH = 32, LEAST_WIDTH = 8, MOST_N = 7 };
 enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
 
 typedef struct {
-    tvi_single by_itself;
+    tvi_member_stepper by_itself;
     tvi_curve_work *lanes;
     long long *is_moving;    /* [width] */
     double *dq, *dp;         /* [n][width] */
@@ -23,12 +23,12 @@ typedef struct {
     int *passes;             /* [width] */
 } batch;
 
-static bool is_plain(const tvi_options *options) { return !tvi_method_of(options)->curve.close; }
+static bool is_plain(const tvi_options *options) { return !tvi_find_method(options)->curve.close; }
 
 /* Returns whether the field of corrected curves needs no momenta of nodes. */
 static bool serves_corrected(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool has_field =
         system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && expanded->action == TVI_ACTION_HAMILTON);
     return expanded->close == tvi_close_mean && has_field && options->passes != TVI_PREDICT_ONLY &&
@@ -49,17 +49,17 @@ static int width_of(const tvi_system *system, const tvi_options *options)
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    batch *taken = tvi_arena_take(arena, sizeof *taken), w = {0};
+    batch *taken = tvi_arena_allocate(arena, sizeof *taken), w = {0};
     const size_t count = (size_t)width, numbers = (size_t)system->n * count;
-    const tvi_stepper *stepper = tvi_method_of(options)->stepper;
-    tvi_single_take(&w.by_itself, arena, stepper, system, options, width, options->quadrature_points + 1);
+    const tvi_stepper *stepper = tvi_find_method(options)->stepper;
+    tvi_member_stepper_allocate(&w.by_itself, arena, stepper, system, options, width, options->quadrature_points + 1);
     w.lanes = tvi_curve_work_take(arena, system, options, width);
-    w.is_moving = tvi_arena_take(arena, count * sizeof *w.is_moving);
+    w.is_moving = tvi_arena_allocate(arena, count * sizeof *w.is_moving);
     w.dq = tvi_arena_doubles(arena, numbers);
     w.dp = tvi_arena_doubles(arena, numbers);
     w.residual = tvi_arena_doubles(arena, count);
     w.tail = tvi_arena_doubles(arena, count);
-    w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
+    w.passes = tvi_arena_allocate(arena, count * sizeof *w.passes);
     if (!taken) return NULL;
     *taken = w;
     w.lanes->by_itself = &taken->by_itself;
@@ -69,7 +69,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 static void prepare(void *work)
 {
     batch *w = work;
-    tvi_single_prepare(&w->by_itself);
+    tvi_member_stepper_prepare(&w->by_itself);
     tvi_curve_work_prepare(w->lanes);
 }
 
@@ -92,16 +92,16 @@ static void forget(void *work, int lane)
     else lanes->chosen[lane] = 0;
 }
 
-static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, int m,
+static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, int m,
                            tvi_stats *stats)
 {
-    const tvi_single *single = &w->by_itself;
+    const tvi_member_stepper *single = &w->by_itself;
     get(w, m, single->work);
-    if (tvi_single_step(single, single->system->field_series, w->lanes->closure.curve.x, 1, h, origin, end, m, stats))
+    if (tvi_step_member(single, single->system->field_series, w->lanes->closure.curve.x, 1, h, origin, end, m, stats))
         put(w, m, single->work);
 }
 
-static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
+static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats)
 {
     batch *w = work;
     const int n = w->by_itself.system->n, width = w->by_itself.width;

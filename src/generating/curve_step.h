@@ -170,7 +170,7 @@ static inline void step_factor(step_quick *a, int due, const double z[])
     const tvi_form form = curve_form(&c->curve);
     const int n = curve_n(&c->curve), size = 2 * n, width = curve_width(&c->curve);
     const bool has_momenta = c->mean->has_momenta;
-    tvi_factor *full = &matrices_of(c)->full, *back = &a->work->newton.factor;
+    tvi_lu_factor *full = &matrices_of(c)->full, *back = &a->work->newton.factor;
     matrices_take(c, z);
     matrices_join(c, &c->q_mean, has_momenta ? &c->u_mean : &c->q_rise, full->lu);
     const bool has_back = matrices_jacobian(c, back->lu);
@@ -241,7 +241,7 @@ static inline void step_passes(step_quick *a, const tvi_curve_end *end)
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++) tvi_newton_begin(&passes[m], &newton->history[m], &newton->rules, newton->is_rough);
     matrices_begin(matrices_of(&a->work->closure));
-    for (int count = 1; count <= newton->rules.of_each.most; count++) {
+    for (int count = 1; count <= newton->rules.of_each.max_passes; count++) {
         tvi_newton_sizes sizes;
         if (!step_pass(a, count == 1)) return;
         newton_measure(newton, newton->scale, &sizes);

@@ -17,8 +17,8 @@ typedef struct {
     tvi_stats *stats;
 } attempt;
 
-static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_expanded *expanded,
-                         int degree, bool corrects, int width)
+static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system,
+                         const tvi_curve_definition *expanded, int degree, bool corrects, int width)
 {
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS;
@@ -50,8 +50,8 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
 
 void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    work *taken = tvi_arena_take(arena, sizeof *taken);
-    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    work *taken = tvi_arena_allocate(arena, sizeof *taken);
+    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
     const int degree = options->degree;
     const size_t n = (size_t)system->n * (size_t)width;
@@ -62,16 +62,16 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_take(&w.legendre, arena, system);
-        w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
+        tvi_legendre_allocate(&w.legendre, arena, system);
+        w.velocity = tvi_arena_allocate_history(arena, n * sizeof *w.velocity);
     }
     if (!expanded->close) {
-        w.chosen = tvi_arena_history(arena, (size_t)width * sizeof *w.chosen);
+        w.chosen = tvi_arena_allocate_history(arena, (size_t)width * sizeof *w.chosen);
         if (width > 1) w.quickly = tvi_choose_plain(system);
         else tvi_refinement_take(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
-            w.field = tvi_arena_block(arena, system->field_values, 1, 1, 0);
-            tvi_roundoff_take(&w.roundoff, arena, system);
+            w.field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+            tvi_roundoff_allocate(&w.roundoff, arena, system);
         }
     }
     w.shift = tvi_arena_doubles(arena, n);
@@ -83,7 +83,7 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
         tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quickly = tvi_choose_quick(&w.closure, &w.action);
     }
-    if (width > 1) w.closure.curve.is_taken = tvi_arena_take(arena, (size_t)width * sizeof(long long));
+    if (width > 1) w.closure.curve.is_taken = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
     if (taken) *taken = w;
     return taken;
 }
@@ -152,8 +152,8 @@ static tvi_status predict(const attempt *a)
 {
     work *w = a->work;
     const tvi_origin *origin = a->origin;
-    tvi_status status =
-        tvi_legendre_start(&w->legendre, w->closure.system, a->tau, origin->t, origin->q, origin->p, w->velocity, w->z);
+    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->closure.system, a->tau, origin->t, origin->q,
+                                                   origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
     status = expand(a, w->z, origin->t + origin->t_low);
     step_move_to_centre(w, w->z);
@@ -363,7 +363,7 @@ static double most_change(const void *taken) { return tvi_curve_change(&((const 
 
 static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_action_of(system, options);
     return tvi_curve_used_tapes(system, options, shape.orders - 1, shape.points,

@@ -39,8 +39,8 @@ typedef struct tvi_curve_work {
     double tolerance, log_tolerance;    /* those of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
-    tvi_quick_fn *quickly;              /* makes the steps that converge as they mostly do; NULL: the method has none */
-    const struct tvi_single *by_itself; /* several members: one of them alone */
+    tvi_quick_fn *quickly; /* makes the steps that converge as they mostly do; NULL: the method has none */
+    const struct tvi_member_stepper *by_itself; /* several members: one of them alone */
 } tvi_curve_work;
 
 /* Allocates the work of `width` members, and fills its tables. */

@@ -12,15 +12,15 @@ extern const char *const tvi_embedded_curve[], *const tvi_embedded_products[], *
 
 static void emit_text(jet_text *text, const char *const lines[])
 {
-    for (; *lines; lines++) jet_text_add(text, "%s", *lines);
+    for (; *lines; lines++) jet_text_append(text, "%s", *lines);
 }
 
 /* Defines `macro` as the table of the slots of the tape's outputs. */
 static void emit_output(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
 {
-    jet_text_add(text, "static const int %s[] = {", table);
-    for (int i = 0; i < tape->outputs; i++) jet_text_add(text, "%d, ", tape->output[i]);
-    jet_text_add(text, "};\n#define %s %s\n", macro, table);
+    jet_text_append(text, "static const int %s[] = {", table);
+    for (int i = 0; i < tape->outputs; i++) jet_text_append(text, "%d, ", tape->output[i]);
+    jet_text_append(text, "};\n#define %s %s\n", macro, table);
 }
 
 /* Returns the directions that are left of blocks of `lanes` lanes; 0: none, or there is one block. */
@@ -32,13 +32,13 @@ static int rest_of(const tvi_system *system, int lanes)
 static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const form[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
-    const int p_degree = tvi_method_of(options)->curve.has_top_momentum ? options->degree : options->degree - 1;
-    jet_text_add(text,
-                 "enum {\n    CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d, CURVE_TOP = tvi_series_top,\n"
-                 "    CURVE_INPUTS = %d, CURVE_USES_TIME = %d, CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d,\n"
-                 "    CURVE_IN_PLACE = %d\n};\n#define CURVE_FORM %s\n",
-                 lanes, rest_of(system, lanes), system->n, system->inputs, system->uses_time, options->degree, p_degree,
-                 lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
+    const int p_degree = tvi_find_method(options)->curve.has_top_momentum ? options->degree : options->degree - 1;
+    jet_text_append(text,
+                    "enum {\n    CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d, CURVE_TOP = tvi_series_top,\n"
+                    "    CURVE_INPUTS = %d, CURVE_USES_TIME = %d, CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d,\n"
+                    "    CURVE_IN_PLACE = %d\n};\n#define CURVE_FORM %s\n",
+                    lanes, rest_of(system, lanes), system->n, system->inputs, system->uses_time, options->degree,
+                    p_degree, lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
 }
 
 /* Defines CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
@@ -46,13 +46,13 @@ static void emit_followers(jet_text *text, const tvi_system *system)
 {
     const jet_tape *tape = system->field_series;
     bool *follows = calloc((size_t)tape->slots, sizeof *follows);
-    text->failed |= !follows;
+    text->is_incomplete |= !follows;
     if (!follows) return;
     for (int i = system->n; i < 2 * system->n; i++) follows[i] = true;
     jet_tape_mark_dependents(tape, follows);
-    jet_text_add(text, "static const bool code_follows[] = {");
-    for (int slot = 0; slot < tape->slots; slot++) jet_text_add(text, "%d, ", follows[slot]);
-    jet_text_add(text, "};\n#define CURVE_FOLLOWS(slot) code_follows[slot]\n");
+    jet_text_append(text, "static const bool code_follows[] = {");
+    for (int slot = 0; slot < tape->slots; slot++) jet_text_append(text, "%d, ", follows[slot]);
+    jet_text_append(text, "};\n#define CURVE_FOLLOWS(slot) code_follows[slot]\n");
     free(follows);
 }
 
@@ -65,45 +65,46 @@ static void emit_field(jet_text *text, const tvi_system *system, const tvi_actio
     const int points = a->points;
     emit_output(text, field, "code_values", "CURVE_VALUES_SLOT");
     if (has_velocities)
-        jet_text_add(
+        jet_text_append(
             text,
             "JET_GENERATED_TANGENTS_IN_LANES(tvi_series, %d)\n"
             "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), tvi_series_tangents_in_lanes_%d(x, dx))\n",
             points, points);
-    else jet_text_add(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");
+    else jet_text_append(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");
     if (has_seed)
-        jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s_values_%d(x))\n",
-                     has_velocities ? "tvi_series" : "tvi_values", points);
-    else jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
+        jet_text_append(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s_values_%d(x))\n",
+                        has_velocities ? "tvi_series" : "tvi_values", points);
+    else jet_text_append(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
 }
 
 /* Writes the sizes of the action, as the initial values of a structure. */
 static void emit_action(jet_text *text, const tvi_action *a)
 {
-    jet_text_add(text,
-                 "#define CURVE_ACTION {.is_hamilton = %d, .truncated = %d, .has_velocity_defect = %d, "
-                 ".has_momentum_defect = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half = %d}\n",
-                 a->is_hamilton, a->truncated, a->has_velocity_defect, a->has_momentum_defect, a->q_degree, a->p_degree,
-                 a->points, a->orders, a->half);
+    jet_text_append(
+        text,
+        "#define CURVE_ACTION {.is_hamilton = %d, .truncated = %d, .has_velocity_defect = %d, "
+        ".has_momentum_defect = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half = %d}\n",
+        a->is_hamilton, a->truncated, a->has_velocity_defect, a->has_momentum_defect, a->q_degree, a->p_degree,
+        a->points, a->orders, a->half);
 }
 
 /* Emits the functions of a curve, by tangents in `lanes` directions, or by products. */
 static void emit(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes, bool has_products)
 {
-    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const tvi_action action = tvi_action_of(system, options);
     const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_are_plain(&action);
     const bool has_step = has_seed && lanes > 0 && expanded->close == tvi_close_mean && 2 * system->n <= LINEAR_SMALL;
-    if (has_step) jet_text_add(text, "JET_SIDE_BY_SIDE\n");
+    if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_sizes(text, system, options, lanes);
     emit_output(text, system->field_series, "code_output", "CURVE_SLOT");
     if (system->form == TVI_LAGRANGIAN) emit_followers(text, system);
     emit_field(text, system, &action, has_seed);
     emit_action(text, &action);
-    jet_text_add(text,
-                 "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
-                 "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_REACH %d\n",
-                 lanes > 0, has_products, has_seed, has_step, !expanded->close);
+    jet_text_append(text,
+                    "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
+                    "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_REACH %d\n",
+                    lanes > 0, has_products, has_seed, has_step, !expanded->close);
     emit_text(text, tvi_embedded_curve);
     if (has_products) emit_text(text, tvi_embedded_products);
     emit_text(text, tvi_embedded_generated_curve);

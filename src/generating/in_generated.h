@@ -8,15 +8,15 @@
 #define CURVE_WIDTH(work)               1
 #define CURVE_CALL(function, ...)       curve_##function(__VA_ARGS__)
 
-#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
+#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine_rows(__VA_ARGS__))
 #define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
-    ((void)(tape), jet_combine_apart(count, c, of_c, width, apart, table, out))
+    ((void)(tape), jet_combine_strided_rows(count, c, of_c, width, apart, table, out))
 
 enum { CURVE_MOST_WIDTH = 1 };
-#define CURVE_COMBINE_EACH jet_combine_apart
+#define CURVE_COMBINE_EACH jet_combine_strided_rows
 
-#define CURVE_FACTOR(factor)   linear_small_compute(CURVE_N, factor)
-#define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)
+#define CURVE_FACTOR(factor)   linear_small_equilibrate_and_factor(CURVE_N, factor)
+#define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_solve_factored, x)
 
 #define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k)
 #define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->x, dx, k, lanes)

@@ -31,7 +31,7 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define CURVE_COMBINE(tape, count, c, of_c, width, table, out)                                                         \
     ((void)(tape), members_combine(count, c, of_c, width, (size_t)(width), table, out))
 #elif defined CURVE_ONE_SET
-#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
+#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine_rows(__VA_ARGS__))
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif

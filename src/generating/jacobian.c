@@ -40,7 +40,7 @@ tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options 
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
     tvi_used_tapes used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
-                           .member = "curve",
+                           .code_member = "curve",
                            .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
@@ -51,9 +51,9 @@ tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options 
     else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
     if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
     if (system->form == TVI_HAMILTONIAN) used.series.lanes[1] = points; /* velocities at the nodes */
-    used.values = (jet_emission){.name = "tvi_values", .lanes = {points}};
+    used.values = (jet_emission_request){.name = "tvi_values", .lanes = {points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
-        used.bend = (jet_emission){.name = "tvi_bend", .lanes = {points}};
+        used.bend = (jet_emission_request){.name = "tvi_bend", .lanes = {points}};
     return used;
 }
 

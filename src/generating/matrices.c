@@ -10,12 +10,12 @@
 static void take(tvi_closure *c, tvi_arena *arena)
 {
     const size_t n = (size_t)c->n, width = (size_t)c->curve.width;
-    tvi_matrices *taken = tvi_arena_take(arena, sizeof *taken), m = {0};
+    tvi_matrices *taken = tvi_arena_allocate(arena, sizeof *taken), m = {0};
     m.z = tvi_arena_doubles(arena, 2 * n * width);
     m.moved = tvi_arena_doubles(arena, width);
     if (width > 1) m.given = tvi_arena_doubles(arena, 2 * n * 2 * n * width);
     m.G = tvi_arena_doubles(arena, n * 2 * n);
-    tvi_factor_take(&m.half, arena, c->n);
+    tvi_factor_allocate(&m.half, arena, c->n);
     tvi_factor_take_several(&m.full, arena, 2 * c->n, c->curve.width);
     if (taken) *taken = m;
     c->solving = taken;

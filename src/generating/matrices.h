@@ -16,15 +16,15 @@ static const double MATRICES_NEAR = 1e-4;
 /* This holds the Jacobians of the curve and their factors. Jacobians are counted as they are taken, from 0 in each
  * step; a factor is valid if it belongs to the last ones. */
 typedef struct {
-    double *z;       /* [2n] the z at which the last Jacobians were taken */
-    int taken;       /* how often Jacobians were taken in this step */
-    int factored;    /* the count of those that the factor belongs to */
-    bool is_given;   /* the corrector has a Jacobian */
-    double *moved;   /* [width] the path of z since that Jacobian, relative to its size, until the last were taken */
-    double *G;       /* [n][2n] scratch for Jacobians of the ends */
-    double *given;   /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
-    tvi_factor half; /* n x n; a generating function has this factor */
-    tvi_factor full; /* 2n x 2n; or it has this one */
+    double *z;          /* [2n] the z at which the last Jacobians were taken */
+    int taken;          /* how often Jacobians were taken in this step */
+    int factored;       /* the count of those that the factor belongs to */
+    bool is_given;      /* the corrector has a Jacobian */
+    double *moved;      /* [width] the path of z since that Jacobian, relative to its size, until the last were taken */
+    double *G;          /* [n][2n] scratch for Jacobians of the ends */
+    double *given;      /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
+    tvi_lu_factor half; /* n x n; a generating function has this factor */
+    tvi_lu_factor full; /* 2n x 2n; or it has this one */
 } tvi_matrices;
 
 static inline tvi_matrices *matrices_of(const tvi_closure *c) { return c->solving; }
@@ -95,7 +95,7 @@ static inline void matrices_distance(const tvi_closure *c, const double z[], con
     for (int m = 0; m < width; m++) distance[m] = 0;
     for (int i = 0; i < 2 * curve_numbers(&c->curve); i += width)
         for (int m = 0; m < width; m++)
-            distance[m] = tvi_larger(tvi_ratio(fabs(z[i + m] - z_taken[i + m]), scale[i + m]), distance[m]);
+            distance[m] = tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - z_taken[i + m]), scale[i + m]), distance[m]);
 }
 
 /* Enlarges part [width] to the sizes of the corrections of component i and factor times its seeds, relative to
@@ -109,7 +109,7 @@ static inline void matrices_measure(const tvi_curve *curve, int i, const double 
         for (int m = 0; m < width; m++) size[m] += fabs(seed[k * curve_numbers(curve) + at + m]);
     for (int m = 0; m < width; m++) {
         const double all = fabs(from[at + m]) + fabs(rise[at + m]) + factor * size[m];
-        part[m] = tvi_larger(tvi_ratio(all, unit[at + m]), part[m]);
+        part[m] = tvi_larger(tvi_ratio_or_zero(all, unit[at + m]), part[m]);
     }
 }
 

@@ -15,12 +15,15 @@ enum { MAX_REFRESHES = 3 };
 
 /* This rule judges the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just
  * contract get there after 53. */
-static const tvi_passes_rule of_each = {
-    .most = 64, .goal = DBL_EPSILON / 2, .contraction = 1, .stuck = CONTRACTION, .period = 1};
+static const tvi_passes_rule of_each = {.max_passes = 64,
+                                        .correction_goal = DBL_EPSILON / 2,
+                                        .max_contraction = 1,
+                                        .stall_ratio = CONTRACTION,
+                                        .stall_period = 1};
 /* This rule judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck
  * as long as these corrections settle. In each pass one body moves the next; the corrections of bodies that had none
  * before settle last. */
-static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .period = 2};
+static const tvi_passes_rule of_largest = {.stall_ratio = CONTRACTION, .stall_period = 2};
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
                      int width)
@@ -39,7 +42,7 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi
     newton->trial = tvi_arena_doubles(arena, count);
     newton->difference = tvi_arena_doubles(arena, count);
     if (has_matrix) tvi_factor_take_several(&newton->factor, arena, size, width);
-    newton->history = tvi_arena_history(arena, (size_t)width * sizeof *newton->history);
+    newton->history = tvi_arena_allocate_history(arena, (size_t)width * sizeof *newton->history);
 }
 
 /* Computes dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not
@@ -99,8 +102,8 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough)
 {
     tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
-    if (has_matrix) rules.of_largest = (tvi_passes_rule){.period = 1};
-    if (!has_matrix || is_rough) rules.of_each.period = 2;
+    if (has_matrix) rules.of_largest = (tvi_passes_rule){.stall_period = 1};
+    if (!has_matrix || is_rough) rules.of_each.stall_period = 2;
     return rules;
 }
 
@@ -153,7 +156,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     tvi_newton_begin(&passes, newton->history, &newton->rules, newton->is_rough);
     int refreshes = 0;
     bool refresh = false;
-    for (int count = 1; count <= rules->of_each.most; count++) {
+    for (int count = 1; count <= rules->of_each.max_passes; count++) {
         refreshes += refresh;
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);

@@ -75,7 +75,8 @@ static inline void tvi_newton_begin(tvi_newton_passes *passes, const tvi_newton_
     tvi_passes_begin(&passes->of_largest, 0);
     passes->slack = tvi_larger(history->slack, 1);
     passes->seen = 0;
-    passes->checks = rules->of_each.exactly == 0 && rules->of_each.contraction > 0 && (history->slack == 0 || is_rough);
+    passes->checks =
+        rules->of_each.exact_passes == 0 && rules->of_each.max_contraction > 0 && (history->slack == 0 || is_rough);
 }
 
 static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes)
@@ -88,7 +89,7 @@ static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newto
 static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
     const tvi_passes *each = &passes->of_each;
-    const bool shows = size <= rules->of_each.stuck * each->size;
+    const bool shows = size <= rules->of_each.stall_ratio * each->size;
     if (each->count < 2) return;
     if (shows) passes->slack = tvi_smaller(tvi_larger(passes->slack, passes->seen), NEWTON_MOST_SLACK);
     const double slack = each->slack * size / each->next;
@@ -103,9 +104,9 @@ static inline tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, con
     const double expected = passes->of_each.next;
     tvi_newton_learn_slack(passes, rules, size.relative);
     passes->of_each.slack = tvi_larger(passes->slack, passes->seen);
-    const tvi_passes_verdict verdict = tvi_passes_judge(&passes->of_each, &rules->of_each, size.relative);
-    const tvi_passes_verdict settled = tvi_passes_judge(&passes->of_largest, &rules->of_largest, size.of_group);
-    const bool is_confirmed = expected <= rules->of_each.goal && size.relative <= NEWTON_CONFIRMS;
+    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes->of_each, &rules->of_each, size.relative);
+    const tvi_passes_verdict settled = tvi_passes_add_and_judge(&passes->of_largest, &rules->of_largest, size.of_group);
+    const bool is_confirmed = expected <= rules->of_each.correction_goal && size.relative <= NEWTON_CONFIRMS;
     if (verdict == TVI_PASSES_MAY_END && passes->checks && size.relative > 0 && !is_confirmed) return TVI_PASSES_GO_ON;
     if (verdict != TVI_PASSES_STUCK) return verdict;
     if (size.of_group <= NEWTON_STAGNATION) return TVI_PASSES_MAY_END;
@@ -122,7 +123,7 @@ typedef struct {
     double *x, *correction, *scale; /* [size][width] */
     double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
     double *trial, *difference; /* [size] scratch */
-    tvi_factor factor;
+    tvi_lu_factor factor;
     tvi_newton_history *history; /* [width] */
 } tvi_newton;
 
@@ -180,7 +181,7 @@ static inline void newton_measure(const tvi_newton *newton, const double unit[],
     for (int m = 0; m < CURVE_WIDTH(newton); m++) sizes->relative[m] = sizes->of_group[m] = 0;
     if (parts->count == 1) newton_measure_of(newton, unit, NULL, 0, newton_group(newton), sizes);
     for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
-        newton_measure_of(newton, unit, parts->member, first, parts->end[k], sizes);
+        newton_measure_of(newton, unit, parts->component, first, parts->end[k], sizes);
 }
 
 /* Fills in the scale of unknowns that have none: the largest of the group in the subsystem, or 1. An unknown that is
@@ -204,7 +205,7 @@ static inline void newton_fill_scale(const tvi_newton *newton, int m)
     const tvi_subsystems *parts = newton->parts;
     if (parts->count == 1) newton_fill_scale_of(newton, m, NULL, 0, newton_group(newton));
     for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
-        newton_fill_scale_of(newton, m, parts->member, first, parts->end[k]);
+        newton_fill_scale_of(newton, m, parts->component, first, parts->end[k]);
 }
 
 /* Allocates the corrector. has_matrix: there is room for a Jacobian; equations that bring `solve` need none. */

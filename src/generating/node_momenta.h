@@ -86,7 +86,7 @@ static inline double momenta_correct(const tvi_action *action, const tvi_curve *
         for (int node = 0; node < points; node++)
             correction[i * points + node] += action->H_pp[(i * n + j) * points + node] * rest[node];
     }
-    return tvi_largest(n * points, correction, 1);
+    return tvi_largest_magnitude(n * points, correction, 1);
 }
 
 /* Returns whether the last correction is below a unit of roundoff of every momentum. */
@@ -94,8 +94,8 @@ static inline bool momenta_are_settled(const tvi_action *action, int n, const do
 {
     const int points = action->points;
     for (int i = 0; i < n; i++)
-        if (tvi_largest(points, action->correction + i * points, 1) >
-            DBL_EPSILON * tvi_largest(points, p + i * points, 1))
+        if (tvi_largest_magnitude(points, action->correction + i * points, 1) >
+            DBL_EPSILON * tvi_largest_magnitude(points, p + i * points, 1))
             return false;
     return true;
 }
@@ -109,8 +109,11 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
     memcpy(p, action->momentum, (size_t)count * sizeof *p);
-    const double size = tvi_largest(count, p, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .period = 1};
+    const double size = tvi_largest_magnitude(count, p, 1);
+    const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
+                                  .max_contraction = 0.5,
+                                  .stall_ratio = TVI_PASSES_ALL,
+                                  .stall_period = 1};
     for (int step = 0; step < MOMENTA_STEPS; step++) {
         tvi_status status = seeds_run_field(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))
@@ -119,7 +122,7 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
         const double largest = momenta_correct(action, curve);
         if (!isfinite(largest)) return TVI_ENONFINITE;
         if (step > 0 && momenta_are_settled(action, curve_n(curve), p)) return TVI_OK;
-        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, largest);
+        const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, largest);
         for (int i = 0; i < count; i++) p[i] += action->correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&

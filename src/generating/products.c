@@ -7,7 +7,7 @@
 static void take(tvi_closure *c, tvi_arena *arena)
 {
     const size_t width = (size_t)products_width(c);
-    tvi_iteration *taken = tvi_arena_take(arena, sizeof *taken);
+    tvi_iteration *taken = tvi_arena_allocate(arena, sizeof *taken);
     const tvi_iteration it = {
         .x = tvi_arena_doubles(arena, width),
         .r = tvi_arena_doubles(arena, width),

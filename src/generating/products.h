@@ -35,7 +35,7 @@ static inline void products_push(const tvi_curve *curve, const tvi_combination *
 {
     const size_t n = (size_t)curve_n(curve);
     memset(out, 0, n * sizeof *out);
-    tvi_add_rows((size_t)curve_top(curve) + 1, combination->weight, tvi_curve_slots(curve), n, curve->dx, out);
+    tvi_add_weighted_rows((size_t)curve_top(curve) + 1, combination->weight, tvi_curve_slots(curve), n, curve->dx, out);
 }
 
 static inline double *products_adjoint_of_Q(const tvi_curve *curve, int k)
@@ -202,7 +202,7 @@ static inline double products_measure(const tvi_closure *c, const double x[])
     for (int here = 0; here < products_width(c); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
             most[lane] = tvi_larger(fabs(x[here + lane]) * unit[here + lane], most[lane]);
-    return tvi_largest(PRODUCTS_VECTOR, most, 1);
+    return tvi_largest_magnitude(PRODUCTS_VECTOR, most, 1);
 }
 
 /* Returns sum_i x_i y_i / size_i^2. */
@@ -229,12 +229,12 @@ static inline void products_minimise(tvi_closure *c, int last, const tvi_transpo
     products_apply(c, last, a, s, v);
     for (int i = 0; i < step; i++) {
         const double *v_before = it->v + i * products_width(c);
-        const double part = tvi_ratio(products_product(c, v, v_before), it->square[i]);
+        const double part = tvi_ratio_or_zero(products_product(c, v, v_before), it->square[i]);
         products_add(c, -part, v_before, v);
         products_add(c, -part, it->s + i * products_width(c), s);
     }
     it->square[step] = products_product(c, v, v);
-    const double part = tvi_ratio(products_product(c, it->r, v), it->square[step]);
+    const double part = tvi_ratio_or_zero(products_product(c, it->r, v), it->square[step]);
     products_add(c, part, s, it->x);
     products_add(c, -part, v, it->r);
 }
@@ -265,8 +265,9 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
         const double size = products_measure(c, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
-        const tvi_passes_rule rule = {.goal = goal, .contraction = 0.5, .stuck = 0.5, .period = 1};
-        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, size);
+        const tvi_passes_rule rule = {
+            .correction_goal = goal, .max_contraction = 0.5, .stall_ratio = 0.5, .stall_period = 1};
+        const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, size);
         const bool may_end = verdict == TVI_PASSES_MAY_END ||
                              (verdict == TVI_PASSES_STUCK && size <= PRODUCTS_STALLED * products_measure(c, it->x));
         if (may_end && a->second) products_add(c, 1, s, it->x); /* nothing else of r is needed */
@@ -335,9 +336,9 @@ static inline void products_set_units(tvi_closure *c)
     const tvi_subsystems *parts = &c->curve.system->parts;
     closure_set_p_size(c);
     for (int k = 0; k <= curve_top(&c->curve); k++)
-        products_of(c)->largest[k] = tvi_largest(curve_n(&c->curve), tvi_curve_input(&c->curve, k), 1);
+        products_of(c)->largest[k] = tvi_largest_magnitude(curve_n(&c->curve), tvi_curve_input(&c->curve, k), 1);
     for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
-        products_set_units_of(c, parts->member, first, parts->end[k]);
+        products_set_units_of(c, parts->component, first, parts->end[k]);
 }
 
 /* Computes the corrections; the units are those of the first pass. */

@@ -12,7 +12,7 @@ static void leave_outside(const tvi_curve_work *w, bool at_nodes, long long is_m
     const jet_tape *tape = at_nodes ? w->action.field : curve->system->field_series;
     const double *x = at_nodes ? w->action.x : curve->x;
     for (int m = 0; m < curve->width; m++)
-        if (is_moving[m] && !tvi_single_is_inside(w->by_itself, tape, x, at_nodes ? w->action.points : 1, m))
+        if (is_moving[m] && !tvi_is_member_inside_domain(w->by_itself, tape, x, at_nodes ? w->action.points : 1, m))
             is_moving[m] = 0;
 }
 

@@ -39,11 +39,11 @@ void tvi_refinement_take(tvi_refinement *r, tvi_arena *arena, const tvi_curve *c
     const tvi_system *system = curve->system;
     const size_t inputs = (size_t)system->inputs, slots = (size_t)system->field_values->slots;
     long double **const vectors[] = {&r->start, &r->drift, &r->sum, &r->defect, &r->once, &r->twice, &r->y};
-    for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_take(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
+    for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
     r->first = system->form == TVI_SEPARABLE ? 2 : 1;
     r->high = tvi_arena_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
     r->rest = tvi_arena_doubles(arena, inputs);
-    r->block = tvi_arena_block(arena, system->field_values, 1, 1, 0);
+    r->block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
 }
 
 void tvi_refinement_prepare(tvi_refinement *r, const tvi_curve *curve)
@@ -71,7 +71,7 @@ static const long double *sum_of(const attempt *a, int which)
     const size_t orders = (size_t)curve->top + 1, inputs = (size_t)a->system->inputs;
     const int top = curve->top < LOW ? curve->top : LOW;
     memset(r->rest, 0, inputs * sizeof *r->rest);
-    tvi_add_rows(orders, r->high + (size_t)which * orders, tvi_curve_slots(curve), inputs, curve->x, r->rest);
+    tvi_add_weighted_rows(orders, r->high + (size_t)which * orders, tvi_curve_slots(curve), inputs, curve->x, r->rest);
     for (size_t i = 0; i < inputs; i++) {
         r->sum[i] = r->rest[i];
         for (int k = top; k >= r->first; k--) r->sum[i] += r->low[which][k] * tvi_curve_input(curve, k)[i];
@@ -108,7 +108,7 @@ static void find_defect(const attempt *a, int j)
     const long double *sum = sum_of(a, VALUE + j);
     for (int i = 0; i < inputs; i++) r->y[i] = r->start[i] + (node[j] * r->drift[i] + sum[i]);
     if (a->system->uses_time) r->y[inputs] = a->origin->t + (a->origin->t_low + node[j] * a->h);
-    jet_sweep_precisely(a->system->field_values, r->block, r->y);
+    jet_sweep_long_double_values(a->system->field_values, r->block, r->y);
     sum = sum_of(a, RATE + j);
     for (int i = 0; i < inputs; i++) r->defect[i] = rate_of(a, i) - sum[i];
 }

@@ -46,7 +46,7 @@ typedef struct {
     tvi_combination q_sizes, u_sizes;
     double *movement, *momentum; /* [n] the values of q_sizes and u_sizes */
     double *share, *ratio;       /* several members: [n] the shares and ratios of their tails */
-    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre */
+    tvi_lu_factor slope;         /* not separable: L_vv or H_pp at the centre */
     bool has_inverse;            /* slope.lu is its inverse */
     double *columns;             /* [slots][n] derivatives of all slots in the second input at the centre */
     double *rest, *column;       /* scratch of its solutions, [n][lanes] and [n] */
@@ -277,7 +277,7 @@ static inline void curve_sum_by(curve_adder *add, const tvi_curve *curve, const 
 
 static inline void curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    curve_sum_by(tvi_add_rows, curve, combination, out);
+    curve_sum_by(tvi_add_weighted_rows, curve, combination, out);
 }
 
 /* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k| of number i of all components: the terms of p' and q' at the
@@ -298,8 +298,8 @@ static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
 
 static inline void curve_measure(const tvi_curve *curve)
 {
-    curve_sum_by(tvi_add_sizes, curve, &curve->q_sizes, curve->movement);
-    curve_sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
+    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->q_sizes, curve->movement);
+    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->u_sizes, curve->momentum);
 }
 
 /* Returns the tail of a subsystem of member m, whose components are first .. end - 1 of the list. */
@@ -310,13 +310,13 @@ static inline double curve_tail_of(const tvi_curve *curve, int m, int first, int
     const int width = curve_width(curve);
     tvi_tail_survey survey = {0, 0, 0};
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k) * width + m);
+        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_component(parts, k) * width + m);
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k) * width + m);
+        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_component(parts, k) * width + m);
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;

@@ -14,7 +14,7 @@ bool tvi_curve_ends_right(tvi_curve_work *w, double h, const tvi_origin *origin,
     double most = 0, scale = 0;
     if (!w->field) return true;
     for (int i = 0; i < curve->n; i++) w->field[i] = origin->q[i] + increments->dq[i];
-    tvi_system_set_time(system, w->field, 1, &t);
+    tvi_system_write_time(system, w->field, 1, &t);
     if (!tape->sweeps->values(tape, w->field, 1)) return false;
     for (int i = 0; i < curve->n; i++) {
         double slope = 0;
@@ -25,7 +25,7 @@ bool tvi_curve_ends_right(tvi_curve_work *w, double h, const tvi_origin *origin,
     }
     const double limit = w->q_degree * w->tolerance * scale;
     if (most <= limit || !isfinite(most)) return most <= limit;
-    (void)tvi_roundoff_of_field(&w->roundoff, system, w->field, 1, 1);
+    (void)tvi_roundoff_estimate_of_field(&w->roundoff, system, w->field, 1, 1);
     bool is_roundoff = true;
     for (int i = 0; i < curve->n; i++)
         is_roundoff &= w->shift[i] <= limit + TVI_ROUNDOFF_UNITS * fabs(h) * w->roundoff.change[i];

@@ -1,4 +1,5 @@
-/* fingerprint.c - Computes fingerprints of systems and options (fingerprint.h). */
+/* fingerprint.c - Computes the hashes of systems and options that saved states and generated code store
+ * (fingerprint.h). */
 #include "method/fingerprint.h"
 
 #define COUNT(list) (sizeof(list) / sizeof *(list))
@@ -18,8 +19,8 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
     return jet_hash(sum, system->mass, has_masses ? (size_t)system->n * sizeof *system->mass : 0);
 }
 
-/* Lists the fields in their order, since the options have gaps between them. The compiler reports one that is missing
- * as a missing initialiser. `compiled` is not part of the fingerprint. */
+/* Lists the fields of the options in their order, since the structure has gaps between them. If a field is left out,
+ * the compiler reports a missing initialiser. `compiled` is not part of the hash. */
 #define OPTION_FIELDS(field)                                                                                           \
     field(method) field(expansion) field(nodes) field(order) field(degree) field(compose_adjoint) field(quadrature)    \
         field(quadrature_points) field(tolerance) field(passes) field(max_passes) field(max_tail)

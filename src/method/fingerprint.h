@@ -1,5 +1,5 @@
-/* fingerprint.h - Computes a hash in 64 bits of all that decides a step. Saved states and generated code compare it
- * with the system and the method at hand. */
+/* fingerprint.h - Computes 64-bit hashes of everything that determines a step. Saved states and generated code store
+ * them, to recognise the system and the method for which they were made. */
 #ifndef TVI_SRC_METHOD_FINGERPRINT_H
 #define TVI_SRC_METHOD_FINGERPRINT_H
 
@@ -7,10 +7,10 @@
 
 #include <stdint.h>
 
-/* A hash of the form, the masses, and all operations of the field's tapes, without the energy. */
+/* Returns a hash of the form, the masses, and all operations of the field's tapes. The energy is left out. */
 uint64_t tvi_system_fingerprint(const tvi_system *system);
 
-/* A hash of every field of the options; those of an integrator are resolved. */
+/* Returns a hash of every field of the options except `compiled`. The options of an integrator are resolved. */
 uint64_t tvi_options_fingerprint(const tvi_options *options);
 
 #endif

@@ -1,5 +1,5 @@
-/* list.h - Lists the methods, one a line. A method with an adjoint stands beside it; the others are symmetric or have
- * none. */
+/* list.h - Lists all methods. method.c searches the list. A method that has an adjoint other than itself stands
+ * beside it; the others are symmetric or have none. */
 #ifndef TVI_SRC_METHOD_LIST_H
 #define TVI_SRC_METHOD_LIST_H
 
@@ -20,9 +20,10 @@
 #define TVI_DECLARE_WITH_ADJOINT(method, adjoint) extern const tvi_descriptor method, adjoint;
 TVI_METHOD_LIST(TVI_DECLARE_ONE, TVI_DECLARE_WITH_ADJOINT)
 
-extern const tvi_descriptor *const tvi_methods[]; /* all methods, and NULL at the end */
+extern const tvi_descriptor *const tvi_methods[]; /* All methods, with NULL at the end. */
 
-/* The preset "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
+/* The preset "svhd", a composition: type II expanded at the start, N = 1, with the trapezoid rule (docs/method.md,
+ * section 7). */
 extern const tvi_preset tvi_svhd;
 
 #endif

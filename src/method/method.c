@@ -1,4 +1,4 @@
-/* method.c - Finds the method of given options, and completes the options. */
+/* method.c - Finds the method of given options, and completes the options (method.h). */
 #include "method/method.h"
 #include "algebra/quadrature.h"
 #include "method/list.h"
@@ -11,11 +11,11 @@ enum {
     TYPE1_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_LAGRANGIAN | TVI_SERVES_REGULAR,
     HAMILTON_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_REGULAR | TVI_SERVES_DEGENERATE
 };
-const tvi_service tvi_serves_all = {TYPE1_SERVES | HAMILTON_SERVES | TVI_SERVES_DRIVEN, NULL};
-const tvi_service tvi_serves_type1 = {
+const tvi_served_forms tvi_serves_all = {TYPE1_SERVES | HAMILTON_SERVES | TVI_SERVES_DRIVEN, NULL};
+const tvi_served_forms tvi_serves_type1 = {
     TYPE1_SERVES,
     "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare"};
-const tvi_service tvi_serves_hamilton = {
+const tvi_served_forms tvi_serves_hamilton = {
     HAMILTON_SERVES, "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian"};
 
 #define ONE(method)                   &method,
@@ -24,41 +24,42 @@ const tvi_descriptor *const tvi_methods[] = {TVI_METHOD_LIST(ONE, WITH_ADJOINT) 
 static const tvi_preset *const presets[] = {&tvi_svhd};
 enum { PRESETS = sizeof presets / sizeof *presets };
 
-static tvi_status refuse(tvi_status status, const char *reason, const char **why)
+static tvi_status set_reason(tvi_status status, const char *reason, const char **why)
 {
     *why = reason;
     return status;
 }
 
-static int order_of(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
+static int order_of_degree(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
 {
     const tvi_node_rule *rule = &descriptor->nodes[options->nodes];
     const int order = rule->slope * degree + rule->offset;
-    return tvi_is_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
+    return tvi_is_method_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
 }
 
 static bool has_even_orders(const tvi_descriptor *descriptor, const tvi_options *options)
 {
     const int least = descriptor->least_degree;
-    return (order_of(descriptor, options, least) | order_of(descriptor, options, least + 1)) % 2 == 0;
+    return (order_of_degree(descriptor, options, least) | order_of_degree(descriptor, options, least + 1)) % 2 == 0;
 }
 
 /* ---- From options to methods ------------------------------------------------------------------------------------- */
 
-static bool has_nodes(const tvi_descriptor *descriptor, tvi_nodes nodes)
+static bool has_node_rule(const tvi_descriptor *descriptor, tvi_nodes nodes)
 {
     return descriptor->nodes[nodes].slope != 0 || descriptor->nodes[nodes].offset != 0;
 }
 
-const tvi_descriptor *tvi_method_of(const tvi_options *options)
+const tvi_descriptor *tvi_find_method(const tvi_options *options)
 {
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
-        if ((*d)->method == options->method && (*d)->expansion == options->expansion && has_nodes(*d, options->nodes))
+        if ((*d)->method == options->method && (*d)->expansion == options->expansion &&
+            has_node_rule(*d, options->nodes))
             return *d;
     return NULL;
 }
 
-/* Refuses values of the two types that belong to no method. */
+/* Refuses values of `method` and `expansion` that no method has. */
 static tvi_status check_method(const tvi_options *options, const char **why)
 {
     bool has_method = false, has_expansion = false;
@@ -66,31 +67,31 @@ static tvi_status check_method(const tvi_options *options, const char **why)
         has_method |= (*d)->method == options->method;
         has_expansion |= (*d)->expansion == options->expansion;
     }
-    if (!has_method) return refuse(TVI_EINVAL, "method is not a tvi_method", why);
-    return has_expansion ? TVI_OK : refuse(TVI_EINVAL, "expansion is not a tvi_expansion", why);
+    if (!has_method) return set_reason(TVI_EINVAL, "method is not a tvi_method", why);
+    return has_expansion ? TVI_OK : set_reason(TVI_EINVAL, "expansion is not a tvi_expansion", why);
 }
 
 static tvi_status check_ranges(const tvi_options *options, const char **why)
 {
     const tvi_status status = check_method(options, why);
     if (status != TVI_OK) return status;
-    if ((unsigned)options->nodes > TVI_NODES_TRUNCATED) return refuse(TVI_EINVAL, "nodes is not a tvi_nodes", why);
+    if ((unsigned)options->nodes > TVI_NODES_TRUNCATED) return set_reason(TVI_EINVAL, "nodes is not a tvi_nodes", why);
     if ((unsigned)options->quadrature > TVI_RECTANGLE_END)
-        return refuse(TVI_EINVAL, "quadrature is not a tvi_quadrature", why);
-    if (options->order < 0) return refuse(TVI_EINVAL, "order is negative", why);
-    if (options->degree < 0) return refuse(TVI_EINVAL, "degree is negative", why);
+        return set_reason(TVI_EINVAL, "quadrature is not a tvi_quadrature", why);
+    if (options->order < 0) return set_reason(TVI_EINVAL, "order is negative", why);
+    if (options->degree < 0) return set_reason(TVI_EINVAL, "degree is negative", why);
     if (options->quadrature_points < 0 || options->quadrature_points > TVI_MAX_POINTS)
-        return refuse(TVI_EINVAL, "quadrature_points is negative or above TVI_MAX_DEGREE + 2", why);
+        return set_reason(TVI_EINVAL, "quadrature_points is negative or above TVI_MAX_DEGREE + 2", why);
     if (!(options->tolerance >= 0) || !isfinite(options->tolerance))
-        return refuse(TVI_EINVAL, "tolerance is negative or not finite", why);
-    if (options->passes < TVI_PREDICT_ONLY) return refuse(TVI_EINVAL, "passes is below TVI_PREDICT_ONLY", why);
-    if (options->max_passes < 0) return refuse(TVI_EINVAL, "max_passes is negative", why);
-    if (isnan(options->max_tail)) return refuse(TVI_EINVAL, "max_tail is not a number", why);
+        return set_reason(TVI_EINVAL, "tolerance is negative or not finite", why);
+    if (options->passes < TVI_PREDICT_ONLY) return set_reason(TVI_EINVAL, "passes is below TVI_PREDICT_ONLY", why);
+    if (options->max_passes < 0) return set_reason(TVI_EINVAL, "max_passes is negative", why);
+    if (isnan(options->max_tail)) return set_reason(TVI_EINVAL, "max_tail is not a number", why);
     return TVI_OK;
 }
 
-/* The reason why the method does not serve the system, or NULL. */
-static const char *misfit(const tvi_descriptor *descriptor, const tvi_system *system)
+/* Returns the reason why the method cannot integrate the system, or NULL. */
+static const char *find_reason_not_served(const tvi_descriptor *descriptor, const tvi_system *system)
 {
     const int forms = descriptor->serves->forms;
     if (system->is_driven)
@@ -107,75 +108,76 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
     const int least = descriptor->least_degree, most = descriptor->most_degree;
     if (options->degree > 0) {
         if (options->degree < least || options->degree > most)
-            return refuse(TVI_EINVAL, "the method has no such degree", why);
-        options->order = order_of(descriptor, options, options->degree);
+            return set_reason(TVI_EINVAL, "the method has no such degree", why);
+        options->order = order_of_degree(descriptor, options, options->degree);
         return TVI_OK;
     }
     for (int degree = least; degree <= most; degree++) {
-        if (order_of(descriptor, options, degree) != options->order) continue;
+        if (order_of_degree(descriptor, options, degree) != options->order) continue;
         options->degree = degree;
         return TVI_OK;
     }
     if (has_even_orders(descriptor, options) && options->order % 2 != 0)
-        return refuse(TVI_EINVAL, "the orders of the method are even", why);
-    return refuse(TVI_EINVAL, "no degree gives the method this order", why);
+        return set_reason(TVI_EINVAL, "the orders of the method are even", why);
+    return set_reason(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
-/* Sets the Gauss quadrature with as many nodes as the degree, which the Galerkin curve uses. */
+/* Sets the Gauss quadrature with as many nodes as the degree, for the Galerkin curve. */
 static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why)
 {
     if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
-        return refuse(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
+        return set_reason(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
     if (options->quadrature_points != 0 && options->quadrature_points != options->degree)
-        return refuse(TVI_EINVAL, "the Galerkin curve has as many quadrature points as its degree", why);
+        return set_reason(TVI_EINVAL, "the Galerkin curve has as many quadrature points as its degree", why);
     options->quadrature = TVI_GAUSS;
     options->quadrature_points = options->degree;
     return TVI_OK;
 }
 
-/* Sets the quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). By default
- * it has one point more than the order needs. */
+/* Sets the quadrature, and the resulting order, which is the smaller one of those of the curve and of the
+ * quadrature. By default the quadrature has one point more than the order needs. */
 static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_asked, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
-    const int fixed = tvi_quadrature_fixed_points(options->quadrature);
+    const int fixed = tvi_quadrature_fixed_point_count(options->quadrature);
     if (fixed && options->quadrature_points != 0 && options->quadrature_points != fixed)
-        return refuse(TVI_EINVAL, "the quadrature has a fixed number of points", why);
+        return set_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
     if (fixed) options->quadrature_points = fixed;
     if (options->quadrature_points == 0) {
-        int points = tvi_quadrature_least_points(options->quadrature);
+        int points = tvi_quadrature_least_point_count(options->quadrature);
         while (tvi_quadrature_order(options->quadrature, points) < options->order) points++;
         options->quadrature_points = points < TVI_MAX_POINTS ? points + 1 : points;
     }
-    if (options->quadrature_points < tvi_quadrature_least_points(options->quadrature))
-        return refuse(TVI_EINVAL, "the quadrature needs more points", why);
+    if (options->quadrature_points < tvi_quadrature_least_point_count(options->quadrature))
+        return set_reason(TVI_EINVAL, "the quadrature needs more points", why);
     int order = tvi_quadrature_order(options->quadrature, options->quadrature_points);
     if (options->compose_adjoint) order += order % 2;
     if (order_was_asked && order < options->order)
-        return refuse(TVI_EINVAL, "the quadrature is of lower order than the method", why);
+        return set_reason(TVI_EINVAL, "the quadrature is of lower order than the method", why);
     if (order < options->order) options->order = order;
     return TVI_OK;
 }
 
-/* The default of max_tail. The automatic g does not know all that an orbit meets. For that reason the limit falls to
- * 1/32 from order 16 on, below which right steps have larger tails (docs/adaptive.md). */
+/* Returns the default of max_tail. An automatic time scale does not resolve everything that an orbit meets; for it
+ * the limit decreases with the order, down to 1/32 from order 16 on. With a smaller limit, good steps would be
+ * refused (docs/adaptive.md). */
 static double default_max_tail(const tvi_options *options, const tvi_system *system)
 {
     if (!system || !system->is_automatic) return TVI_MAX_TAIL;
     return fmin(TVI_MAX_TAIL, exp2(3 - fmin(options->order, 16) / 2));
 }
 
-static tvi_status resolve(tvi_options *options, const tvi_system *system, const char **why)
+static tvi_status resolve_options(tvi_options *options, const tvi_system *system, const char **why)
 {
     tvi_status status = check_ranges(options, why);
     if (status != TVI_OK) return status;
-    const tvi_descriptor *descriptor = tvi_method_of(options);
+    const tvi_descriptor *descriptor = tvi_find_method(options);
     if (!descriptor)
-        return refuse(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
+        return set_reason(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
     if (options->compose_adjoint && !descriptor->adjoint)
-        return refuse(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
-    const char *reason = system ? misfit(descriptor, system) : NULL;
-    if (reason) return refuse(TVI_EUNSUPPORTED, reason, why);
+        return set_reason(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
+    const char *reason = system ? find_reason_not_served(descriptor, system) : NULL;
+    if (reason) return set_reason(TVI_EUNSUPPORTED, reason, why);
     const bool order_was_asked = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;
@@ -189,33 +191,33 @@ static tvi_status resolve(tvi_options *options, const tvi_system *system, const 
 
 tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why)
 {
-    const tvi_options asked = *options;
+    const tvi_options requested = *options;
     const char *reason;
-    const tvi_status status = resolve(options, system, &reason);
+    const tvi_status status = resolve_options(options, system, &reason);
     if (status == TVI_OK) return status;
     if (why) *why = reason;
-    const bool has_nodes = (unsigned)asked.nodes <= TVI_NODES_TRUNCATED;
-    const tvi_descriptor *descriptor = has_nodes ? tvi_method_of(&asked) : NULL;
+    const bool has_node_rule = (unsigned)requested.nodes <= TVI_NODES_TRUNCATED;
+    const tvi_descriptor *descriptor = has_node_rule ? tvi_find_method(&requested) : NULL;
     return jet_refuse(status, "%s (%s, order = %d, degree = %d)", reason, descriptor ? descriptor->title : "no method",
-                      asked.order, asked.degree);
+                      requested.order, requested.degree);
 }
 
-const tvi_stepper *tvi_method_stepper(const tvi_options *options)
+const tvi_stepper *tvi_choose_stepper(const tvi_options *options)
 {
-    const tvi_descriptor *descriptor = tvi_method_of(options);
+    const tvi_descriptor *descriptor = tvi_find_method(options);
     if (options->compose_adjoint) return &tvi_stepper_composed;
     const bool predicts = options->passes == TVI_PREDICT_ONLY && descriptor->predictor;
     return predicts ? descriptor->predictor : descriptor->stepper;
 }
 
-tvi_options tvi_method_adjoint(const tvi_options *options)
+tvi_options tvi_adjoint_options(const tvi_options *options)
 {
-    const tvi_descriptor *adjoint = tvi_method_of(options)->adjoint;
-    tvi_options turned = *options;
-    turned.method = adjoint->method;
-    turned.expansion = adjoint->expansion;
-    turned.quadrature = tvi_quadrature_mirrored(options->quadrature);
-    return turned;
+    const tvi_descriptor *adjoint = tvi_find_method(options)->adjoint;
+    tvi_options adjoint_options = *options;
+    adjoint_options.method = adjoint->method;
+    adjoint_options.expansion = adjoint->expansion;
+    adjoint_options.quadrature = tvi_quadrature_mirror(options->quadrature);
+    return adjoint_options;
 }
 
 /* ---- Options of the public interface ----------------------------------------------------------------------------- */
@@ -227,7 +229,8 @@ static tvi_status refuse_order(const char *name, int least, int most, bool is_ev
     return jet_refuse(TVI_EINVAL, "%s has %sorders from %d to %d, not %d", name, even, least, most, order);
 }
 
-static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int order, tvi_options *options)
+static tvi_status find_options_by_name(const tvi_descriptor *descriptor, tvi_nodes nodes, int order,
+                                       tvi_options *options)
 {
     const tvi_options found = {
         .method = descriptor->method, .expansion = descriptor->expansion, .nodes = nodes, .order = order};
@@ -236,21 +239,22 @@ static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int o
         *options = found;
         return TVI_OK;
     }
-    const int least = order_of(descriptor, &found, descriptor->least_degree);
-    const int most = order_of(descriptor, &found, descriptor->most_degree);
+    const int least = order_of_degree(descriptor, &found, descriptor->least_degree);
+    const int most = order_of_degree(descriptor, &found, descriptor->most_degree);
     return refuse_order(descriptor->nodes[nodes].name, least, most, has_even_orders(descriptor, &found), order);
 }
 
-static bool is_called(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
+static bool is_same_name(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
 
-/* Refuses a name, with the list of the names that there are. */
+/* Refuses a name that no method has, with a text that lists all names. */
 static tvi_status refuse_name(const char *name)
 {
     tvi_status status = jet_refuse(TVI_EINVAL, "no method is called \"%.40s\"; there are", name);
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
-            if ((*d)->nodes[nodes].name) status = jet_refuse(status, "%s %s,", jet_refusal(), (*d)->nodes[nodes].name);
-    for (int i = 0; i < PRESETS; i++) status = jet_refuse(status, "%s %s", jet_refusal(), presets[i]->name);
+            if ((*d)->nodes[nodes].name)
+                status = jet_refuse(status, "%s %s,", jet_last_refusal_text(), (*d)->nodes[nodes].name);
+    for (int i = 0; i < PRESETS; i++) status = jet_refuse(status, "%s %s", jet_last_refusal_text(), presets[i]->name);
     return status;
 }
 
@@ -259,9 +263,10 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     if (!name || !options) return jet_refuse(TVI_EINVAL, "%s is NULL", name ? "options" : "name");
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
-            if (is_called((*d)->nodes[nodes].name, name)) return named(*d, (tvi_nodes)nodes, order, options);
+            if (is_same_name((*d)->nodes[nodes].name, name))
+                return find_options_by_name(*d, (tvi_nodes)nodes, order, options);
     for (int i = 0; i < PRESETS; i++) {
-        if (!is_called(presets[i]->name, name)) continue;
+        if (!is_same_name(presets[i]->name, name)) continue;
         const int own = presets[i]->options.order;
         if (order != own) return refuse_order(name, own, own, true, order);
         *options = presets[i]->options;
@@ -270,7 +275,7 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     return refuse_name(name);
 }
 
-/* The order of least cost over the scenes (docs/choosing.md). */
+/* The order with the least cost in all scenes (docs/choosing.md). */
 enum { DEFAULT_ORDER = 16 };
 
 tvi_options tvi_options_default(void)

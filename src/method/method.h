@@ -1,21 +1,21 @@
-/* method.h - Completes options: which method, expansion and quadrature go together, and the degree that an order
- * needs. */
+/* method.h - Completes the options of a method: checks that method, expansion and quadrature go together, and finds
+ * the degree that an order needs. Integrators and tvi_compile call it. */
 #ifndef TVI_SRC_METHOD_METHOD_H
 #define TVI_SRC_METHOD_METHOD_H
 
 #include "method/descriptor.h"
 
-/* The method of the options; NULL if there is none. */
-const tvi_descriptor *tvi_method_of(const tvi_options *options);
+/* Finds the method of the options. Returns NULL if there is none. */
+const tvi_descriptor *tvi_find_method(const tvi_options *options);
 
-/* Completes degree, order, quadrature and points of the options in place, or sets *why to the reason why they make no
- * method. With system NULL it checks only what holds for every system. */
+/* Completes degree, order, quadrature and number of points of the options in place. If the options are refused, *why
+ * becomes the reason. With system NULL it makes only those checks that hold for every system. */
 TVI_NODISCARD tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why);
 
-/* The stepper of resolved options. */
-const tvi_stepper *tvi_method_stepper(const tvi_options *options);
+/* Returns the stepper for resolved options. */
+const tvi_stepper *tvi_choose_stepper(const tvi_options *options);
 
-/* Options of the adjoint Phi*_h = (Phi_-h)^-1, for a method that has one. */
-tvi_options tvi_method_adjoint(const tvi_options *options);
+/* Returns the options of the adjoint Phi*_h = (Phi_-h)^-1 of a method that has one. */
+tvi_options tvi_adjoint_options(const tvi_options *options);
 
 #endif

@@ -1,4 +1,5 @@
-/* origin.h - Declares the start of a step, its increments, and how increments are added by compensated summation. */
+/* origin.h - Declares the state at the start of a step and the increments of a step, and adds increments by
+ * compensated summation. All steppers and runs use it. */
 #ifndef TVI_SRC_METHOD_ORIGIN_H
 #define TVI_SRC_METHOD_ORIGIN_H
 
@@ -8,56 +9,58 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* The start of a step. It includes the low-order parts of the compensated sums: the state is (t + t_low, q + q_low, p +
- * p_low). */
+/* The state at the start of a step, with the low-order parts of the compensated sums: the state is (t + t_low, q +
+ * q_low, p + p_low). */
 typedef struct {
     double t, t_low;
     const double *q, *q_low, *p, *p_low;
 } tvi_origin;
 
-/* A state of the stepped system with N = n degrees of freedom. The user's q[n], p[n] and time are q[i], p[i], i < n,
- * and q[n]. q[N] is the independent variable of the steps: the time, or s of a rescaled system, whose p[n] is e. `_low`
- * are low-order parts. */
+/* A state between steps, for a stepped system with N degrees of freedom. q[N] is the independent variable of the
+ * steps: the time, or s of a rescaled system. If the user's system has n < N degrees of freedom, it is rescaled;
+ * q[n] is then the time, and p[n] is e = -H. `_low` are low-order parts. */
 typedef struct {
     double *q, *q_low; /* [N + 1] */
     double *p, *p_low; /* [N] */
 } tvi_run_state;
 
-/* The increments of a step, in two parts: dq + dq_low and dp + dp_low. The second parts are 0 if the method rounds its
- * increments to one number. */
+/* The increments of a step, in two parts: dq + dq_low and dp + dp_low. The second parts are 0 if the method rounds
+ * its increments to one number. */
 typedef struct {
-    double *dq, *dp, *dq_low, *dp_low; /* dq, dq_low [N + 1]; dp, dp_low [N] */
+    double *dq, *dp, *dq_low, *dp_low; /* Arrays dq, dq_low [N + 1] and dp, dp_low [N]. */
 } tvi_increments;
 
-/* Limits of the tail and of the passes, up to which a step without series needs no check of its energy. */
+/* Limits of the tail and of the number of passes. A step within both needs no check of its energy. */
 typedef struct {
     double tail;
     int passes;
-} tvi_skip_limits;
-/* Steps that are made without checks between them: at most `steps` of size h, each within `skip_limits`. `increments`
- * gets those of the last step. In a rescaled system q[time] is the time, which has to move in the direction of h and to
- * stay before t_end; otherwise `time` is -1. */
+} tvi_unchecked_step_limits;
+
+/* The order to make several steps without checks between them: at most `steps` steps of size h, each within
+ * `skip_limits`. `increments` gets the increments of the last step. In a rescaled system q[time_index] is the time,
+ * which must move in the direction of h and stay before t_end; otherwise `time_index` is -1. */
 typedef struct {
     double h;
     long steps;
-    tvi_skip_limits skip_limits;
-    int time;
+    tvi_unchecked_step_limits skip_limits;
+    int time_index;
     double t_end;
     tvi_increments increments;
 } tvi_step_run;
 
-/* The least change of the time in a step, the roundoff of its low-order part. With less a run would never end. */
-static inline double tvi_least_time(double t) { return DBL_EPSILON * DBL_EPSILON * fabs(t); }
+/* Returns the least change of the time in a step, which is the roundoff of its low-order part. With smaller changes
+ * a run would never end. */
+static inline double tvi_least_time_change(double t) { return DBL_EPSILON * DBL_EPSILON * fabs(t); }
 
 /* Tells whether the time moves in the direction of h in a step from q, and stays before t_end. */
-static inline bool tvi_step_ends_before(const tvi_step_run *row, const double q[])
+static inline bool tvi_step_ends_before_limit(const tvi_step_run *row, const double q[])
 {
-    if (row->time < 0) return true;
-    const double t = q[row->time], way = row->h > 0 ? 1 : -1, dt = way * row->increments.dq[row->time];
-    return dt > tvi_least_time(t) && dt < way * (row->t_end - t);
+    if (row->time_index < 0) return true;
+    const double t = q[row->time_index], way = row->h > 0 ? 1 : -1, dt = way * row->increments.dq[row->time_index];
+    return dt > tvi_least_time_change(t) && dt < way * (row->t_end - t);
 }
 
-/* a + b = sum + *rest, exactly (two-sum). */
+/* Returns the rounded sum of a and b, and in *rest its rounding error, exactly (two-sum). */
 static inline double tvi_two_sum(double a, double b, double *rest)
 {
     const double sum = a + b, part = sum - a;
@@ -65,7 +68,8 @@ static inline double tvi_two_sum(double a, double b, double *rest)
     return sum;
 }
 
-/* (x, low) <- x + low + d + d_low. The error is of the size of low's roundoff. */
+/* Adds (d, d_low) to (x, *low). Returns the new x, and updates *low. The error is of the size of the roundoff of
+ * *low. */
 static inline double tvi_add_compensated(double x, double *low, double d, double d_low)
 {
     double rest;
@@ -74,22 +78,22 @@ static inline double tvi_add_compensated(double x, double *low, double d, double
     return sum;
 }
 
-/* Adds all components in this way. The result is 0 if and only if all sums are finite. */
+/* Adds the increments of all components in this way. Returns 0 if and only if all sums are finite. */
 static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
                                                const double *restrict d, const double *restrict d_low)
 {
     uint64_t any = 0;
     for (int i = 0; i < count; i++) {
         const double sum = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
-        any |= tvi_bits_of_infinite(sum);
+        any |= tvi_nonfinite_bits(sum);
         x[i] = sum;
         JET_SINGLY(count, x[i]);
     }
     return any;
 }
 
-/* The starts of the steps of several members of an ensemble, each in a lane of its own: [components][width], the member
- * fastest; t and t_low [width]. */
+/* The states at the start of the steps of several members of an ensemble. Each member is a lane of the arrays
+ * [components][width]; t and t_low are [width]. */
 typedef struct {
     const double *t, *t_low;
     const double *q, *q_low, *p, *p_low;

@@ -1,22 +1,24 @@
-/* passes_rule.h - Combines the rule for an iteration's passes with the user's options. */
+/* passes_rule.h - Combines the rule for an iteration's passes (algebra/passes.h) with the user's options. Steppers
+ * call it when they allocate their memory. */
 #ifndef TVI_SRC_METHOD_PASSES_RULE_H
 #define TVI_SRC_METHOD_PASSES_RULE_H
 
 #include "algebra/passes.h"
 #include "tvi.h"
 
-/* The rule with the options' limits of passes, and with a tolerance in the unit of the corrections. */
+/* Returns the rule with the limits of passes from the options, and with a tolerance, if it is not 0, in the unit of
+ * the corrections. */
 static inline tvi_passes_rule tvi_passes_rule_with_options(const tvi_passes_rule *rule, const tvi_options *options,
                                                            double tolerance)
 {
-    tvi_passes_rule asked = *rule;
-    if (options->max_passes > 0) asked.most = options->max_passes;
-    if (options->passes > 0) asked.most = asked.exactly = options->passes;
+    tvi_passes_rule requested = *rule;
+    if (options->max_passes > 0) requested.max_passes = options->max_passes;
+    if (options->passes > 0) requested.max_passes = requested.exact_passes = options->passes;
     if (tolerance > 0) {
-        asked.goal = tolerance;
-        asked.contraction = 0;
+        requested.correction_goal = tolerance;
+        requested.max_contraction = 0;
     }
-    return asked;
+    return requested;
 }
 
 #endif

@@ -1,66 +1,71 @@
-/* single.c - Makes the step of one member of a batch by the stepper's own step (single.h). */
+/* single.c - Makes the step of one member of a batch by the stepper for single integrators (single.h). */
 #include "method/single.h"
 
-void tvi_single_take(tvi_single *single, tvi_arena *arena, const tvi_stepper *stepper, const tvi_system *system,
-                     const tvi_options *options, int width, int points)
+void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
+                                 const tvi_system *system, const tvi_options *options, int width, int points)
 {
     const tvi_block *const others = arena->blocks;
     const int slots[] = {system->field_values->slots, system->field_series->slots};
-    *single = (tvi_single){.stepper = stepper, .system = system, .width = width};
+    *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .width = width};
     arena->blocks = NULL;
-    single->work = stepper->take(arena, system, options);
-    single->blocks = arena->blocks;
+    member_stepper->work = stepper->take(arena, system, options);
+    member_stepper->blocks = arena->blocks;
     arena->blocks = others;
-    single->parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
-    tvi_increments *increments = &single->increments;
-    double **const vectors[] = {&single->q,      &single->q_low,  &single->p,          &single->p_low,
-                                &increments->dq, &increments->dp, &increments->dq_low, &increments->dp_low};
+    member_stepper->parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
+    tvi_increments *increments = &member_stepper->increments;
+    double **const vectors[] = {&member_stepper->q, &member_stepper->q_low, &member_stepper->p,  &member_stepper->p_low,
+                                &increments->dq,    &increments->dp,        &increments->dq_low, &increments->dp_low};
     for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
-    single->block = tvi_arena_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
+    member_stepper->member_block =
+        tvi_arena_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
 }
 
-void tvi_single_prepare(tvi_single *single)
+void tvi_member_stepper_prepare(tvi_member_stepper *member_stepper)
 {
-    tvi_system_prepare(single->system, single->blocks, NULL);
-    if (single->stepper->prepare) single->stepper->prepare(single->work);
+    tvi_system_prepare_blocks(member_stepper->system, member_stepper->blocks, NULL);
+    if (member_stepper->stepper->prepare) member_stepper->stepper->prepare(member_stepper->work);
 }
 
-void tvi_gather(int rows, int width, const double *from, int member, double to[])
+void tvi_gather_member(int rows, int width, const double *from, int member, double to[])
 {
     for (int i = 0; i < rows; i++) to[i] = from[(size_t)i * (size_t)width + (size_t)member];
 }
 
-void tvi_scatter(int rows, int width, const double from[], int member, double *to)
+void tvi_scatter_member(int rows, int width, const double from[], int member, double *to)
 {
     for (int i = 0; i < rows; i++) to[(size_t)i * (size_t)width + (size_t)member] = from[i];
 }
 
-bool tvi_single_is_inside(const tvi_single *single, const jet_tape *tape, const double *x, int points, int member)
+bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *x,
+                                 int points, int member)
 {
-    tvi_gather(tape->slots * points, single->width, x, member, single->block);
-    return tape->sweeps->values(tape, single->block, points);
+    tvi_gather_member(tape->slots * points, member_stepper->width, x, member, member_stepper->member_block);
+    return tape->sweeps->values(tape, member_stepper->member_block, points);
 }
 
-bool tvi_single_step(const tvi_single *single, const jet_tape *tape, const double *x, int points, double h,
-                     const tvi_batch_origin *origin, const tvi_batch_end *end, int member, tvi_stats *stats)
+bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *x, int points,
+                     double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
+                     tvi_stats *stats)
 {
-    const int n = single->system->n, width = single->width;
-    const tvi_origin from = {origin->t[member], origin->t_low[member], single->q, single->q_low,
-                             single->p,         single->p_low};
+    const int n = member_stepper->system->n, width = member_stepper->width;
+    const tvi_origin from = {origin->t[member],     origin->t_low[member], member_stepper->q,
+                             member_stepper->q_low, member_stepper->p,     member_stepper->p_low};
     const long passes = stats->passes;
-    tvi_gather(n, width, origin->q, member, single->q);
-    tvi_gather(n, width, origin->q_low, member, single->q_low);
-    tvi_gather(n, width, origin->p, member, single->p);
-    tvi_gather(n, width, origin->p_low, member, single->p_low);
-    jet_tape_read_parameters(tape, x, points * width, member, single->parameters);
-    tvi_blocks_set_parameters(single->blocks, tvi_system_parameters(single->system), 1, single->parameters);
-    end->status[member] = single->stepper->step(single->work, h, &from, &single->increments, stats);
-    if (end->status[member] != TVI_OK) return false;
-    tvi_scatter(n, width, single->increments.dq, member, end->increments.dq);
-    tvi_scatter(n, width, single->increments.dp, member, end->increments.dp);
-    tvi_scatter(n, width, single->increments.dq_low, member, end->increments.dq_low);
-    tvi_scatter(n, width, single->increments.dp_low, member, end->increments.dp_low);
-    end->tail[member] = stats->tail;
-    end->passes[member] = (int)(stats->passes - passes);
+    tvi_gather_member(n, width, origin->q, member, member_stepper->q);
+    tvi_gather_member(n, width, origin->q_low, member, member_stepper->q_low);
+    tvi_gather_member(n, width, origin->p, member, member_stepper->p);
+    tvi_gather_member(n, width, origin->p_low, member, member_stepper->p_low);
+    jet_tape_read_parameters(tape, x, points * width, member, member_stepper->parameters);
+    tvi_blocks_set_parameters(member_stepper->blocks, tvi_system_parameters(member_stepper->system), 1,
+                              member_stepper->parameters);
+    results->status[member] =
+        member_stepper->stepper->step(member_stepper->work, h, &from, &member_stepper->increments, stats);
+    if (results->status[member] != TVI_OK) return false;
+    tvi_scatter_member(n, width, member_stepper->increments.dq, member, results->increments.dq);
+    tvi_scatter_member(n, width, member_stepper->increments.dp, member, results->increments.dp);
+    tvi_scatter_member(n, width, member_stepper->increments.dq_low, member, results->increments.dq_low);
+    tvi_scatter_member(n, width, member_stepper->increments.dp_low, member, results->increments.dp_low);
+    results->tail[member] = stats->tail;
+    results->passes[member] = (int)(stats->passes - passes);
     return true;
 }

@@ -30,7 +30,8 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
         tangent->moved_column_count != columns->count)
         return false;
     for (size_t i = 0; i < count_elements(it, columns); i++)
-        if (tvi_bits(columns->elements[i * columns->element_spacing]) != tvi_bits(tangent->end[i])) return false;
+        if (tvi_double_bits(columns->elements[i * columns->element_spacing]) != tvi_double_bits(tangent->end[i]))
+            return false;
     return true;
 }
 

@@ -71,7 +71,7 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     if (members < 1) return jet_refuse(TVI_EINVAL, "members = %d is not positive", members);
     if (threads < 0) return jet_refuse(TVI_EINVAL, "threads = %d is negative", threads);
     tvi_ensemble *ensemble = calloc(1, sizeof *ensemble);
-    if (!ensemble) return jet_refuse_memory(TVI_ENOMEM);
+    if (!ensemble) return jet_explain_out_of_memory(TVI_ENOMEM);
     const int wanted = threads > 0 ? threads : tvi_parallel_threads();
     if (!tvi_parallel_can_start(wanted < members ? wanted : members)) {
         free(ensemble);
@@ -83,7 +83,7 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     const tvi_status status = create_workers_and_members(ensemble, options);
     if (status == TVI_OK) *out = ensemble;
     else tvi_ensemble_free(ensemble);
-    return status == TVI_ENOMEM ? jet_refuse_memory(status) : status;
+    return status == TVI_ENOMEM ? jet_explain_out_of_memory(status) : status;
 }
 
 void tvi_ensemble_free(tvi_ensemble *ensemble)
@@ -118,7 +118,8 @@ static char *stop_of_member(const tvi_ensemble *ensemble, int member)
 
 void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
 {
-    tvi_arena_copy(worker->batch_integrator->history, history_of_batch(ensemble, batch), ensemble->history_bytes);
+    tvi_arena_copy_history(worker->batch_integrator->history, history_of_batch(ensemble, batch),
+                           ensemble->history_bytes);
     tvi_integrator_load_parameters(worker->batch_integrator,
                                    ensemble->parameters + tvi_first_member_of_batch(ensemble, batch),
                                    (size_t)ensemble->members, tvi_count_members_of_batch(ensemble, batch));
@@ -127,7 +128,8 @@ void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ense
 
 void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int batch)
 {
-    tvi_arena_copy(history_of_batch(ensemble, batch), worker->batch_integrator->history, ensemble->history_bytes);
+    tvi_arena_copy_history(history_of_batch(ensemble, batch), worker->batch_integrator->history,
+                           ensemble->history_bytes);
 }
 
 void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
@@ -154,7 +156,8 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *en
 tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[])
 {
     if (!ensemble || !value)
-        return tvi_refuse_null(2, (const void *const[]){ensemble, value}, (const char *const[]){"ensemble", "value"});
+        return tvi_refuse_null_pointer(2, (const void *const[]){ensemble, value},
+                                       (const char *const[]){"ensemble", "value"});
     for (size_t i = 0; i < count_parameters_of_all_members(ensemble); i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%zu] is not finite", i);
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
@@ -193,7 +196,8 @@ static void add_step_counts(tvi_stats *sum, const tvi_stats *stats)
 tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
 {
     if (!ensemble || !stats)
-        return tvi_refuse_null(2, (const void *const[]){ensemble, stats}, (const char *const[]){"ensemble", "stats"});
+        return tvi_refuse_null_pointer(2, (const void *const[]){ensemble, stats},
+                                       (const char *const[]){"ensemble", "stats"});
     *stats = ensemble->loaded;
     stats->bytes = sizeof *ensemble + (size_t)ensemble->batches * ensemble->history_bytes +
                    count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
@@ -263,7 +267,8 @@ static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_piece
         if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
     }
     for (int batch = 0; batch < ensemble->batches; batch++) {
-        tvi_arena_copy(it->history, histories + (size_t)batch * ensemble->history_bytes, ensemble->history_bytes);
+        tvi_arena_copy_history(it->history, histories + (size_t)batch * ensemble->history_bytes,
+                               ensemble->history_bytes);
         if (!tvi_loaded_history_is_valid(it)) return false;
     }
     return true;
@@ -297,8 +302,8 @@ tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t 
 tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[], tvi_status status[])
 {
     if (!ensemble || !t || !q || !p || !status)
-        return tvi_refuse_null(5, (const void *const[]){ensemble, t, q, p, status},
-                               (const char *const[]){"ensemble", "t", "q", "p", "status"});
+        return tvi_refuse_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
+                                       (const char *const[]){"ensemble", "t", "q", "p", "status"});
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");

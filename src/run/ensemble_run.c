@@ -35,8 +35,8 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
     const tvi_ensemble *ensemble = segment->ensemble;
     /* An observer or an event has stopped this member in an earlier segment. */
     if (segment->steps_before_segment > 0 && segment->member_status[member] == TVI_ESTOPPED) return;
-    tvi_gather(ensemble->n, ensemble->members, segment->q, member, worker->member_q);
-    tvi_gather(ensemble->n, ensemble->members, segment->p, member, worker->member_p);
+    tvi_gather_member(ensemble->n, ensemble->members, segment->q, member, worker->member_q);
+    tvi_gather_member(ensemble->n, ensemble->members, segment->p, member, worker->member_p);
     tvi_worker_load_member(worker, ensemble, member);
     if (ensemble->failed[member] != TVI_OK &&
         tvi_integrator_has_state(worker->single_integrator, segment->t[member], worker->member_q, worker->member_p)) {
@@ -52,8 +52,8 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
     set_member_status(
         segment, member,
         tvi_run_member(worker->single_integrator, &run, &segment->t[member], worker->member_q, worker->member_p));
-    tvi_scatter(ensemble->n, ensemble->members, worker->member_q, member, segment->q);
-    tvi_scatter(ensemble->n, ensemble->members, worker->member_p, member, segment->p);
+    tvi_scatter_member(ensemble->n, ensemble->members, worker->member_q, member, segment->q);
+    tvi_scatter_member(ensemble->n, ensemble->members, worker->member_p, member, segment->p);
     tvi_worker_store_member(worker, ensemble, member);
 }
 
@@ -120,7 +120,7 @@ static tvi_status run_all_batches(const run_segment *segment)
     tvi_parallel_for(ensemble->threads, ensemble->batches, run_batch_in_thread, (void *)segment);
     segment->ensemble->is_running = false;
     for (int member = 0; member < ensemble->members; member++)
-        if (segment->member_status[member] == TVI_ENOMEM) status = jet_refuse_memory(TVI_ENOMEM);
+        if (segment->member_status[member] == TVI_ENOMEM) status = jet_explain_out_of_memory(TVI_ENOMEM);
     segment->ensemble->has_run = true;
     return status;
 }
@@ -156,8 +156,8 @@ static tvi_status allocate_tangent_columns(const tvi_ensemble *ensemble, int col
 static tvi_status refuse_null_arguments(const tvi_ensemble *ensemble, const double t[], const double q[],
                                         const double p[], const tvi_status status[])
 {
-    return tvi_refuse_null(5, (const void *const[]){ensemble, t, q, p, status},
-                           (const char *const[]){"ensemble", "t", "q", "p", "status"});
+    return tvi_refuse_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
+                                   (const char *const[]){"ensemble", "t", "q", "p", "status"});
 }
 
 tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *plan, double t[], double q[], double p[],

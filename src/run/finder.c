@@ -92,7 +92,7 @@ static double relative_distance_to_curve(const tvi_event_finder *finder, int fir
         apart = fmax(apart, fabs(finder->line_origin[i] - finder->chord_midpoint[i]));
         size = fmax(size, fabs(finder->line_origin[i]));
     }
-    return tvi_ratio(apart, size);
+    return tvi_ratio_or_zero(apart, size);
 }
 
 /* Returns the difference between the time on the curve and the time at finder->line_origin, divided by a size of the
@@ -100,8 +100,8 @@ static double relative_distance_to_curve(const tvi_event_finder *finder, int fir
 static double relative_time_distance(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
-    return tvi_ratio(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
-                     fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
+    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
+                             fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
 /* Copies the state of the last partial step, at theta, to finder->line_origin. */
@@ -289,7 +289,7 @@ static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double
 {
     const int last = finder->state_size - 1;
     const double h = finder->search->integrator->h;
-    const tvi_status status = tvi_rates_at(&finder->field_rates, state, finder->line_direction);
+    const tvi_status status = tvi_rates_compute(&finder->field_rates, state, finder->line_direction);
     for (int i = 0; i < last; i++) finder->line_direction[i] *= h;
     finder->line_direction[last] = h;
     return status;

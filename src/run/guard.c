@@ -27,7 +27,7 @@ static bool conserves_energy(const tvi_integrator *it)
 {
     const bool rescaled = tvi_is_rescaled(it); /* conserves K = g (H + e) */
     const bool is_conserved = rescaled || !(it->system->uses_time || it->system->is_driven);
-    return it->energy.block && it->options.max_tail >= 0 && is_conserved;
+    return it->energy.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
@@ -44,8 +44,8 @@ static double energy_of(tvi_integrator *it, int m, const double *q, const double
 /* Computes H[width] of the members whose energy is asked for. */
 static void find_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
-    if (it->energies.block) {
-        tvi_energy_in_lanes(&it->energies, q + it->system->n * it->width, q, p, H);
+    if (it->energies.tape_block) {
+        tvi_energy_batch_compute(&it->energies, q + it->system->n * it->width, q, p, H);
         return;
     }
     for (int m = 0; m < it->width; m++)
@@ -150,11 +150,11 @@ static bool may_skip_energy(const tvi_integrator *it, int m, bool used_series)
     return it->tail[m] <= SKIP_TAIL && it->passes[m] <= SKIP_PASSES;
 }
 
-tvi_skip_limits tvi_guard_skip_limits(const tvi_integrator *it)
+tvi_unchecked_step_limits tvi_guard_skip_limits(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    if (most < 0) return (tvi_skip_limits){SKIP_TAIL, SKIP_PASSES};
-    return (tvi_skip_limits){shows_tail(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1, SKIP_PASSES};
+    if (most < 0) return (tvi_unchecked_step_limits){SKIP_TAIL, SKIP_PASSES};
+    return (tvi_unchecked_step_limits){shows_tail(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1, SKIP_PASSES};
 }
 
 static bool has_small_tail(const tvi_integrator *it, double tail)

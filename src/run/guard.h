@@ -8,7 +8,7 @@
 #include <math.h>
 
 /* The limits up to which steps need no check of their energies. */
-tvi_skip_limits tvi_guard_skip_limits(const tvi_integrator *integrator);
+tvi_unchecked_step_limits tvi_guard_skip_limits(const tvi_integrator *integrator);
 
 /* Sets TVI_ETOOLARGE for the members that are TVI_OK and whose tail or energy says that the step is too large. It is
  * called after the stepper's step, before the increments are added to the states. */

@@ -33,27 +33,27 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
     const size_t members = (size_t)width, row = members * sizeof(double);
     tvi_run_state *state = &integrator->state, *end = &integrator->end, *member_state = &integrator->member_state;
     tvi_increments *increments = &integrator->increments;
-    allocate_state_arrays(arena, tvi_arena_take, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate, dimension, width,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    allocate_state_arrays(arena, tvi_arena_history, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate_history, dimension, width,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
-    integrator->continues = tvi_arena_history(arena, members * sizeof *integrator->continues);
-    integrator->run_start = tvi_arena_ring(arena, (2 * (size_t)n + 1) * row);
-    integrator->reference = tvi_arena_history(arena, members * sizeof *integrator->reference);
-    integrator->status = tvi_arena_take(arena, members * sizeof *integrator->status);
-    integrator->is_stepped = tvi_arena_take(arena, members * sizeof *integrator->is_stepped);
-    integrator->passes = tvi_arena_take(arena, members * sizeof *integrator->passes);
-    integrator->needs_energy = tvi_arena_take(arena, members * sizeof *integrator->needs_energy);
+    integrator->continues = tvi_arena_allocate_history(arena, members * sizeof *integrator->continues);
+    integrator->run_start = tvi_arena_allocate_ring(arena, (2 * (size_t)n + 1) * row);
+    integrator->reference = tvi_arena_allocate_history(arena, members * sizeof *integrator->reference);
+    integrator->status = tvi_arena_allocate(arena, members * sizeof *integrator->status);
+    integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
+    integrator->passes = tvi_arena_allocate(arena, members * sizeof *integrator->passes);
+    integrator->needs_energy = tvi_arena_allocate(arena, members * sizeof *integrator->needs_energy);
     double **const numbers[] = {&integrator->tail, &integrator->overflows, &integrator->energy_change,
                                 &integrator->energy_before, &integrator->energy_after};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_take(arena, row);
-    end->q = tvi_arena_take(arena, ((size_t)dimension + 1) * row);
-    end->p = tvi_arena_take(arena, (size_t)dimension * row);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_allocate(arena, row);
+    end->q = tvi_arena_allocate(arena, ((size_t)dimension + 1) * row);
+    end->p = tvi_arena_allocate(arena, (size_t)dimension * row);
     member_state->q = tvi_arena_doubles(arena, (size_t)dimension + 1);
     member_state->p = tvi_arena_doubles(arena, (size_t)dimension);
-    integrator->parameters = tvi_arena_take(arena, (size_t)tvi_system_parameters(integrator->system) * row);
+    integrator->parameters = tvi_arena_allocate(arena, (size_t)tvi_system_parameters(integrator->system) * row);
     integrator->one_lane_parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
-    integrator->stop = tvi_arena_take(arena, tvi_size_of_stop_in_bytes(n));
+    integrator->stop = tvi_arena_allocate(arena, tvi_size_of_stop_in_bytes(n));
 }
 
 /* Allocates the memory in which energies and the field are evaluated: for one member, and for the energies of all
@@ -62,13 +62,14 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
     const bool uses_energy = system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0);
-    if (uses_energy) tvi_energy_take(&integrator->energy, arena, system);
-    if (tvi_is_rescaled(integrator)) tvi_energy_take_precise(&integrator->transformed, arena, integrator->stepped);
-    integrator->field = tvi_arena_block(arena, integrator->stepped->field_values, 1, 1, 0);
+    if (uses_energy) tvi_energy_allocate(&integrator->energy, arena, system);
+    if (tvi_is_rescaled(integrator))
+        tvi_energy_allocate_long_double(&integrator->transformed, arena, integrator->stepped);
+    integrator->field = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
     integrator->one_lane_blocks = arena->blocks;
     arena->blocks = NULL;
     if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
-        tvi_energy_lanes_take(&integrator->energies, arena, system, integrator->width);
+        tvi_energy_batch_allocate(&integrator->energies, arena, system, integrator->width);
 }
 
 /* Lays out an integrator of `width` members with all its memory in the arena. It is called twice: first the arena only
@@ -76,10 +77,10 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                           int width)
 {
-    tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
-    const tvi_stepper *stepper = tvi_method_stepper(options);
+    tvi_integrator *integrator = tvi_arena_allocate(arena, sizeof *integrator);
+    const tvi_stepper *stepper = tvi_choose_stepper(options);
     tvi_integrator laid = {.width = width, .system = system, .options = *options, .stepper = stepper};
-    laid.stepped = tvi_compiled_system(arena, system->stepped, options->compiled);
+    laid.stepped = tvi_compiled_attach_to_system(arena, system->stepped, options->compiled);
     /* The stepper's work keeps a pointer to the options, so they must be those of the integrator. */
     if (integrator) integrator->options = *options, options = &integrator->options;
     allocate_member_arrays(&laid, arena);
@@ -93,7 +94,7 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     laid.history_bytes = tvi_arena_history_bytes(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
-    laid.stats.bytes = tvi_arena_bytes(arena);
+    laid.stats.bytes = tvi_arena_total_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
     laid.start = (tvi_run_state){
@@ -109,17 +110,17 @@ static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_sys
 {
     tvi_arena arena = {0};
     (void)lay_out_integrator(&arena, system, resolved, width);
-    if (!tvi_arena_open(&arena)) return jet_refuse_memory(TVI_ENOMEM);
+    if (!tvi_arena_allocate_memory(&arena)) return jet_explain_out_of_memory(TVI_ENOMEM);
     tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved, width);
-    tvi_compiled_hold(resolved->compiled);
+    tvi_compiled_add_user(resolved->compiled);
     tvi_blocks_prepare(it->one_lane_blocks);
     tvi_blocks_prepare(it->blocks);
-    tvi_system_recorded_parameters(system, it->one_lane_parameters);
+    tvi_system_read_recorded_parameters(system, it->one_lane_parameters);
     tvi_integrator_load_parameters(it, it->one_lane_parameters, 1, 1);
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     void (*prepare)(void *) = batch ? batch->prepare : it->stepper->prepare;
     if (prepare) prepare(it->work);
-    if (it->energy.block) tvi_energy_prepare(&it->energy);
+    if (it->energy.tape_block) tvi_energy_prepare(&it->energy);
     return TVI_OK;
 }
 
@@ -134,7 +135,8 @@ int tvi_integrator_best_batch_width(const tvi_integrator *it)
 static tvi_status resolve_options(const tvi_system *system, tvi_options *options, const char **why)
 {
     const tvi_status status = tvi_method_resolve(options, system->stepped, why);
-    const char *misfit = status == TVI_OK ? tvi_compiled_misfit(options->compiled, system->stepped, options) : NULL;
+    const char *misfit =
+        status == TVI_OK ? tvi_compiled_reason_unusable(options->compiled, system->stepped, options) : NULL;
     if (!misfit) return status;
     if (why) *why = misfit;
     return jet_refuse(TVI_EINVAL, "%s", misfit);
@@ -173,7 +175,7 @@ void tvi_integrator_free(tvi_integrator *integrator)
     if (integrator->tangent) integrator->free_tangent(integrator->tangent);
     const tvi_compiled *compiled = integrator->options.compiled;
     free(integrator);
-    tvi_compiled_release(compiled);
+    tvi_compiled_remove_user(compiled);
 }
 
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator)

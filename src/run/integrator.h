@@ -89,7 +89,7 @@ struct tvi_integrator {
     tvi_run_state member_state;           /* the state of one member, without low-order parts */
     tvi_energy_work energy;      /* memory to compute the energy of one member; block = NULL if it is not needed */
     tvi_energy_work transformed; /* memory to compute the Hamiltonian K of a rescaled system */
-    tvi_energy_lanes energies;   /* memory to compute the energies of all members at once; block = NULL if unused */
+    tvi_energy_batch energies;   /* memory to compute the energies of all members at once; block = NULL if unused */
     double *field;               /* memory to evaluate the forces, or the derivatives of L or H, at one point */
     tvi_tangent *tangent;        /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
@@ -217,6 +217,6 @@ TVI_NODISCARD tvi_status tvi_compute_dense_state(tvi_integrator *integrator, dou
  * events: samples[2n + 1][TVI_SAMPLES], in the order q, p, t. Only the components used_components[0] of q and
  * used_components[1] of p, and t, are set; others may be overwritten. The last sample is the end of the step itself.
  * The states may not be finite. */
-void tvi_sample_dense_output(tvi_integrator *integrator, const tvi_range used_components[2], double *samples);
+void tvi_sample_dense_output(tvi_integrator *integrator, const tvi_component_range used_components[2], double *samples);
 
 #endif

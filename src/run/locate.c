@@ -105,7 +105,7 @@ static bool report_event(tvi_locator *locator, const tvi_event_root *root, const
 static tvi_status move_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
     const bool is_seen =
-        locator->run->observers.on_event || locator->search.watched_events[root->event_index].event->terminal;
+        locator->run->observers.on_event || locator->search.watched_events[root->event_index].event->is_terminal;
     const double part = root->theta * locator->search.integrator->h;
     return is_seen ? tvi_columns_move_to_offset(locator->search.integrator, &locator->run->columns, part,
                                                 locator->partial_step.partial_step_integrator->parameters)
@@ -138,7 +138,7 @@ static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_i
     tvi_status status = tvi_search_evaluate_event(&locator->search, event_index, state, &g);
     for (int i = 0; i < locator->state_size; i++) locator->scratch_sizes[i] = fabs(state[i]);
     if (status == TVI_OK)
-        status = tvi_event_roundoff(w->event, &w->local_series, state, locator->scratch_sizes, &roundoff);
+        status = tvi_event_estimate_roundoff(w->event, &w->local_series, state, locator->scratch_sizes, &roundoff);
     *is_at_stop = fabs(g) <= roundoff;
     return status;
 }
@@ -229,7 +229,7 @@ static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, i
     if (status == TVI_OK) status = move_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
     const bool ends = report_event(locator, root, state);
-    if (!ends && !locator->search.watched_events[root->event_index].event->terminal) return TVI_OK;
+    if (!ends && !locator->search.watched_events[root->event_index].event->is_terminal) return TVI_OK;
     status = stop_run_at_event(locator, i, state);
     if (status == TVI_ESTOPPED) copy_state_to_user(locator, state, t, q, p);
     return status;
@@ -280,12 +280,12 @@ tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *it, const tvi_sin
                             const double *const state[2])
 {
     *out = malloc(sizeof **out);
-    if (!*out) return jet_refuse_memory(TVI_ENOMEM);
+    if (!*out) return jet_explain_out_of_memory(TVI_ENOMEM);
     const tvi_status status = initialize_locator(*out, it, run, t, state);
     if (status == TVI_OK) return status;
     tvi_locator_close(*out);
     *out = NULL;
-    return jet_refuse_memory(status);
+    return jet_explain_out_of_memory(status);
 }
 
 bool tvi_events_match_system(const tvi_integrator *it, const tvi_event *const events[], int count)

@@ -21,7 +21,8 @@ static double *element_of_member(const tvi_integrator *it, double *array, int i,
 JET_INLINE uint64_t differing_bits(int n, const double *user_state, size_t stride, const double *own, size_t width)
 {
     uint64_t any = 0;
-    for (int i = 0; i < n; i++, user_state += stride, own += width) any |= tvi_bits(*user_state) ^ tvi_bits(*own);
+    for (int i = 0; i < n; i++, user_state += stride, own += width)
+        any |= tvi_double_bits(*user_state) ^ tvi_double_bits(*own);
     return any;
 }
 
@@ -30,7 +31,8 @@ bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_user_s
     const int n = it->system->n;
     const size_t stride = user_state->stride, width = (size_t)it->width;
     const double *q = it->state.q + member, *p = it->state.p + member;
-    const uint64_t time = tvi_bits(user_state->t) ^ tvi_bits(*element_of_member(it, it->state.q, n, member));
+    const uint64_t time =
+        tvi_double_bits(user_state->t) ^ tvi_double_bits(*element_of_member(it, it->state.q, n, member));
     if (stride == 1 && width == 1)
         return (time | differing_bits(n, user_state->q, 1, q, 1) | differing_bits(n, user_state->p, 1, p, 1)) == 0;
     return (time | differing_bits(n, user_state->q, stride, q, width) |
@@ -67,7 +69,7 @@ static void clear_member_history(tvi_integrator *it, int member)
     double *array[ARRAYS];
     int rows[ARRAYS];
     if (it->width == 1) {
-        tvi_arena_copy(it->history, NULL, it->history_bytes);
+        tvi_arena_copy_history(it->history, NULL, it->history_bytes);
         return;
     }
     list_state_arrays(it, array, rows);
@@ -101,7 +103,7 @@ void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, cons
 void tvi_member_load_parameters(tvi_integrator *it, int member)
 {
     const int count = tvi_system_parameters(it->system);
-    tvi_gather(count, it->width, it->parameters, member, it->one_lane_parameters);
+    tvi_gather_member(count, it->width, it->parameters, member, it->one_lane_parameters);
     tvi_blocks_set_parameters(it->one_lane_blocks, count, 1, it->one_lane_parameters);
 }
 
@@ -109,13 +111,13 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
 {
     const int n = it->system->n;
     const tvi_run_state *alone = &it->member_state;
-    tvi_gather(n + 1, it->width, q, member, alone->q);
-    tvi_gather(n, it->width, p, member, alone->p);
+    tvi_gather_member(n + 1, it->width, q, member, alone->q);
+    tvi_gather_member(n, it->width, p, member, alone->p);
     if (it->width > 1) {
         tvi_member_load_parameters(it, member);
-        tvi_energy_forget(&it->energy);
+        tvi_energy_reset_start(&it->energy);
     }
-    return tvi_energy_of(&it->energy, alone->q[n], alone->q, alone->p, H);
+    return tvi_energy_compute(&it->energy, alone->q[n], alone->q, alone->p, H);
 }
 
 /* Computes the Hamiltonian K = g (H + e) of a rescaled system at the member's state, with the given e, in long
@@ -123,7 +125,7 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
 static long double compute_transformed_hamiltonian(tvi_integrator *it, double e)
 {
     it->member_state.p[it->system->n] = e;
-    return tvi_energy_precise(&it->transformed, 0, it->member_state.q, it->member_state.p);
+    return tvi_energy_compute_long_double(&it->transformed, 0, it->member_state.q, it->member_state.p);
 }
 
 /* Sets e = -H(q, p, t) at the start of a run of a rescaled system, so that K = g (H + e) is 0 (docs/method.md,
@@ -134,7 +136,7 @@ static tvi_status set_rescaled_energy(tvi_integrator *it, int member)
     const int n = it->system->n;
     double H;
     const tvi_status status = tvi_member_compute_energy(it, member, it->state.q, it->state.p, &H);
-    if (status != TVI_OK) return tvi_refuse_as("energy", status);
+    if (status != TVI_OK) return tvi_refuse_failed_evaluation("energy", status);
     const double apart = H != 0 ? H : 1;
     const long double there = compute_transformed_hamiltonian(it, apart - H),
                       here = compute_transformed_hamiltonian(it, -H);
@@ -154,7 +156,8 @@ static tvi_status refuse_state_not_finite(tvi_integrator *it, const tvi_user_sta
         it->member_state.p[i] = user_state->p[(size_t)i * user_state->stride];
         is_finite = is_finite && isfinite(it->member_state.q[i]) && isfinite(it->member_state.p[i]);
     }
-    return is_finite ? TVI_OK : tvi_refuse_state(n, user_state->t, it->member_state.q, "p", it->member_state.p);
+    return is_finite ? TVI_OK
+                     : tvi_refuse_nonfinite_state(n, user_state->t, it->member_state.q, "p", it->member_state.p);
 }
 
 tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_state *user_state)

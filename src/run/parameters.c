@@ -30,7 +30,8 @@ void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], si
 tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[])
 {
     if (!it || !value)
-        return tvi_refuse_null(2, (const void *const[]){it, value}, (const char *const[]){"integrator", "value"});
+        return tvi_refuse_null_pointer(2, (const void *const[]){it, value},
+                                       (const char *const[]){"integrator", "value"});
     const int count = tvi_system_parameters(it->system);
     for (int i = 0; i < count; i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%d] is not finite", i);
@@ -46,15 +47,15 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
 
 tvi_status tvi_integrator_energy(const tvi_integrator *it, double t, const double q[], const double p[], double *H)
 {
-    return it ? tvi_energy_at(it->system, it->parameters, t, q, p, H) : refuse_null_integrator();
+    return it ? tvi_energy_with_parameters(it->system, it->parameters, t, q, p, H) : refuse_null_integrator();
 }
 
 tvi_status tvi_integrator_momentum(const tvi_integrator *it, double t, const double q[], const double v[], double p[])
 {
-    return it ? tvi_transform(it->system, it->parameters, t, q, v, p, true) : refuse_null_integrator();
+    return it ? tvi_transform_velocities(it->system, it->parameters, t, q, v, p, true) : refuse_null_integrator();
 }
 
 tvi_status tvi_integrator_velocity(const tvi_integrator *it, double t, const double q[], const double p[], double v[])
 {
-    return it ? tvi_transform(it->system, it->parameters, t, q, p, v, false) : refuse_null_integrator();
+    return it ? tvi_transform_velocities(it->system, it->parameters, t, q, p, v, false) : refuse_null_integrator();
 }

@@ -23,7 +23,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
                                        .uses_history_at_end = uses_history_at_end,
                                        .parameter_version = full_step_integrator->parameter_version};
     partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
-    if (!partial_step->q) return jet_refuse_memory(TVI_ENOMEM);
+    if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
     partial_step->p = partial_step->q + n;
     partial_step->rates_input = partial_step->p + n;
     partial_step->rates_output = partial_step->rates_input + wide;
@@ -32,7 +32,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
         status = tvi_rates_open(&partial_step->field_rates, full_step_integrator->system->stepped,
                                 full_step_integrator->parameters);
     if (status != TVI_OK) tvi_partial_step_close(partial_step);
-    return jet_refuse_memory(status);
+    return jet_explain_out_of_memory(status);
 }
 
 void tvi_partial_step_close(tvi_partial_step *partial_step)
@@ -66,10 +66,10 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
                          partial_step->step_number == full_step_integrator->stats.steps &&
                          partial_step->offset != full_step_integrator->h && partial_step->offset != 0 &&
                          fabs(offset - partial_step->offset) < NEAR * fabs(full_step_integrator->h);
-    tvi_arena_copy(partial_step->partial_step_integrator->history, full_step_integrator->history_before, state);
+    tvi_arena_copy_history(partial_step->partial_step_integrator->history, full_step_integrator->history_before, state);
     if (!is_near)
-        tvi_arena_copy(partial_step->partial_step_integrator->history + state, full_step_integrator->history + state,
-                       full_step_integrator->history_bytes - state);
+        tvi_arena_copy_history(partial_step->partial_step_integrator->history + state,
+                               full_step_integrator->history + state, full_step_integrator->history_bytes - state);
 }
 
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
@@ -131,7 +131,7 @@ static tvi_status compute_time_rate(tvi_partial_step *partial_step, double *rate
     memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
     partial_step->rates_input[2 * n] = partial->state.q[n];
     const tvi_status status =
-        tvi_rates_at(&partial_step->field_rates, partial_step->rates_input, partial_step->rates_output);
+        tvi_rates_compute(&partial_step->field_rates, partial_step->rates_input, partial_step->rates_output);
     *rate = partial_step->rates_output[partial->system->n];
     return status;
 }

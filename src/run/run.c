@@ -73,7 +73,7 @@ static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_sing
     const double h = run->plan->h;
     if (!tvi_events_match_system(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
     if (run->mode == TVI_RUN_TO_TOLERANCE) return tvi_schedule_to_tolerance(it, run->plan, t, schedule);
-    if (h == 0 || !isfinite(h)) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, h}, "");
+    if (h == 0 || !isfinite(h)) return tvi_refuse_run_arguments((tvi_run_arguments){it, &t, q, p, h}, "");
     if (run->mode == TVI_RUN_TO_TIME)
         return tvi_schedule_to_time(it, run->plan, t, is_each_step_observed(run), schedule);
     if (run->mode == TVI_RUN_AT_TIMES) return set_schedule_for_times(it, run, t, q, p, schedule);
@@ -151,7 +151,7 @@ static tvi_status run_with_given_times(run_in_progress *run_progress, double *t,
 
 tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "");
+    if (!it || !t || !q || !p) return tvi_refuse_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     run_in_progress run_progress = {.integrator = it, .run = run};
     tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &run_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);

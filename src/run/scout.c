@@ -73,7 +73,7 @@ static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, 
         scout->hardest_index = scout->step_count;
     scout->step_count++;
     update_sizes_of_orbit(scout, orbit);
-    return tvi_shorter(scale, GROWS * h);
+    return tvi_smaller_magnitude(scale, GROWS * h);
 }
 
 /* Tries a step of size h, or of the remaining time `left` if that is shorter. Returns the size of the next step, or of

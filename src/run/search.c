@@ -38,13 +38,14 @@ tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta
 
 static tvi_status add_event_to_error(int event_index, tvi_status status)
 {
-    return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", event_index, jet_refusal());
+    return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", event_index, jet_last_refusal_text());
 }
 
 tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double state[], double *g)
 {
-    return add_event_to_error(event_index, tvi_event_value(search->watched_events[event_index].event,
-                                                           search->watched_events[event_index].tape_block, state, g));
+    return add_event_to_error(event_index,
+                              tvi_event_evaluate(search->watched_events[event_index].event,
+                                                 search->watched_events[event_index].tape_block, state, g));
 }
 
 static tvi_status evaluate_event_on_curve(tvi_event_search *search, int event_index, double theta, double *g)
@@ -267,7 +268,7 @@ static tvi_status drop_roots_of_roundoff(tvi_event_search *search, int event_ind
 {
     const double *g = search->watched_events[event_index].g_samples;
     bool is_roundoff = false;
-    if (2 * largest_sample_change(g) < tvi_largest(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
+    if (2 * largest_sample_change(g) < tvi_largest_magnitude(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
     const tvi_status status = tvi_start_is_g_roundoff(search, event_index, &is_roundoff);
     if (is_roundoff) search->root_count = first_root;
     return status;
@@ -280,7 +281,7 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     const int before = search->root_count;
     if (has_certainly_no_root(g)) return TVI_OK;
     if (!tvi_all_finite(TVI_SAMPLES, g + 1))
-        return add_event_to_error(event_index, tvi_refuse_as("event function", TVI_ENONFINITE));
+        return add_event_to_error(event_index, tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE));
     /* x[-1] and x[TVI_SAMPLES + 1], beyond the ends of the step, are missing samples. */
     tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1;
     for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
@@ -308,7 +309,7 @@ static tvi_status refuse_failing_event(tvi_event_search *search)
         for (int j = 0; j < TVI_SAMPLES; j++)
             if (evaluate_event_on_curve(search, event_index, tvi_sample_theta[j], &g) == TVI_EDOMAIN)
                 return TVI_EDOMAIN;
-    return tvi_refuse_as("event function", TVI_EDOMAIN);
+    return tvi_refuse_failed_evaluation("event function", TVI_EDOMAIN);
 }
 
 /* Evaluates the functions of all events at the sample points of the last step. If the step before was searched, too,

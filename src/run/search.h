@@ -26,7 +26,7 @@ typedef struct {
 typedef struct {
     const tvi_event *event;
     double *tape_block;                /* memory in which the tape of the event is evaluated */
-    tvi_event_near local_series;       /* memory for the Taylor series of g near one state */
+    tvi_event_expansion local_series;  /* memory for the Taylor series of g near one state */
     double g_samples[1 + TVI_SAMPLES]; /* values of g: at the start of the step, then at tvi_sample_theta */
     /* True if the run goes on from a state where it was stopped, and this event was reported at that stop. */
     bool was_reported_at_stop;
@@ -54,7 +54,7 @@ typedef struct {
     jet_tape *joint_tape;             /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated. It begins with the inputs [2n + 1][TVI_SAMPLES]. */
     double *tape_samples;
-    tvi_range used_components[2];              /* the components of q and of p that joint_tape depends on */
+    tvi_component_range used_components[2];    /* the components of q and of p that joint_tape depends on */
     double *scratch_state, *scratch_increment; /* [2n + 1] each, in the order q, p, t */
     tvi_event_root *roots;                     /* [root_count] the roots in the current step */
     int root_count;

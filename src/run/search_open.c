@@ -12,7 +12,7 @@ enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
 static double *allocate_tape_block(const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare(tape, block, 1, lanes);
+    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
     return block;
 }
 
@@ -23,15 +23,15 @@ void tvi_search_set_parameters(tvi_event_search *search)
     for (int event_index = 0; event_index < search->event_count; event_index++) {
         const tvi_watched_event *w = &search->watched_events[event_index];
         jet_tape_set_parameters(w->event->tape, w->tape_block, 1, count, 1, value);
-        jet_tape_set_parameters(w->event->series, w->local_series.x, 1, count, 1, value);
+        jet_tape_set_parameters(w->event->series, w->local_series.series_block, 1, count, 1, value);
     }
     jet_tape_set_parameters(search->joint_tape, search->tape_samples, TVI_SAMPLES, count, 1, value);
 }
 
 /* Returns the range from the first component that is used to the last one. */
-static tvi_range find_used_range(const bool used[], int n)
+static tvi_component_range find_used_range(const bool used[], int n)
 {
-    tvi_range range = {0, n};
+    tvi_component_range range = {0, n};
     while (range.end > 0 && !used[range.end - 1]) range.end--;
     while (range.first < range.end && !used[range.first]) range.first++;
     return range;
@@ -42,7 +42,7 @@ static tvi_status create_joint_tape(tvi_event_search *search, const tvi_event *c
 {
     bool used[2 * TVI_MAX_DIMENSION + 1];
     const int n = search->integrator->system->n;
-    const tvi_status status = tvi_event_join(&search->joint_tape, events, search->event_count, used);
+    const tvi_status status = tvi_event_create_joint_tape(&search->joint_tape, events, search->event_count, used);
     if (status != TVI_OK) return status;
     search->used_components[0] = find_used_range(used, n);
     search->used_components[1] = find_used_range(used + n, n);
@@ -68,7 +68,7 @@ tvi_status tvi_search_open(tvi_event_search *search, tvi_partial_step *partial_s
         tvi_watched_event *w = &search->watched_events[event_index];
         *w = (tvi_watched_event){.event = events[event_index],
                                  .tape_block = allocate_tape_block(events[event_index]->tape, 1)};
-        if (!w->tape_block || tvi_event_near_open(&w->local_series, w->event) != TVI_OK) return TVI_ENOMEM;
+        if (!w->tape_block || tvi_event_expansion_open(&w->local_series, w->event) != TVI_OK) return TVI_ENOMEM;
     }
     const tvi_status status = create_joint_tape(search, events);
     if (status != TVI_OK) return status;
@@ -82,7 +82,7 @@ void tvi_search_close(tvi_event_search *search)
 {
     for (int event_index = 0; search->watched_events && event_index < search->event_count; event_index++) {
         free(search->watched_events[event_index].tape_block);
-        tvi_event_near_close(&search->watched_events[event_index].local_series);
+        tvi_event_expansion_close(&search->watched_events[event_index].local_series);
     }
     free(search->watched_events);
     free(search->tape_samples);

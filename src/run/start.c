@@ -83,7 +83,7 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
         if (status == TVI_OK && before == here) return TVI_OK;
     }
     for (int i = 0; i < 2 * search->integrator->system->n + 1; i++) search->scratch_increment[i] = fabs(state[i]);
-    status = tvi_event_roundoff(w->event, &w->local_series, state, search->scratch_increment, &roundoff);
+    status = tvi_event_estimate_roundoff(w->event, &w->local_series, state, search->scratch_increment, &roundoff);
     if (status == TVI_OK && fabs(w->g_samples[0]) <= roundoff) w->g_samples[0] = 0;
     return status;
 }
@@ -147,8 +147,8 @@ tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, dou
     tvi_status status = compute_increment_to_theta(search, theta, search->scratch_increment);
     copy_step_start(search, search->scratch_state);
     if (status == TVI_OK)
-        status = tvi_event_rise(w->event, &w->local_series, search->scratch_state, search->scratch_increment, rise,
-                                &scale, &is_exact);
+        status = tvi_event_compute_change(w->event, &w->local_series, search->scratch_state, search->scratch_increment,
+                                          rise, &scale, &is_exact);
     if (status != TVI_OK) return status;
     *is_sign_certain = fabs(*rise) > UNITS * DBL_EPSILON * scale;
     if (is_exact) return TVI_OK;
@@ -214,9 +214,10 @@ tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bo
     }
     size[2 * n] = fmax(fabs(it->start.q[n]), fabs(it->state.q[n]));
     copy_step_start(search, search->scratch_state);
-    tvi_status status = tvi_event_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_start);
+    tvi_status status = tvi_event_estimate_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_start);
     tvi_integrator_copy_state(it, &search->scratch_state[2 * n], search->scratch_state, search->scratch_state + n);
-    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_end);
-    *is_roundoff = tvi_largest(TVI_SAMPLES, w->g_samples + 1, 1) <= OF_STEPS * (at_start + at_end);
+    if (status == TVI_OK)
+        status = tvi_event_estimate_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_end);
+    *is_roundoff = tvi_largest_magnitude(TVI_SAMPLES, w->g_samples + 1, 1) <= OF_STEPS * (at_start + at_end);
     return status;
 }

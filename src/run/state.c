@@ -43,11 +43,11 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
 static tvi_status load_history(tvi_integrator *it, const tvi_saved_pieces *pieces, const void *buffer)
 {
     char *own = malloc(it->history_bytes + 1);
-    if (!own) return jet_refuse_memory(TVI_ENOMEM);
-    tvi_arena_copy(own, it->history, it->history_bytes);
+    if (!own) return jet_explain_out_of_memory(TVI_ENOMEM);
+    tvi_arena_copy_history(own, it->history, it->history_bytes);
     tvi_saved_load_piece(pieces, HISTORY, buffer);
     const bool is_sound = tvi_loaded_history_is_valid(it);
-    if (!is_sound) tvi_arena_copy(it->history, own, it->history_bytes);
+    if (!is_sound) tvi_arena_copy_history(it->history, own, it->history_bytes);
     free(own);
     return is_sound ? TVI_OK : jet_refuse(TVI_EINVAL, "the state is damaged");
 }
@@ -100,7 +100,8 @@ tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, do
 tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], double p[])
 {
     if (!it || !t || !q || !p || !*it->continues)
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "the integrator has made no step, or was reset");
+        return tvi_refuse_run_arguments((tvi_run_arguments){it, t, q, p, 1},
+                                        "the integrator has made no step, or was reset");
     tvi_integrator_copy_state(it, t, q, p);
     return TVI_OK;
 }

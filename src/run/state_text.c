@@ -54,7 +54,7 @@ static char *write_digits(char *text, uint64_t number, unsigned base, int least_
  * Denormal numbers begin with 0x0 and have the exponent -1022. */
 static void write_double(char *text, double number)
 {
-    const uint64_t bits = tvi_bits(number), mantissa = bits << 12 >> 12;
+    const uint64_t bits = tvi_double_bits(number), mantissa = bits << 12 >> 12;
     const int biased = (int)(bits >> 52 & 0x7ff), exponent = biased > 0 ? biased - 1023 : mantissa > 0 ? -1022 : 0;
     if (bits >> 63) *text++ = '-';
     *text++ = '0', *text++ = 'x', *text++ = biased > 0 ? '1' : '0';

@@ -11,4 +11,4 @@ const char *tvi_status_string(tvi_status status)
 
 const char *tvi_version(void) { return TVI_VERSION; }
 
-const char *tvi_last_error(void) { return jet_refusal(); }
+const char *tvi_last_error(void) { return jet_last_refusal_text(); }

@@ -60,7 +60,7 @@ JET_INLINE void compute_increments(tvi_integrator *it, int width, double toleran
     if (width > 1) {
         const tvi_batch_origin origin = {state->q + time, state->q_low + time, state->q, state->q_low,
                                          state->p,        state->p_low};
-        const tvi_batch_end end = {it->increments, it->status, it->tail, it->passes};
+        const tvi_batch_results end = {it->increments, it->status, it->tail, it->passes};
         it->stepper->batch->step(it->work, *h, &origin, &end, &it->stats);
     } else {
         compute_increments_of_one_member(it, tolerance, h);
@@ -79,11 +79,11 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     const int n = system->n;
     const double t = it->state.q[n * it->width + member];
     tvi_member_load_parameters(it, member);
-    tvi_gather(n, it->width, it->state.q, member, it->field);
+    tvi_gather_member(n, it->width, it->state.q, member, it->field);
     for (int i = n; i < system->inputs; i++) it->field[i] = 0;
-    if (system->form == TVI_HAMILTONIAN) tvi_gather(n, it->width, it->state.p, member, it->field + n);
-    tvi_system_set_time(system, it->field, 1, &t);
-    bool is_finite = tape->interpreted->values(tape, it->field, 1);
+    if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field + n);
+    tvi_system_write_time(system, it->field, 1, &t);
+    bool is_finite = tape->interpreter_sweeps->values(tape, it->field, 1);
     for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output[i]]);
     return is_finite;
 }
@@ -101,7 +101,7 @@ static tvi_status explain_stepper_failure(tvi_integrator *it, int member)
     const tvi_status status = it->status[member];
     if (status == TVI_ENONFINITE && status_of_overflow(it, member) == TVI_ETOOLARGE)
         return jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
-    return tvi_refuse_as("its equations", status);
+    return tvi_refuse_failed_evaluation("its equations", status);
 }
 
 /* Returns the status of a member whose new state is not finite, with an error text that names the component. */
@@ -124,7 +124,8 @@ static tvi_status check_time_moves_with_h(const tvi_integrator *it, int member, 
 {
     const int time = it->system->n * it->width + member;
     const double dt = it->increments.dq[time], t = it->state.q[time];
-    if (fabs(dt) <= tvi_least_time(t)) return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
+    if (fabs(dt) <= tvi_least_time_change(t))
+        return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
@@ -185,7 +186,7 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     int made = 0;
     it->has_dense = false;
     for (int member = 0; member < width; member++) it->is_stepped[member] = it->status[member] == TVI_OK;
-    tvi_arena_copy(it->history_before, it->history, it->marked_bytes);
+    tvi_arena_copy_history(it->history_before, it->history, it->marked_bytes);
     compute_increments(it, width, tolerance, &h);
     check_new_states(it, width, h, it->stats.expansions != expansions);
     add_increments(it, width);
@@ -194,7 +195,7 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
         it->continues[member] = true;
         made++;
     }
-    if (made == 0) tvi_arena_copy(it->history, it->history_before, it->marked_bytes);
+    if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->marked_bytes);
     it->stats.steps += made;
     it->has_dense = made > 0;
     it->h = h;
@@ -217,7 +218,7 @@ void tvi_step_batch(tvi_integrator *it, long steps, double h)
 static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
 {
     const int n = it->system->n;
-    const tvi_skip_limits skip_limits = tvi_guard_skip_limits(it);
+    const tvi_unchecked_step_limits skip_limits = tvi_guard_skip_limits(it);
     const bool may_skip = !it->reference->is_known && it->stats.tail <= skip_limits.tail;
     if (!it->stepper->run || !may_skip || steps < 1) return 0;
     const tvi_step_run run = {h, steps, skip_limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
@@ -232,7 +233,7 @@ static tvi_status add_step_to_error(const tvi_integrator *it)
 {
     const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
     return jet_refuse(it->status[0], "step of %g%s from t = %g: %s", it->h, of, it->state.q[it->system->n],
-                      jet_refusal());
+                      jet_last_refusal_text());
 }
 
 /* Makes steps until `steps` of them are made, or one fails, or the time reaches t_end. At least one step is made. */
@@ -240,9 +241,9 @@ static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, d
                              double q[], double p[])
 {
     const tvi_run_arguments given = {it, t, q, p, h};
-    if (!it) return tvi_refuse_run(given, "");
+    if (!it) return tvi_refuse_run_arguments(given, "");
     if (!it->is_in_observer) it->has_dense = false;
-    if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
+    if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run_arguments(given, "");
     tvi_status status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
     const bool in_rows = tolerance == 0;
@@ -273,7 +274,7 @@ tvi_status tvi_step_by_tolerance(tvi_integrator *it, double tolerance, double h,
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy(it->history, it->history_before, it->marked_bytes);
+    tvi_arena_copy_history(it->history, it->history_before, it->marked_bytes);
     it->has_dense = false;
     it->stats.steps--;
     tvi_integrator_copy_state(it, t, q, p);

@@ -27,7 +27,7 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     doubling->n = system->n;
     doubling->is_rescaled = tvi_is_rescaled(doubling->full_step_orbit.integrator);
     doubling->rates_input = calloc((4 + TVI_SCOUT_STEPS + 1) * state, sizeof *doubling->rates_input);
-    if (!doubling->rates_input) return jet_refuse_memory(TVI_ENOMEM);
+    if (!doubling->rates_input) return jet_explain_out_of_memory(TVI_ENOMEM);
     doubling->rates_output = doubling->rates_input + state;
     doubling->full_step_orbit.q = doubling->rates_output + state,
     doubling->full_step_orbit.p = doubling->full_step_orbit.q + n;
@@ -35,7 +35,7 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     doubling->half_step_orbit.p = doubling->half_step_orbit.q + n;
     doubling->scout_states = doubling->half_step_orbit.q + state;
     if (!doubling->is_rescaled) return TVI_OK;
-    return jet_refuse_memory(
+    return jet_explain_out_of_memory(
         tvi_rates_open(&doubling->field_rates, system, doubling->full_step_orbit.integrator->parameters));
 }
 
@@ -64,7 +64,7 @@ static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
     memcpy(doubling->rates_input, doubling->full_step_orbit.q, n * sizeof *doubling->rates_input);
     memcpy(doubling->rates_input + n, doubling->full_step_orbit.p, n * sizeof *doubling->rates_input);
     doubling->rates_input[2 * n] = doubling->full_step_orbit.t;
-    return tvi_rates_at(&doubling->field_rates, doubling->rates_input, doubling->rates_output);
+    return tvi_rates_compute(&doubling->field_rates, doubling->rates_input, doubling->rates_output);
 }
 
 static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_scout_orbit *orbit, double h)

@@ -115,12 +115,13 @@ static void update_bracket_of_steps(suggestion_search *search, const tvi_step_si
             search->longest_good_step = trial->h, search->error_of_good_step = trial->error;
     } else if (trial->covers_whole_run || is_too_long) {
         search->shortest_bad_step =
-            search->shortest_bad_step == 0 ? trial->h : tvi_shorter(search->shortest_bad_step, trial->h);
+            search->shortest_bad_step == 0 ? trial->h : tvi_smaller_magnitude(search->shortest_bad_step, trial->h);
     }
     if (trial->error == INFINITY)
         search->longest_allowed_step =
-            tvi_shorter(search->longest_allowed_step, factor_after_failure(search) * trial->h);
-    else if (is_too_long) search->longest_allowed_step = tvi_shorter(search->longest_allowed_step, FAILS * trial->h);
+            tvi_smaller_magnitude(search->longest_allowed_step, factor_after_failure(search) * trial->h);
+    else if (is_too_long)
+        search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, FAILS * trial->h);
 }
 
 /* Tells whether a trial of the whole run may find a longer step size than longest_good_step. It tries *h, or changes *h
@@ -162,7 +163,7 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
     const double factor = is_new ? step_size_factor(search, trial) : 1;
     if (is_new) suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_step_known = is_near_aim;
     else if (!search->is_step_known)
-        suggestion->h = suggestion->h == 0 ? trial->h : tvi_shorter(suggestion->h, trial->h);
+        suggestion->h = suggestion->h == 0 ? trial->h : tvi_smaller_magnitude(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_step_known))
         suggestion->tried_step = trial->h, suggestion->covered_part = trial->covered_part,
         suggestion->error = trial->error;
@@ -173,7 +174,7 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
     update_bracket_of_steps(search, trial);
     /* If the budget is used up, the steps of the companion are released for another trial. */
     if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high)) trials->reserved_steps = 0;
-    *h = tvi_shorter(trial->h * factor, search->longest_allowed_step);
+    *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step);
     trials->run_step_count *= trial->h / *h;
     if (search->longest_good_step != 0) return may_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
@@ -216,10 +217,10 @@ static double set_up_trials(suggestion_search *search)
     trials->run_weight = tvi_scout_error_weight(s, 0, end) / s->explored_part;
     search->longest_allowed_step = scale * pow(MOST_TAILS, 1 / search->degree);
     if (!trials->step_doubling.is_rescaled)
-        search->longest_allowed_step = tvi_shorter(search->longest_allowed_step, trials->duration);
+        search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, trials->duration);
     const double part = pow(KNOWN, trials->growth_exponent);
-    const double h = tvi_shorter(scale * pow(trials->aim * part / wanted_error, 1.0 / (search->order + 1)),
-                                 search->longest_allowed_step);
+    const double h = tvi_smaller_magnitude(scale * pow(trials->aim * part / wanted_error, 1.0 / (search->order + 1)),
+                                           search->longest_allowed_step);
     trials->run_step_count = fabs(trials->run_length / h);
     return h;
 }
@@ -266,7 +267,7 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
 {
     const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),
                  unknown = search->is_step_known ? 1 : UNKNOWN;
-    suggestion->h = tvi_shorter(suggestion->h * of_aim, search->longest_allowed_step) * unknown /
+    suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step) * unknown /
                     factor_for_spread_of_step_sizes(search);
     if (search->longest_good_step != 0)
         suggestion->h = suggestion->tried_step = search->longest_good_step, suggestion->covered_part = 1,
@@ -289,7 +290,8 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     while (trial.status != TVI_ENOMEM && update_from_trial(search, &trial, &h, suggestion));
     correct_by_companion_growth(search, &trial, suggestion);
     suggestion->step_count = trials->step_doubling.steps_tried;
-    if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory) return jet_refuse_memory(TVI_ENOMEM);
+    if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
+        return jet_explain_out_of_memory(TVI_ENOMEM);
     if (search->roundoff_error > 0)
         return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run",
                           search->wanted_error, search->roundoff_error);
@@ -326,7 +328,7 @@ tvi_status tvi_compute_step_suggestion(const tvi_system *system, const tvi_optio
     tvi_step_doubling *pair = &search.trials.step_doubling;
     *suggestion = (tvi_step_suggestion){0};
     tvi_status status = open_suggestion_search(&search, system, options);
-    if (status == TVI_OK) status = tvi_refuse_state(system->n, t, q, "p", p);
+    if (status == TVI_OK) status = tvi_refuse_nonfinite_state(system->n, t, q, "p", p);
     if (status == TVI_OK) {
         pair->full_step_orbit.t = t;
         memcpy(pair->full_step_orbit.q, q, (size_t)system->n * sizeof *q);
@@ -343,7 +345,7 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
     static const char *const name[] = {"system", "q", "p", "h", "seen"};
     const void *const pointer[] = {system, q, p, h, seen};
     tvi_step_suggestion found;
-    if (!system || !q || !p || !h || !seen) return tvi_refuse_null(5, pointer, name);
+    if (!system || !q || !p || !h || !seen) return tvi_refuse_null_pointer(5, pointer, name);
     if (duration == 0 || !isfinite(duration))
         return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
     if (isfinite(t) && !(fabs(duration) > TVI_LEAST_STEPS * DBL_EPSILON * fabs(t)))

@@ -32,8 +32,8 @@ static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
     tangent->energy_block = tangent->field_block + flow->slots;
-    jet_tape_prepare(flow, tangent->field_block, 1, 1);
-    jet_tape_prepare(change, tangent->energy_block, 1, 1);
+    jet_tape_prepare_block(flow, tangent->field_block, 1, 1);
+    jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
     it->stats.bytes += numbers * sizeof *tangent->field_block;
     return TVI_OK;
 }
@@ -51,8 +51,8 @@ static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
     tangent->column = tangent->lifted_p + 2 * n;
     tangent->gradient = tangent->column + 2 * n + parameters;
     tangent->parameters_and_rates = tangent->gradient + 2 * n;
-    const tvi_lift lift = tvi_method_of(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
-    tvi_status status = tvi_system_lift(&tangent->lifted_system, it->stepped, lift);
+    const tvi_lift lift = tvi_find_method(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
+    tvi_status status = tvi_system_create_lift(&tangent->lifted_system, it->stepped, lift);
     if (status == TVI_OK && tvi_is_rescaled(it)) status = allocate_tape_blocks(it, tangent);
     if (status != TVI_OK) return status;
     tangent->are_momenta_swapped = tangent->lifted_system->form != TVI_SEPARABLE;
@@ -71,7 +71,7 @@ static tvi_status reserve_columns(tvi_integrator *it, int columns)
     double **const both[] = {&tangent->start, &tangent->end};
     for (int i = 0; i < 2; i++) {
         double *D = (size_t)columns > SIZE_MAX / row ? NULL : realloc(*both[i], (size_t)columns * row);
-        if (!D) return jet_refuse_memory(TVI_ENOMEM);
+        if (!D) return jet_explain_out_of_memory(TVI_ENOMEM);
         *both[i] = D;
     }
     it->stats.bytes += 2 * (size_t)(columns - tangent->column_capacity) * row;
@@ -87,7 +87,7 @@ tvi_status tvi_integrator_allocate_tangent(tvi_integrator *it, int columns)
         const tvi_status status = create_tangent(&tangent, it);
         if (status != TVI_OK) {
             free_tangent(tangent);
-            return jet_refuse_memory(status);
+            return jet_explain_out_of_memory(status);
         }
         it->tangent = tangent;
         it->free_tangent = free_tangent;
@@ -101,9 +101,9 @@ tvi_status tvi_integrator_allocate_tangent(tvi_integrator *it, int columns)
  * step then measures both alike. M is linear and powers of two are exact, so the scale does not change the result. */
 static int find_scaling_exponent(int n, const double q[], const double p[], const double column[])
 {
-    const double size_q = tvi_largest(n, q, 1), size_p = tvi_largest(n, p, 1);
-    const double of_q = tvi_largest(n, column, 1) / (size_q > 0 ? size_q : 1);
-    const double of_p = tvi_largest(n, column + n, 1) / (size_p > 0 ? size_p : 1);
+    const double size_q = tvi_largest_magnitude(n, q, 1), size_p = tvi_largest_magnitude(n, p, 1);
+    const double of_q = tvi_largest_magnitude(n, column, 1) / (size_q > 0 ? size_q : 1);
+    const double of_p = tvi_largest_magnitude(n, column + n, 1) / (size_p > 0 ? size_p : 1);
     int exponent = 0;
     if (isfinite(of_q) && isfinite(of_p)) (void)frexp(fmax(of_q, of_p), &exponent);
     return exponent;
@@ -255,7 +255,7 @@ tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *it, const tvi_
         load_column(it, columns->elements + (size_t)i * columns->element_spacing, row_stride);
         const tvi_status status = multiply_column_by_jacobian(
             it, step, product->elements + (size_t)i * product->element_spacing, out_row_stride);
-        if (status != TVI_OK) return jet_refuse(status, "column %d of D: %s", i, jet_refusal());
+        if (status != TVI_OK) return jet_refuse(status, "column %d of D: %s", i, jet_last_refusal_text());
     }
     return TVI_OK;
 }
@@ -274,10 +274,10 @@ tvi_status tvi_columns_check_finite(const tvi_integrator *it, const tvi_tangent_
 tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
 {
     const tvi_run_arguments given = {it, t, q, p, h};
-    if (!it) return tvi_refuse_run(given, "");
+    if (!it) return tvi_refuse_run_arguments(given, "");
     if (!it->is_in_observer) it->has_dense = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
-        return tvi_refuse_run(given, D ? "columns is not positive" : "D is NULL");
+        return tvi_refuse_run_arguments(given, D ? "columns is not positive" : "D is NULL");
     const tvi_tangent_columns own = {D, columns, 1};
     tvi_status status = tvi_columns_check_finite(it, &own);
     if (status == TVI_OK) status = tvi_integrator_allocate_tangent(it, columns);

@@ -33,7 +33,7 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
     const double h = run->plan->h, *times = run->plan->times;
     if (count < 0) return jet_refuse(TVI_EINVAL, "count is negative");
     if (count > 0 && !times) return jet_refuse(TVI_EINVAL, "times is NULL");
-    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
+    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_nonfinite_state(n, t, q, "p", p);
     *has_last_step = does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
     const int first = find_first_time_out_of_order(h, *has_last_step ? it->start.q[n] : t, times, count);
     return first == count

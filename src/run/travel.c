@@ -56,7 +56,7 @@ static tvi_status write_state_text(const tvi_state_text *state_text, char *text,
 static tvi_status read_state_text(tvi_state_text *state_text, const tvi_system *system, const char *text, size_t size)
 {
     if (!tvi_state_text_open(state_text, system->n, tvi_system_parameters(system)))
-        return jet_refuse_memory(TVI_ENOMEM);
+        return jet_explain_out_of_memory(TVI_ENOMEM);
     const char *const fault = tvi_state_text_read(state_text, text, size);
     if (!fault) return TVI_OK;
     free(state_text->parameter_values);
@@ -90,11 +90,11 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
                              size_t *size)
 {
     if (!it || !q || !p || !size)
-        return tvi_refuse_null(4, (const void *const[]){it, q, p, size},
-                               (const char *const[]){"integrator", "q", "p", "size"});
+        return tvi_refuse_null_pointer(4, (const void *const[]){it, q, p, size},
+                                       (const char *const[]){"integrator", "q", "p", "size"});
     tvi_state_text state_text;
     const int parameters = tvi_system_parameters(it->system);
-    if (!tvi_state_text_open(&state_text, it->system->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    if (!tvi_state_text_open(&state_text, it->system->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
     memcpy(state_text.parameter_values, it->parameters, (size_t)parameters * sizeof *state_text.parameter_values);
     fill_state_text(&state_text, it, 0, &(tvi_user_state){q, p, 1, t});
     const tvi_status status = write_state_text(&state_text, text, size);
@@ -108,7 +108,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
 {
     const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
     double *const values = (double *)(scratch + it->history_bytes);
-    tvi_arena_copy(scratch, it->history, it->history_bytes);
+    tvi_arena_copy_history(scratch, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, state_text->parameter_values, bytes);
     tvi_integrator_apply_parameters(it);
@@ -118,7 +118,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
         it->stop->is_set = false;
         return TVI_OK;
     }
-    tvi_arena_copy(it->history, scratch, it->history_bytes);
+    tvi_arena_copy_history(it->history, scratch, it->history_bytes);
     memcpy(it->parameters, values, bytes);
     tvi_integrator_apply_parameters(it);
     return status;
@@ -127,8 +127,8 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
 tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size, double *t, double q[], double p[])
 {
     if (!it || !text || !t || !q || !p)
-        return tvi_refuse_null(5, (const void *const[]){it, text, t, q, p},
-                               (const char *const[]){"integrator", "text", "t", "q", "p"});
+        return tvi_refuse_null_pointer(5, (const void *const[]){it, text, t, q, p},
+                                       (const char *const[]){"integrator", "text", "t", "q", "p"});
     if (it->is_in_observer)
         return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     tvi_state_text state_text;
@@ -136,7 +136,7 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
     if (status != TVI_OK) return status;
     char *scratch =
         malloc(it->history_bytes + (size_t)state_text.parameter_count * sizeof *state_text.parameter_values + 1);
-    status = scratch ? set_integrator_state_from_text(it, &state_text, scratch) : jet_refuse_memory(TVI_ENOMEM);
+    status = scratch ? set_integrator_state_from_text(it, &state_text, scratch) : jet_explain_out_of_memory(TVI_ENOMEM);
     if (status == TVI_OK) tvi_integrator_copy_state(it, t, q, p);
     free(scratch);
     free(state_text.parameter_values);
@@ -150,7 +150,8 @@ static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int membe
 {
     const void *const all[] = {ensemble, pointers[0], pointers[1], pointers[2], pointers[3]};
     for (int i = 0; i < 5; i++)
-        if (!all[i]) return tvi_refuse_null(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
+        if (!all[i])
+            return tvi_refuse_null_pointer(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
     if (member < 0 || member >= ensemble->members)
         return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->members - 1);
     return tvi_ensemble_refuse_if_running(ensemble);
@@ -164,7 +165,7 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
     tvi_state_text state_text;
     const int parameters = tvi_system_parameters(ensemble->system);
     const size_t members = (size_t)ensemble->members;
-    if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
     for (int i = 0; i < parameters; i++)
         state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
     tvi_worker_load_batch(ensemble->worker, ensemble, member / ensemble->width);

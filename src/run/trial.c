@@ -44,7 +44,8 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
 static double end_of_hardest_passage(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_shorter(s->positions[s->hardest_index] + s->resolving_step[s->hardest_index], trials->run_length);
+    return tvi_smaller_magnitude(s->positions[s->hardest_index] + s->resolving_step[s->hardest_index],
+                                 trials->run_length);
 }
 
 /* Tells whether the trial can be ended after k steps: its estimate is far above the aim, or far below it although the
@@ -63,8 +64,9 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
 {
     const tvi_scout_orbit *whole = &trials->step_doubling.full_step_orbit;
     trial->status = tvi_step_doubling_make_step(
-        &trials->step_doubling,
-        trials->step_doubling.is_rescaled ? trial->h : tvi_shorter(trial->h, trials->t + trials->duration - whole->t));
+        &trials->step_doubling, trials->step_doubling.is_rescaled
+                                    ? trial->h
+                                    : tvi_smaller_magnitude(trial->h, trials->t + trials->duration - whole->t));
     trial->error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
@@ -125,6 +127,6 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
 bool tvi_trials_have_budget_for_passage(const tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way = tvi_shorter(end_of_hardest_passage(trials), s->resolving_step[s->hardest_index]);
+    const double way = tvi_smaller_magnitude(end_of_hardest_passage(trials), s->resolving_step[s->hardest_index]);
     return tvi_trials_have_budget_for(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

@@ -1,10 +1,11 @@
-/* automatic.h - Records the time scale of a system whose user gives none, for rescaled.c. */
+/* automatic.h - Records an automatic time scale g for a rescaled system whose user gives none. rescaled.c calls it. */
 #ifndef TVI_SRC_SYSTEM_AUTOMATIC_H
 #define TVI_SRC_SYSTEM_AUTOMATIC_H
 
 #include "system/system.h"
 
-/* Records g for H in the inputs q, t, p, e of K. The result is poison if g has no value anywhere. */
-jet tvi_automatic_scale(const tvi_system *base, jet H);
+/* Records g from H, in the graph of the rescaled Hamiltonian K, whose inputs are q, t, p and e = -H. The result is
+ * poison if g exists nowhere. */
+jet tvi_record_automatic_scale(const tvi_system *base, jet H);
 
 #endif

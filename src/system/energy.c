@@ -1,4 +1,4 @@
-/* energy.c - Computes energies, and transforms velocities to momenta and back, at single states outside of steps. */
+/* energy.c - Computes energies (energy.h), and transforms velocities to momenta and back at single states. */
 #include "system/energy.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -7,48 +7,50 @@
 #include <stdlib.h>
 #include <string.h>
 
-tvi_status tvi_transform(const tvi_system *system, const double parameters[], double t, const double q[],
-                         const double in[], double out[], bool to_momenta)
+tvi_status tvi_transform_velocities(const tvi_system *system, const double parameters[], double t, const double q[],
+                                    const double input[], double output[], bool to_momenta)
 {
-    const void *const given[] = {system, q, in, out};
+    const void *const given[] = {system, q, input, output};
     const char *const name[] = {"system", "q", to_momenta ? "v" : "p", to_momenta ? "p" : "v"};
-    if (!system || !q || !in || !out) return tvi_refuse_null(4, given, name);
+    if (!system || !q || !input || !output) return tvi_refuse_null_pointer(4, given, name);
     const int n = system->n;
-    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, in)) return tvi_refuse_state(n, t, q, name[2], in);
+    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, input))
+        return tvi_refuse_nonfinite_state(n, t, q, name[2], input);
     tvi_legendre legendre;
     void *memory;
     tvi_status status = tvi_legendre_create(&legendre, system, parameters, &memory);
-    if (status != TVI_OK) return jet_refuse_memory(status);
+    if (status != TVI_OK) return jet_explain_out_of_memory(status);
     double *result = calloc((size_t)n, sizeof *result);
     if (!result) status = TVI_ENOMEM;
-    else if (to_momenta == (system->form != TVI_HAMILTONIAN)) status = tvi_legendre_state(&legendre, t, q, in, result);
-    else status = tvi_legendre_solve(&legendre, t, q, in, result);
+    else if (to_momenta == (system->form != TVI_HAMILTONIAN))
+        status = tvi_legendre_evaluate(&legendre, t, q, input, result);
+    else status = tvi_legendre_solve(&legendre, t, q, input, result);
     if (status == TVI_OK && !tvi_all_finite(n, result)) status = TVI_ENONFINITE;
-    if (status == TVI_OK) memcpy(out, result, (size_t)n * sizeof *out);
+    if (status == TVI_OK) memcpy(output, result, (size_t)n * sizeof *output);
     free(result);
     free(memory);
-    return tvi_refuse_as(to_momenta ? "momenta of velocities" : "velocities of momenta", status);
+    return tvi_refuse_failed_evaluation(to_momenta ? "momenta of velocities" : "velocities of momenta", status);
 }
 
 tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[])
 {
-    return tvi_transform(system, NULL, t, q, v, p, true);
+    return tvi_transform_velocities(system, NULL, t, q, v, p, true);
 }
 
 tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[])
 {
-    return tvi_transform(system, NULL, t, q, p, v, false);
+    return tvi_transform_velocities(system, NULL, t, q, p, v, false);
 }
 
 /* ---- The energy -------------------------------------------------------------------------------------------------- */
 
-void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
+void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
     work->system = system;
-    work->block = tvi_arena_block(arena, system->energy, 1, 1, 0);
+    work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
-    tvi_legendre_take(&work->legendre, arena, system);
-    work->velocity = tvi_arena_history(arena, (size_t)system->n * sizeof *work->velocity);
+    tvi_legendre_allocate(&work->legendre, arena, system);
+    work->velocity = tvi_arena_allocate_history(arena, (size_t)system->n * sizeof *work->velocity);
 }
 
 void tvi_energy_prepare(tvi_energy_work *work)
@@ -56,13 +58,14 @@ void tvi_energy_prepare(tvi_energy_work *work)
     if (work->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&work->legendre);
 }
 
-/* Evaluates the energy tape at (q, velocities, t). NULL for the velocities leaves what the block holds. */
-static tvi_status energy_value(tvi_energy_work *work, double t, const double q[], const double velocities[],
-                               double *value)
+/* Evaluates the energy tape at (q, velocities, t). If `velocities` is NULL, the tape uses those that its block
+ * contains. */
+static tvi_status evaluate_energy_tape(tvi_energy_work *work, double t, const double q[], const double velocities[],
+                                       double *value)
 {
     const tvi_system *system = work->system;
     const size_t n = (size_t)system->n;
-    double *x = work->block;
+    double *x = work->tape_block;
     memcpy(x, q, n * sizeof *q);
     if (velocities) memcpy(x + n, velocities, n * sizeof *q);
     if (system->energy->inputs > system->energy_inputs) x[system->energy_inputs] = t;
@@ -71,59 +74,62 @@ static tvi_status energy_value(tvi_energy_work *work, double t, const double q[]
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* Computes H from V, which is the energy tape at v = 0 or p = 0, up to the sign. The block holds these zeros. */
-static tvi_status separable_energy(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
+/* Computes H = V + sum p_i^2 / (2 m_i). V is the value of the energy tape at v = 0 or p = 0, up to the sign. Its
+ * block contains these zeros. */
+static tvi_status compute_separable_energy(tvi_energy_work *work, double t, const double q[], const double p[],
+                                           double *H)
 {
     const tvi_system *system = work->system;
-    const tvi_status status = energy_value(work, t, q, NULL, H);
+    const tvi_status status = evaluate_energy_tape(work, t, q, NULL, H);
     *H *= system->energy_sign;
     for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
     return status;
 }
 
-/* Computes H = p.v - L(q, v). */
-static tvi_status lagrangian_energy(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
+/* Computes H = p.v - L(q, v), with the v that belongs to p. */
+static tvi_status compute_lagrangian_energy(tvi_energy_work *work, double t, const double q[], const double p[],
+                                            double *H)
 {
     double *v = work->velocity;
     tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
     if (status != TVI_OK) {
-        memset(v, 0, (size_t)work->system->n * sizeof *v); /* the next solution does not start from these velocities */
+        memset(v, 0, (size_t)work->system->n * sizeof *v); /* The next call must not start from these velocities. */
         return status;
     }
-    status = energy_value(work, t, q, v, H);
+    status = evaluate_energy_tape(work, t, q, v, H);
     *H = -*H;
     for (int i = 0; i < work->system->n; i++) *H += p[i] * v[i];
     return status;
 }
 
-tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
+tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
     tvi_status status;
     switch (work->system->form) {
-    case TVI_SEPARABLE: status = separable_energy(work, t, q, p, H); break;
-    case TVI_LAGRANGIAN: status = lagrangian_energy(work, t, q, p, H); break;
-    default: status = energy_value(work, t, q, p, H);
+    case TVI_SEPARABLE: status = compute_separable_energy(work, t, q, p, H); break;
+    case TVI_LAGRANGIAN: status = compute_lagrangian_energy(work, t, q, p, H); break;
+    default: status = evaluate_energy_tape(work, t, q, p, H);
     }
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
 }
 
-void tvi_energy_lanes_take(tvi_energy_lanes *lanes, tvi_arena *arena, const tvi_system *system, int width)
+void tvi_energy_batch_allocate(tvi_energy_batch *batch, tvi_arena *arena, const tvi_system *system, int lane_count)
 {
-    *lanes = (tvi_energy_lanes){system, tvi_arena_block(arena, system->energy, 1, width, 0), width};
+    *batch = (tvi_energy_batch){system, tvi_arena_allocate_block(arena, system->energy, 1, lane_count, 0), lane_count};
 }
 
-void tvi_energy_in_lanes(const tvi_energy_lanes *lanes, const double t[], const double q[], const double p[],
-                         double H[])
+void tvi_energy_batch_compute(const tvi_energy_batch *batch, const double t[], const double q[], const double p[],
+                              double H[])
 {
-    const tvi_system *system = lanes->system;
+    const tvi_system *system = batch->system;
     const jet_tape *tape = system->energy;
-    const size_t width = (size_t)lanes->width, row = width * sizeof *q, n = (size_t)system->n;
+    const size_t width = (size_t)batch->lane_count, row = width * sizeof *q, n = (size_t)system->n;
     const bool has_masses = system->form == TVI_SEPARABLE;
-    double *x = lanes->block;
+    double *x = batch->tape_block;
     memcpy(x, q, n * row);
     if (!has_masses) memcpy(x + n * width, p, n * row);
     if (tape->inputs > system->energy_inputs) memcpy(x + (size_t)system->energy_inputs * width, t, row);
-    (void)jet_sweep_values(tape, x, lanes->width);
+    (void)jet_sweep_values(tape, x, batch->lane_count);
     const double *value = x + (size_t)tape->output[0] * width, sign = has_masses ? system->energy_sign : 1;
     for (size_t lane = 0; lane < width; lane++) H[lane] = sign * value[lane];
     for (size_t i = 0; i < n && has_masses; i++)
@@ -131,56 +137,58 @@ void tvi_energy_in_lanes(const tvi_energy_lanes *lanes, const double t[], const 
             H[lane] += p[i * width + lane] * p[i * width + lane] / (2 * system->mass[i]);
 }
 
-void tvi_energy_take_precise(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
+void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
-    tvi_energy_take(work, arena, system);
-    work->precise = tvi_arena_take(arena, (size_t)system->energy->slots * sizeof *work->precise);
+    tvi_energy_allocate(work, arena, system);
+    work->long_double_values =
+        tvi_arena_allocate(arena, (size_t)system->energy->slots * sizeof *work->long_double_values);
 }
 
-long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[], const double p[])
+long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, const double q[], const double p[])
 {
     double H;
-    if (energy_value(work, t, q, p, &H) != TVI_OK) return NAN;
+    if (evaluate_energy_tape(work, t, q, p, &H) != TVI_OK) return NAN;
     const jet_tape *tape = work->system->energy;
-    for (int i = 0; i < tape->inputs; i++) work->precise[i] = work->block[i];
-    jet_sweep_precisely(tape, work->block, work->precise);
-    return work->precise[tape->output[0]];
+    for (int i = 0; i < tape->inputs; i++) work->long_double_values[i] = work->tape_block[i];
+    jet_sweep_long_double_values(tape, work->tape_block, work->long_double_values);
+    return work->long_double_values[tape->output[0]];
 }
 
-/* Allocates the work, in memory that is to be freed. NULL for the parameters leaves them as recorded. */
-static void *create_work(tvi_energy_work *work, const tvi_system *system, const double parameters[])
+/* Allocates the memory for one energy, which the caller frees. `parameters` NULL stands for the values in the
+ * recording. */
+static void *create_energy_work(tvi_energy_work *work, const tvi_system *system, const double parameters[])
 {
     tvi_arena arena = {0};
     *work = (tvi_energy_work){0};
-    tvi_energy_take(work, &arena, system);
-    void *memory = tvi_arena_open(&arena);
+    tvi_energy_allocate(work, &arena, system);
+    void *memory = tvi_arena_allocate_memory(&arena);
     if (!memory) return NULL;
-    tvi_energy_take(work, &arena, system);
-    tvi_system_prepare(system, arena.blocks, parameters);
+    tvi_energy_allocate(work, &arena, system);
+    tvi_system_prepare_blocks(system, arena.blocks, parameters);
     tvi_energy_prepare(work);
     return memory;
 }
 
-tvi_status tvi_energy_at(const tvi_system *system, const double parameters[], double t, const double q[],
-                         const double p[], double *H)
+tvi_status tvi_energy_with_parameters(const tvi_system *system, const double parameters[], double t, const double q[],
+                                      const double p[], double *H)
 {
     if (!system || !q || !p || !H)
-        return tvi_refuse_null(4, (const void *const[]){system, q, p, H},
-                               (const char *const[]){"system", "q", "p", "H"});
+        return tvi_refuse_null_pointer(4, (const void *const[]){system, q, p, H},
+                                       (const char *const[]){"system", "q", "p", "H"});
     if (!system->energy) return jet_refuse(TVI_EUNSUPPORTED, "a system made from a force has no energy");
     if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p))
-        return tvi_refuse_state(system->n, t, q, "p", p);
+        return tvi_refuse_nonfinite_state(system->n, t, q, "p", p);
     double energy = 0;
     tvi_energy_work work;
-    void *memory = create_work(&work, system, parameters);
-    if (!memory) return jet_refuse_memory(TVI_ENOMEM);
-    const tvi_status status = tvi_energy_of(&work, t, q, p, &energy);
+    void *memory = create_energy_work(&work, system, parameters);
+    if (!memory) return jet_explain_out_of_memory(TVI_ENOMEM);
+    const tvi_status status = tvi_energy_compute(&work, t, q, p, &energy);
     free(memory);
     if (status == TVI_OK) *H = energy;
-    return tvi_refuse_as("energy", status);
+    return tvi_refuse_failed_evaluation("energy", status);
 }
 
 tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
 {
-    return tvi_energy_at(system, NULL, t, q, p, H);
+    return tvi_energy_with_parameters(system, NULL, t, q, p, H);
 }

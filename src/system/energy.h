@@ -1,50 +1,56 @@
-/* energy.h - Computes the energy of a state, in memory that the caller has taken. Integrators use it to check steps. */
+/* energy.h - Computes the energy of a state in memory that the caller has allocated. Integrators check their steps
+ * with it (run/guard.c). */
 #ifndef TVI_SRC_SYSTEM_ENERGY_H
 #define TVI_SRC_SYSTEM_ENERGY_H
 
 #include "system/legendre.h"
 
+/* The memory in which energies are computed, one state at a time. */
 typedef struct {
     const tvi_system *system;
-    double *block;         /* of the energy's tape */
-    tvi_legendre legendre; /* of a Lagrangian that is not separable */
-    /* [n] start and result of Newton's method. */
+    double *tape_block;    /* Block of the energy's tape. */
+    tvi_legendre legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
+    /* [n] Velocities: the first iterate of Newton's method, and its result. */
     double *velocity;
-    /* [slots of the tape] of a Hamiltonian whose values are wanted in long double, otherwise NULL. */
-    long double *precise;
+    /* [slots of the tape] Values in long double of a Hamiltonian; NULL if they are not asked for. */
+    long double *long_double_values;
 } tvi_energy_work;
 
-/* Takes the work for a system that has an energy. */
-void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
+/* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). */
+void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
 void tvi_energy_prepare(tvi_energy_work *work);
-/* Do what tvi_energy, tvi_momentum and tvi_velocity do, with these values of the parameters. NULL leaves them as
- * recorded. */
-TVI_NODISCARD tvi_status tvi_energy_at(const tvi_system *system, const double parameters[], double t, const double q[],
-                                       const double p[], double *H);
-TVI_NODISCARD tvi_status tvi_transform(const tvi_system *system, const double parameters[], double t, const double q[],
-                                       const double in[], double out[], bool to_momenta);
-/* Makes the next solution independent of the one before. */
-static inline void tvi_energy_forget(tvi_energy_work *work)
+/* Do the same as tvi_energy, tvi_momentum and tvi_velocity, with these values of the parameters. NULL stands for the
+ * values in the recording. */
+TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, const double parameters[], double t,
+                                                    const double q[], const double p[], double *H);
+TVI_NODISCARD tvi_status tvi_transform_velocities(const tvi_system *system, const double parameters[], double t,
+                                                  const double q[], const double input[], double output[],
+                                                  bool to_momenta);
+/* Sets the first iterate of Newton's method to 0, so that the next energy does not depend on the one before. */
+static inline void tvi_energy_reset_start(tvi_energy_work *work)
 {
     if (work->velocity) memset(work->velocity, 0, (size_t)work->system->n * sizeof *work->velocity);
 }
-/* Computes tvi_energy of a finite state. */
-TVI_NODISCARD tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H);
+/* Computes the energy of a finite state, as tvi_energy does. */
+TVI_NODISCARD tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[],
+                                            double *H);
 
-/* Computes the energies of several states [n][width], each in a lane of the block. Energies without a value are not
- * finite. It does not serve Lagrangians that are not separable. */
+/* The memory in which the energies of several states are computed at once. Each state is a lane of the block. The
+ * system must not be a Lagrangian, unless it is separable. */
 typedef struct {
     const tvi_system *system;
-    double *block;
-    int width;
-} tvi_energy_lanes;
-void tvi_energy_lanes_take(tvi_energy_lanes *lanes, tvi_arena *arena, const tvi_system *system, int width);
-void tvi_energy_in_lanes(const tvi_energy_lanes *lanes, const double t[], const double q[], const double p[],
-                         double H[]);
+    double *tape_block;
+    int lane_count;
+} tvi_energy_batch;
+void tvi_energy_batch_allocate(tvi_energy_batch *batch, tvi_arena *arena, const tvi_system *system, int lane_count);
+/* Computes H [lane_count] of the states q, p [n][lane_count] at the times t. An energy without a value is not
+ * finite. */
+void tvi_energy_batch_compute(const tvi_energy_batch *batch, const double t[], const double q[], const double p[],
+                              double H[]);
 
-/* Compute the energy of a Hamiltonian in long double, NaN if it has no value. The work has to be taken with room for
- * it. */
-void tvi_energy_take_precise(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
-long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[], const double p[]);
+/* Allocates the memory, and computes the energy of a Hamiltonian in long double. The result is NaN if the energy has
+ * no value. */
+void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
+long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, const double q[], const double p[]);
 
 #endif

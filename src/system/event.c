@@ -1,4 +1,5 @@
-/* event.c - Records the user's event functions, and makes the tape that evaluates several of them. */
+/* event.c - Records the user's event functions, and creates the tape that evaluates several of them at once
+ * (event.h). */
 #include "system/event.h"
 #include "system/refuse.h"
 
@@ -6,17 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-static tvi_status record(tvi_event *event, tvi_event_fn *g, void *ctx)
+/* Calls the user's function, and creates its tapes. */
+static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void *ctx)
 {
     const int n = event->n, inputs = 2 * n + 1;
     jet *state = calloc((size_t)inputs, sizeof *state);
     event->graph = jet_graph_create(inputs);
-    if (event->graph) jet_graph_name(event->graph, "event function");
+    if (event->graph) jet_graph_set_output_name(event->graph, "event function");
     tvi_status status = state && event->graph ? TVI_OK : TVI_ENOMEM;
     for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);
     if (status == TVI_OK) {
         jet value = g(state, state + n, state[2 * n], ctx);
-        status = jet_graph_accept(event->graph, 1, &value);
+        status = jet_graph_accept_outputs(event->graph, 1, &value);
         jet_graph_close(event->graph);
         if (status == TVI_OK) event->tape = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_VALUES);
         if (status == TVI_OK) event->series = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_SERIES);
@@ -37,14 +39,14 @@ tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, boo
         return jet_refuse(TVI_EINVAL, "direction = %d is not a tvi_direction", (int)direction);
     if (!g) return jet_refuse(TVI_EINVAL, "the function is NULL");
     tvi_event *event = calloc(1, sizeof *event);
-    if (!event) return jet_refuse_memory(TVI_ENOMEM);
+    if (!event) return jet_explain_out_of_memory(TVI_ENOMEM);
     event->n = n;
     event->direction = direction;
-    event->terminal = terminal;
-    const tvi_status status = record(event, g, ctx);
+    event->is_terminal = terminal;
+    const tvi_status status = record_event_function(event, g, ctx);
     if (status == TVI_OK) *out = event;
     else tvi_event_free(event);
-    return jet_refuse_memory(status);
+    return jet_explain_out_of_memory(status);
 }
 
 void tvi_event_free(tvi_event *event)
@@ -56,40 +58,42 @@ void tvi_event_free(tvi_event *event)
     free(event);
 }
 
-tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g)
+tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g)
 {
     memcpy(block, x, (2 * (size_t)event->n + 1) * sizeof *x);
-    if (!jet_sweep_values(event->tape, block, 1)) return tvi_refuse_as("event function", TVI_EDOMAIN);
+    if (!jet_sweep_values(event->tape, block, 1)) return tvi_refuse_failed_evaluation("event function", TVI_EDOMAIN);
     *g = block[event->tape->output[0]];
-    return isfinite(*g) ? TVI_OK : tvi_refuse_as("event function", TVI_ENONFINITE);
+    return isfinite(*g) ? TVI_OK : tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE);
 }
 
-/* Records the outputs of all events once more, in a graph of their own. Equal parts of the events are then computed
+/* Records all events once more, in a graph of their own. Expressions that several events contain are then computed
  * once. */
-static tvi_status record_again(const tvi_event *const events[], int count, jet_graph *graph, int inputs, jet jets[])
+static tvi_status record_events_in_one_graph(const tvi_event *const events[], int count, jet_graph *graph, int inputs,
+                                             jet jets[])
 {
-    jet *input = jets, *still = jets + inputs, *value = still + inputs, rate;
+    jet *input = jets, *zeros = jets + inputs, *value = zeros + inputs, rate;
     for (int i = 0; i < inputs; i++) {
         input[i] = jet_graph_input(graph, i);
-        still[i] = jet_const(0);
+        zeros[i] = jet_const(0);
     }
     for (int i = 0; i < count; i++)
-        if (!jet_lift(events[i]->graph, graph, input, still, NULL, 1, &events[i]->output, &value[i], &rate))
+        if (!jet_record_forward_derivatives(events[i]->graph, graph, input, zeros, NULL, 1, &events[i]->output,
+                                            &value[i], &rate))
             return TVI_ENOMEM;
-    const tvi_status status = jet_graph_accept(graph, count, value);
+    const tvi_status status = jet_graph_accept_outputs(graph, count, value);
     jet_graph_close(graph);
     return status;
 }
 
-/* Marks the inputs that the values depend on. */
-static tvi_status find_used(const jet_graph *graph, int inputs, int count, const jet value[], bool used[])
+/* Sets used[i] if one of the values depends on input i. */
+static tvi_status find_used_inputs(const jet_graph *graph, int inputs, int count, const jet value[], bool used[])
 {
-    const int nodes = jet_graph_count(graph);
+    const int nodes = jet_graph_node_count(graph);
     bool *needed = calloc((size_t)nodes, sizeof *needed);
     if (!needed) return TVI_ENOMEM;
     for (int i = 0; i < count; i++) needed[value[i].node->index] = true;
     for (int i = nodes - 1; i >= 0; i--) {
-        const struct jet_node *z = jet_graph_node(graph, i);
+        const struct jet_node *z = jet_graph_node_at(graph, i);
         if (z->a) needed[z->a->index] |= needed[i];
         if (z->b) needed[z->b->index] |= needed[i];
         for (int term = 0; term < z->count; term++) needed[z->terms[term].node->index] |= needed[i];
@@ -99,13 +103,13 @@ static tvi_status find_used(const jet_graph *graph, int inputs, int count, const
     return TVI_OK;
 }
 
-tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count, bool used[])
+tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const events[], int count, bool used[])
 {
     const int inputs = 2 * events[0]->n + 1;
     jet_graph *graph = jet_graph_create(inputs);
     jet *jets = calloc(2 * (size_t)inputs + (size_t)count, sizeof *jets);
-    tvi_status status = graph && jets ? record_again(events, count, graph, inputs, jets) : TVI_ENOMEM;
-    if (status == TVI_OK) status = find_used(graph, inputs, count, jets + 2 * inputs, used);
+    tvi_status status = graph && jets ? record_events_in_one_graph(events, count, graph, inputs, jets) : TVI_ENOMEM;
+    if (status == TVI_OK) status = find_used_inputs(graph, inputs, count, jets + 2 * inputs, used);
     *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + 2 * inputs, JET_TAPE_VALUES) : NULL;
     if (status == TVI_OK && !*out) status = TVI_ENOMEM;
     free(jets);

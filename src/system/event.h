@@ -1,4 +1,5 @@
-/* event.h - Records and evaluates event functions. The search for events (run/search.c) calls it. */
+/* event.h - Declares the user's event functions g(q, p, t): their recording, their values, and their Taylor
+ * expansion near a state. The search for events (run/search.c) calls it. */
 #ifndef TVI_SRC_SYSTEM_EVENT_H
 #define TVI_SRC_SYSTEM_EVENT_H
 
@@ -8,37 +9,39 @@
 struct tvi_event {
     int n;
     tvi_direction direction;
-    bool terminal;
-    jet_graph *graph; /* closed */
+    bool is_terminal;
+    jet_graph *graph; /* The closed recording of g. */
     jet output;       /* g */
-    jet_tape *tape;   /* inputs q, p, t; one output */
-    /* A tape of the same function, for Taylor coefficients. */
+    jet_tape *tape;   /* Computes g from q, p, t. */
+    /* Computes the Taylor series of g. */
     jet_tape *series;
-    uint64_t hash; /* of the tape; equal functions have equal hashes */
+    uint64_t hash; /* Hash of the tape; equal functions have equal hashes. */
 };
 
-/* Evaluates g at the state x [2n + 1] of q, p and t, in a block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g);
-/* Creates the tape of several events with the same n: its inputs are q, p, t, its outputs the g of each event. Sets
- * used [2n + 1]: whether an event depends on the input. */
-TVI_NODISCARD tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count, bool used[]);
+/* Evaluates g at x [2n + 1] = (q, p, t), in a block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
+TVI_NODISCARD tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g);
+/* Creates one tape for several events with the same n. Its inputs are q, p, t, and its outputs the values g of the
+ * events. Sets used [2n + 1], which tells whether an event depends on the input. */
+TVI_NODISCARD tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const events[], int count,
+                                                     bool used[]);
 
-/* The work for questions about g near one state. */
+/* The memory in which g is expanded near one state. */
 typedef struct {
-    double *x;  /* [orders][slots] block of the event's series */
-    double *dx; /* [slots][TVI_ROUNDOFF_SAMPLES] its tangents */
-} tvi_event_near;
-TVI_NODISCARD tvi_status tvi_event_near_open(tvi_event_near *near, const tvi_event *event);
-void tvi_event_near_close(tvi_event_near *near); /* pointers may be NULL */
+    double *series_block; /* [orders][slots] A block of the event's series. */
+    double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] Tangents of the values. */
+} tvi_event_expansion;
+TVI_NODISCARD tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event);
+void tvi_event_expansion_close(tvi_event_expansion *expansion); /* Frees the memory. Its pointers may be NULL. */
 
 /* Estimates the roundoff of g at the state x [2n + 1]: the effect of a unit of roundoff in each input, relative to
- * size[2n + 1], and in each operation. TVI_EDOMAIN. */
-TVI_NODISCARD tvi_status tvi_event_roundoff(const tvi_event *event, const tvi_event_near *near, const double x[],
-                                            const double size[], double *roundoff);
-/* Computes g(x + d) - g(x) by the Taylor polynomial of g along d [2n + 1], without the cancellation of a difference.
- * *scale is the sum of the sizes of its first-order terms. *is_exact: the rest of the series is below roundoff.
- * TVI_EDOMAIN. */
-TVI_NODISCARD tvi_status tvi_event_rise(const tvi_event *event, const tvi_event_near *near, const double x[],
-                                        const double d[], double *rise, double *scale, bool *is_exact);
+ * sizes [2n + 1], and in each operation. TVI_EDOMAIN. */
+TVI_NODISCARD tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_expansion *expansion,
+                                                     const double x[], const double sizes[], double *roundoff);
+/* Computes the change g(x + displacement) - g(x) by the Taylor polynomial of g, without the cancellation of a
+ * difference. *scale becomes the sum of the magnitudes of its first-order terms. *is_exact tells whether the rest of
+ * the series is below roundoff. TVI_EDOMAIN. */
+TVI_NODISCARD tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expansion *expansion,
+                                                  const double x[], const double displacement[], double *change,
+                                                  double *scale, bool *is_exact);
 
 #endif

@@ -1,17 +1,18 @@
-/* hessian.c - Records the second derivatives of a Lagrangian, and of a rescaled Hamiltonian K = g h (hessian.h). */
+/* hessian.c - Records the second derivatives of a Lagrangian and of a rescaled Hamiltonian (hessian.h). */
 #include "system/hessian.h"
 
 #include <stdlib.h>
 
-/* Second derivatives of a product serve the passes of large steps (galerkin/hamiltonian.c). They are kept if the field
- * with them has at most MOST_COST / 4 times as many operations as without, as measured: beyond that, more passes
- * without them take as little time. They are not recorded if the size of the recording, or its product with the number
- * of components, shows that they would be too many. */
+/* Limits for the second derivatives of K = g h, which serve the passes of large steps (galerkin/hamiltonian.c). They
+ * are kept if the field with them has at most MOST_COST / 4 times as many operations as the field alone;
+ * measurements show that otherwise more passes without them take as little time. All of K'' is recorded only if the
+ * number of nodes times that of rows is at most MOST_OF_WHOLE, and the shorter form only if there are at most
+ * MOST_NODES nodes. */
 enum { MOST_COST = 13, MOST_OF_WHOLE = 4096, MOST_NODES = 800 };
 
-/* Makes room in *jets for the field, one more row of second derivatives and a whole gradient, part of which is that
- * row; and in system->hessian for the entries of the row. */
-static bool grow(tvi_system *system, jet **jets)
+/* Makes room in *jets for the field, one more row of second derivatives, and the whole gradient that contains the
+ * row. Also makes room in system->hessian for the entries of the row. */
+static bool grow_hessian_arrays(tvi_system *system, jet **jets)
 {
     const size_t room = (size_t)system->hessian_entries + 6 * (size_t)system->n;
     jet *more = realloc(*jets, room * sizeof *more);
@@ -21,17 +22,17 @@ static bool grow(tvi_system *system, jet **jets)
     return more && hessian;
 }
 
-/* Records a gradient after the second derivatives so far. NULL without memory. */
-static jet *gradient_of(tvi_system *system, jet x, jet **jets)
+/* Records the gradient of x, in *jets after all entries so far. Returns NULL if memory is lacking. */
+static jet *record_gradient_after_entries(tvi_system *system, jet x, jet **jets)
 {
     const int rows = 2 * system->n;
-    if (!grow(system, jets)) return NULL;
+    if (!grow_hessian_arrays(system, jets)) return NULL;
     jet *gradient = *jets + 2 * rows + system->hessian_entries;
-    return jet_gradient(system->graph, x, rows, gradient) ? gradient : NULL;
+    return jet_record_gradient(system->graph, x, rows, gradient) ? gradient : NULL;
 }
 
-/* Adds a second derivative that is not 0 everywhere. */
-static void add(tvi_system *system, jet jets[], int row, int column, jet x)
+/* Appends a second derivative, unless it is 0 everywhere. */
+static void append_entry(tvi_system *system, jet jets[], int row, int column, jet x)
 {
     if (!x.node && x.number == 0) return;
     jets[2 * system->n + system->hessian_entries] = x;
@@ -43,47 +44,48 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
     const int rows = 2 * system->n;
     system->hessian_entries = 0;
     for (int row = 0; row < rows; row++) {
-        const jet *hessian_row = gradient_of(system, system->field[row], jets);
+        const jet *hessian_row = record_gradient_after_entries(system, system->field[row], jets);
         if (!hessian_row) return TVI_ENOMEM;
         (*jets)[row] = system->field[row];
-        for (int column = 0; column <= row; column++) add(system, *jets, row, column, hessian_row[column]);
+        for (int column = 0; column <= row; column++) append_entry(system, *jets, row, column, hessian_row[column]);
     }
-    return jet_graph_accept(system->graph, rows + system->hessian_entries, *jets);
+    return jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets);
 }
 
-/* Records a row of g h'' + g' h'^T + h' g'^T, and the component g h' + h g' of the field, which shares operations with
- * it. */
-static tvi_status record_row(tvi_system *system, int row, const jet factor[2], const jet gradient_g[],
-                             const jet gradient_h[], jet **jets)
+/* Records a row of g h'' + g' h'^T + h' g'^T, and the component g h' + h g' of the field, which shares operations
+ * with it. */
+static tvi_status record_product_row(tvi_system *system, int row, const jet factor[2], const jet gradient_g[],
+                                     const jet gradient_h[], jet **jets)
 {
-    const jet *hessian_row = gradient_of(system, gradient_h[row], jets);
+    const jet *hessian_row = record_gradient_after_entries(system, gradient_h[row], jets);
     if (!hessian_row) return TVI_ENOMEM;
     (*jets)[row] = jet_add(jet_mul(factor[0], gradient_h[row]), jet_mul(factor[1], gradient_g[row]));
     for (int column = 0; column <= row; column++) {
         const jet both =
             jet_add(jet_mul(gradient_g[row], gradient_h[column]), jet_mul(gradient_h[row], gradient_g[column]));
-        add(system, *jets, row, column, jet_add(jet_mul(factor[0], hessian_row[column]), both));
+        append_entry(system, *jets, row, column, jet_add(jet_mul(factor[0], hessian_row[column]), both));
     }
     return TVI_OK;
 }
 
-static tvi_status record_where_h_is_0(tvi_system *system, const jet factor[2], jet **jets)
+/* Records all rows of g h'' + g' h'^T + h' g'^T, which is K'' where h = 0. */
+static tvi_status record_product_hessian(tvi_system *system, const jet factor[2], jet **jets)
 {
     const int rows = 2 * system->n;
     jet *gradient_g = malloc(2 * (size_t)rows * sizeof *gradient_g), *gradient_h = gradient_g + rows;
     if (!gradient_g) return TVI_ENOMEM;
-    const bool derived = jet_gradient(system->graph, factor[0], rows, gradient_g) &&
-                         jet_gradient(system->graph, factor[1], rows, gradient_h);
+    const bool derived = jet_record_gradient(system->graph, factor[0], rows, gradient_g) &&
+                         jet_record_gradient(system->graph, factor[1], rows, gradient_h);
     tvi_status status = derived ? TVI_OK : TVI_ENOMEM;
     system->hessian_entries = 0;
     for (int row = 0; row < rows && status == TVI_OK; row++)
-        status = record_row(system, row, factor, gradient_g, gradient_h, jets);
+        status = record_product_row(system, row, factor, gradient_g, gradient_h, jets);
     free(gradient_g);
-    return status == TVI_OK ? jet_graph_accept(system->graph, rows + system->hessian_entries, *jets) : status;
+    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets) : status;
 }
 
-/* Drops the second derivatives if they are not cheap. */
-static tvi_status keep_cheap(tvi_system *system, const jet jets[])
+/* Drops the second derivatives if they cost too much beside the field (MOST_COST). */
+static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
     jet_tape *field = jet_tape_create(system->graph, rows, rows, system->field, JET_TAPE_VALUES);
@@ -96,22 +98,22 @@ static tvi_status keep_cheap(tvi_system *system, const jet jets[])
     return created ? TVI_OK : TVI_ENOMEM;
 }
 
-tvi_status tvi_hessian_record_rescaled(tvi_system *system, const jet factor[2], jet **jets)
+tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets)
 {
-    const int rows = 2 * system->n, nodes = jet_graph_count(system->graph);
-    tvi_status status = jet_graph_accept(system->graph, rows, system->field);
+    const int rows = 2 * system->n, nodes = jet_graph_node_count(system->graph);
+    tvi_status status = jet_graph_accept_outputs(system->graph, rows, system->field);
     if (status != TVI_OK) return status;
     if (rows <= MOST_OF_WHOLE / nodes) {
         status = tvi_hessian_record(system, jets);
-        if (status == TVI_OK) status = keep_cheap(system, *jets);
+        if (status == TVI_OK) status = drop_expensive_hessian(system, *jets);
     }
     system->hessian_is_complete = system->hessian_entries > 0;
     if (status != TVI_OK || system->hessian_is_complete || nodes > MOST_NODES) return status;
-    status = record_where_h_is_0(system, factor, jets);
-    return status == TVI_OK ? keep_cheap(system, *jets) : status;
+    status = record_product_hessian(system, factor, jets);
+    return status == TVI_OK ? drop_expensive_hessian(system, *jets) : status;
 }
 
-tvi_status tvi_hessian_lower(tvi_system *system, const jet jets[])
+tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
     if (system->hessian_entries == 0) return TVI_OK;

@@ -1,4 +1,5 @@
-/* rates.c - Computes q' and p' by the field: p / m and F, or H_p and -H_q. */
+/* rates.c - Computes q' and p' by the field (rates.h): p / m and F of a separable system, H_p and -H_q of a
+ * Hamiltonian. */
 #include "system/rates.h"
 
 #include <stdlib.h>
@@ -10,7 +11,7 @@ tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const doub
     if (system->form == TVI_LAGRANGIAN) return TVI_OK;
     rates->block = malloc((size_t)system->field_values->slots * sizeof *rates->block);
     if (!rates->block) return TVI_ENOMEM;
-    jet_tape_prepare(system->field_values, rates->block, 1, 1);
+    jet_tape_prepare_block(system->field_values, rates->block, 1, 1);
     tvi_rates_set_parameters(rates, parameters);
     return TVI_OK;
 }
@@ -24,14 +25,14 @@ void tvi_rates_set_parameters(tvi_rates *rates, const double parameters[])
 
 void tvi_rates_close(tvi_rates *rates) { free(rates->block); }
 
-tvi_status tvi_rates_at(tvi_rates *rates, const double x[], double rate[])
+tvi_status tvi_rates_compute(tvi_rates *rates, const double x[], double rate[])
 {
     const tvi_system *system = rates->system;
     const jet_tape *tape = system->field_values;
     const int n = system->n, *output = tape->output;
     const double *block = rates->block;
     memcpy(rates->block, x, (size_t)system->inputs * sizeof *x);
-    tvi_system_set_time(system, rates->block, 1, &x[2 * n]);
+    tvi_system_write_time(system, rates->block, 1, &x[2 * n]);
     if (!jet_sweep_values(tape, rates->block, 1)) return TVI_EDOMAIN;
     for (int i = 0; i < n; i++) {
         const bool has_masses = system->form == TVI_SEPARABLE;

@@ -1,21 +1,23 @@
-/* rates.h - Computes the time derivatives of a state. States at given times and the finder of events call it. */
+/* rates.h - Computes the time derivatives q' and p' of a state. States at given times, and the search for events,
+ * call it. */
 #ifndef TVI_SRC_SYSTEM_RATES_H
 #define TVI_SRC_SYSTEM_RATES_H
 
 #include "system/system.h"
 
+/* The memory in which the derivatives are computed. */
 typedef struct {
     const tvi_system *system;
-    /* Block of the field at one point; NULL if the field is not given in q and p. */
+    /* Block of the field at one point; NULL for a Lagrangian, whose field is not a function of q and p. */
     double *block;
 } tvi_rates;
 
-/* Opens the rates. A Lagrangian has none: `block` is NULL then. */
+/* Allocates the memory, and sets the parameters. For a Lagrangian, `block` stays NULL. */
 TVI_NODISCARD tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const double parameters[]);
 void tvi_rates_set_parameters(tvi_rates *rates, const double parameters[]);
 void tvi_rates_close(tvi_rates *rates);
 
-/* Computes rate [2n] of q and p at the state x [2n + 1] of q, p and t. TVI_EDOMAIN. */
-TVI_NODISCARD tvi_status tvi_rates_at(tvi_rates *rates, const double x[], double rate[]);
+/* Computes rate [2n] = (q', p') at the state x [2n + 1] = (q, p, t). TVI_EDOMAIN. */
+TVI_NODISCARD tvi_status tvi_rates_compute(tvi_rates *rates, const double x[], double rate[]);
 
 #endif

@@ -1,27 +1,27 @@
-/* refuse.c - Writes the texts of tvi_last_error that several functions share (refuse.h). */
+/* refuse.c - Sets texts of tvi_last_error for refusals that several functions share (refuse.h). */
 #include "system/refuse.h"
 
 #include <math.h>
 
-tvi_status tvi_refuse_null(int count, const void *const pointer[], const char *const name[])
+tvi_status tvi_refuse_null_pointer(int count, const void *const pointer[], const char *const name[])
 {
     int i = 0;
     while (i < count - 1 && pointer[i]) i++;
     return jet_refuse(TVI_EINVAL, "%s is NULL", name[i]);
 }
 
-tvi_status tvi_refuse_run(tvi_run_arguments given, const char *other)
+tvi_status tvi_refuse_run_arguments(tvi_run_arguments arguments, const char *other)
 {
-    const void *const pointer[] = {given.integrator, given.t, given.q, given.p};
+    const void *const pointer[] = {arguments.integrator, arguments.t, arguments.q, arguments.p};
     static const char *const name[] = {"integrator", "t", "q", "p"};
     for (int i = 0; i < 4; i++)
-        if (!pointer[i]) return tvi_refuse_null(4, pointer, name);
-    if (given.h == 0) return jet_refuse(TVI_EINVAL, "h is 0");
-    if (!isfinite(given.h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", given.h);
+        if (!pointer[i]) return tvi_refuse_null_pointer(4, pointer, name);
+    if (arguments.h == 0) return jet_refuse(TVI_EINVAL, "h is 0");
+    if (!isfinite(arguments.h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", arguments.h);
     return jet_refuse(TVI_EINVAL, "%s", other);
 }
 
-tvi_status tvi_refuse_state(int n, double t, const double q[], const char *name, const double other[])
+tvi_status tvi_refuse_nonfinite_state(int n, double t, const double q[], const char *name, const double other[])
 {
     if (!isfinite(t)) return jet_refuse(TVI_ENONFINITE, "t = %g is not finite", t);
     for (int i = 0; i < n; i++) {
@@ -31,8 +31,9 @@ tvi_status tvi_refuse_state(int n, double t, const double q[], const char *name,
     return TVI_OK;
 }
 
-tvi_status tvi_refuse_as(const char *what, tvi_status status)
+tvi_status tvi_refuse_failed_evaluation(const char *what, tvi_status status)
 {
     if (status == TVI_OK) return status;
-    return jet_refuse(status, "%s: %s", what, status == TVI_EDOMAIN ? jet_refusal() : tvi_status_string(status));
+    return jet_refuse(status, "%s: %s", what,
+                      status == TVI_EDOMAIN ? jet_last_refusal_text() : tvi_status_string(status));
 }

@@ -1,5 +1,6 @@
-/* rescaled.c - Creates a system in another time, dt = g ds, as the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) +
- * e) in n + 1 coordinates. With e = -H at the start, K is 0 on the orbit, and
+/* rescaled.c - Creates a system in a rescaled time s, dt = g ds, whose steps adapt and stay symplectic
+ * (docs/adaptive.md). It has n + 1 coordinates and the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) + e). With e
+ * = -H at the start, K is 0 on the orbit, and
  *     dq/ds = g H_p + (H+e) g_p,  dt/ds = g,  dp/ds = -g H_q - (H+e) g_q,  de/ds = -g H_t - (H+e) g_t.
  * Equal steps in s are symplectic in (q, t, p, e). K and H are recorded from the recording of the system. */
 #include "system/system.h"
@@ -8,54 +9,57 @@
 
 #include <math.h>
 
+/* A system and the time scale with which it is rescaled. */
 typedef struct {
     const tvi_system *base;
-    tvi_rescale_fn *g; /* NULL: automatic */
+    tvi_rescale_fn *g; /* The user's time scale; NULL: it is automatic. */
     void *ctx;
-} rescaling;
+} rescaled_statement;
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
-/* Tells whether the value is positive wherever it exists, by its last operations. */
-static bool is_positive(const struct jet_node *z)
+/* Tells whether a node is positive wherever it exists. Only the last operations that compute it are examined. */
+static bool is_always_positive(const struct jet_node *z)
 {
     switch (z->op) {
     case OP_EXP:
     case OP_COSH:
     case OP_SQRT:
     case OP_HYPOT: return true;
-    case OP_POW: return z->number != rint(z->number) || is_positive(z->a);
-    case OP_SQR: return is_positive(z->a);
+    case OP_POW: return z->number != rint(z->number) || is_always_positive(z->a);
+    case OP_SQR: return is_always_positive(z->a);
     case OP_MUL:
-    case OP_DIV: return is_positive(z->a) && is_positive(z->b);
-    case OP_CONST: return z->number > 0; /* a parameter may become negative */
+    case OP_DIV: return is_always_positive(z->a) && is_always_positive(z->b);
+    case OP_CONST: return z->number > 0; /* A parameter may become negative. */
     case OP_LINEAR: {
         bool positive = z->number >= 0 && z->count > 0;
-        for (int i = 0; i < z->count; i++) positive &= z->terms[i].coefficient > 0 && is_positive(z->terms[i].node);
+        for (int i = 0; i < z->count; i++)
+            positive &= z->terms[i].coefficient > 0 && is_always_positive(z->terms[i].node);
         return positive;
     }
     default: return false;
     }
 }
 
-/* Returns g, with TVI_EDOMAIN at states where g is not positive. */
-static jet positive(jet g)
+/* Returns g as a jet whose sweep fails with TVI_EDOMAIN at states where g is not positive. */
+static jet require_positive_scale(jet g)
 {
-    if (!g.node) return g.number > 0 ? g : jet_poison(isnan(g.number) ? JET_NOT_FINITE : JET_NOT_POSITIVE);
-    return jet_is_poison(g) || is_positive(g.node) ? g : jet_sqr(jet_sqrt(g));
+    if (!g.node) return g.number > 0 ? g : jet_make_poison(isnan(g.number) ? JET_NOT_FINITE : JET_NOT_POSITIVE);
+    return jet_is_poison(g) || is_always_positive(g.node) ? g : jet_sqr(jet_sqrt(g));
 }
 
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
 
-/* Records factor = {g, H + e}. */
-static void transform(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
+/* Records the two factors of K: factor = {g, H + e}. */
+static void record_factors(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
-    const rescaling *r = ctx;
-    const int n = r->base->n;
+    const rescaled_statement *statement = ctx;
+    const int n = statement->base->n;
     (void)s;
-    const jet H = tvi_stated_hamiltonian(q, p, q[n], (void *)r->base);
-    const jet g = r->g ? r->g(q, p, q[n], r->ctx) : tvi_automatic_scale(r->base, H);
-    factor[0] = positive(g);
+    const jet H = tvi_record_stated_hamiltonian(q, p, q[n], (void *)statement->base);
+    const jet g =
+        statement->g ? statement->g(q, p, q[n], statement->ctx) : tvi_record_automatic_scale(statement->base, H);
+    factor[0] = require_positive_scale(g);
     factor[1] = jet_add(H, p[n]);
 }
 
@@ -70,18 +74,18 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
                                     : system->stepped != system      ? "the system is rescaled already"
                                                                      : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
-    rescaling r = {system, g, ctx};
+    rescaled_statement statement = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_create_rescaled(&stepped, system->n + 1, transform, &r);
+    tvi_status status = tvi_system_create_rescaled(&stepped, system->n + 1, record_factors, &statement);
     if (status == TVI_EDOMAIN && !g)
         return jet_refuse(status, "K = g (H + e): the automatic g has no value (give a g of your own): %s",
-                          jet_refusal());
-    if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_refusal());
+                          jet_last_refusal_text());
+    if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_last_refusal_text());
     stepped->regular = false; /* K_ee = 0 */
     stepped->is_automatic = !g;
     stepped->compares_movements = system->has_masses;
     tvi_system_split_time(stepped);
-    status = tvi_system_hamiltonian(&rescaled, system->n, tvi_stated_hamiltonian, (void *)system);
+    status = tvi_system_hamiltonian(&rescaled, system->n, tvi_record_stated_hamiltonian, (void *)system);
     if (status != TVI_OK) {
         tvi_system_free(stepped);
         return status;

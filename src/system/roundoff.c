@@ -1,4 +1,4 @@
-/* roundoff.c - Estimates the roundoff in the values of a field (roundoff.h). */
+/* roundoff.c - Estimates the roundoff in the values of a field, by tangents in random directions (roundoff.h). */
 #include "system/roundoff.h"
 #include "algebra/sizes.h"
 
@@ -8,35 +8,36 @@
 
 enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
-void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
+void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
 {
     const size_t slots = (size_t)system->field_series->slots;
-    roundoff->change = tvi_arena_doubles(arena, (size_t)tvi_system_outputs(system));
-    roundoff->x = tvi_arena_block(arena, system->field_series, 1, 1, 0);
-    roundoff->dx = tvi_arena_doubles(arena, slots * SAMPLES);
+    roundoff->change = tvi_arena_doubles(arena, (size_t)tvi_system_output_count(system));
+    roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
+    roundoff->tangents = tvi_arena_doubles(arena, slots * SAMPLES);
 }
 
-double tvi_roundoff_sign(tvi_roundoff *roundoff, double size)
+double tvi_roundoff_random_sign(tvi_roundoff *roundoff, double size)
 {
     roundoff->random = roundoff->random * 1664525u + 1013904223u;
     return roundoff->random >> 31 ? -size : size;
 }
 
-/* Tells whether the operation only multiplies by a power of two, which loses nothing. */
-static bool is_exact(const jet_tape *tape, const jet_run *run, int i)
+/* Tells whether the operation only multiplies by a power of two, which is exact. */
+static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, int i)
 {
     int exponent;
-    return run->op == OP_LINEAR && run->terms == 1 && tape->base[run->first + i] == 0 &&
+    return run->op == OP_LINEAR && run->terms == 1 && tape->constant_terms[run->first_constant + i] == 0 &&
            fabs(frexp(tape->term_coefficient[run->term + i], &exponent)) == 0.5;
 }
 
-/* The size that the roundoff of slot z + i of the run is relative to. */
-static double size_of(const jet_tape *tape, const jet_run *run, int i, const double *x)
+/* Returns the magnitude to which the roundoff of operation i of the run is relative: that of its result, or for a
+ * sum that of its terms. */
+static double roundoff_scale(const jet_tape *tape, const jet_run *run, int i, const double *x)
 {
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
     if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + i]);
-    if (is_exact(tape, run, i)) return 0;
-    double sum = is_linear ? fabs(tape->base[run->first + i]) : 0;
+    if (is_multiplication_exact(tape, run, i)) return 0;
+    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant + i]) : 0;
     for (int term = 0; term < run->terms; term++) {
         const int k = run->term + term + (is_linear ? i * run->terms : 0), at = is_linear ? 0 : i;
         const double a = x[tape->term_slot[k] + at];
@@ -46,10 +47,10 @@ static double size_of(const jet_tape *tape, const jet_run *run, int i, const dou
     return sum;
 }
 
-/* Adds a unit of roundoff of this size to dx of a slot, in each sample with its own sign. The signs are the bits of a
- * hash of the value's digits. For this reason neither units nor the order of slots count, and equal values are wrong
- * alike. */
-static void disturb(const double *x, double *dx, int slot, double size)
+/* Adds a unit of roundoff of this magnitude to the tangents of a slot, with a sign for each sample. The signs are
+ * bits of a hash of the value's digits. Therefore they depend neither on units nor on the order of slots, and equal
+ * values have equal errors. */
+static void add_roundoff_unit(const double *x, double *dx, int slot, double size)
 {
     int exponent;
     const double digits = frexp(fabs(x[slot]), &exponent);
@@ -58,38 +59,41 @@ static void disturb(const double *x, double *dx, int slot, double size)
         dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
 }
 
-void tvi_roundoff_sweep(const jet_tape *tape, int inputs, const double size[], const double *x, double *dx)
+void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double sizes[], const double *x, double *dx)
 {
     memset(dx, 0, (size_t)inputs * SAMPLES * sizeof *dx);
-    for (int i = 0; i < inputs; i++) disturb(x, dx, i, size ? size[i] : fabs(x[i]));
+    for (int i = 0; i < inputs; i++) add_roundoff_unit(x, dx, i, sizes ? sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->runs; r++) {
         jet_tape one = *tape;
-        one.sweeps = tape->interpreted; /* generated code has no parts */
+        one.sweeps = tape->interpreter_sweeps; /* Generated code cannot run a part of a tape. */
         one.run = tape->run + r;
         one.runs = 1;
         jet_sweep_tangents(&one, x, dx, 0, SAMPLES);
-        for (int i = 0; i < one.run->count; i++) disturb(x, dx, one.run->z + i, size_of(tape, one.run, i, x));
+        for (int i = 0; i < one.run->operation_count; i++)
+            add_roundoff_unit(x, dx, one.run->z + i, roundoff_scale(tape, one.run, i, x));
     }
 }
 
-int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes, int points)
+int tvi_roundoff_estimate_of_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
+                                   int points)
 {
     const jet_tape *tape = system->field_series;
-    const int outputs = tvi_system_outputs(system);
+    const int outputs = tvi_system_output_count(system);
     roundoff->random = 1;
     memset(roundoff->change, 0, (size_t)outputs * sizeof *roundoff->change);
     for (int point = 0; point < points; point++) {
-        for (int i = 0; i < system->inputs + system->uses_time; i++) roundoff->x[i] = inputs[i * lanes + point];
-        if (!jet_sweep_values(tape, roundoff->x, 1)) continue;
-        tvi_roundoff_sweep(tape, system->inputs, NULL, roundoff->x, roundoff->dx);
+        for (int i = 0; i < system->inputs + system->uses_time; i++)
+            roundoff->field_block[i] = inputs[i * lanes + point];
+        if (!jet_sweep_values(tape, roundoff->field_block, 1)) continue;
+        tvi_roundoff_sweep_tape(tape, system->inputs, NULL, roundoff->field_block, roundoff->tangents);
         for (int i = 0; i < outputs; i++)
-            roundoff->change[i] =
-                fmax(roundoff->change[i], tvi_largest(SAMPLES, roundoff->dx + tape->output[i] * SAMPLES, 1));
+            roundoff->change[i] = fmax(
+                roundoff->change[i], tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output[i] * SAMPLES, 1));
     }
     return points * (1 + SAMPLES);
 }
 
-static bool are_near(int n, double size, const double start[], const double *rows, int lanes, int points)
+static bool are_close_to_start(int n, double size, const double start[], const double *rows, int lanes, int points)
 {
     for (int i = 0; i < n; i++)
         for (int point = 0; point < points; point++)
@@ -97,17 +101,18 @@ static bool are_near(int n, double size, const double start[], const double *row
     return true;
 }
 
-/* A motion this much faster than the velocity at the start leads away. */
-enum { FASTER = 4 };
+/* The motion counts as small even if it is up to this many times as fast as the velocity at the start. */
+enum { SPEED_GROWTH = 4 };
 
-bool tvi_roundoff_is_near(const tvi_system *system, double h, const double q_start[], const double p_start[],
-                          const double *q, const double *p, int lanes, int points)
+bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
+                                  const double *q, const double *p, int lanes, int points)
 {
     const int n = system->n;
     const bool separable = system->form == TVI_SEPARABLE;
-    double way = 0;
+    double distance = 0;
     if (separable)
-        for (int i = 0; i < n; i++) way = fmax(way, fabs(h * p_start[i] / system->mass[i]));
-    return are_near(n, tvi_largest(n, q_start, 1) + FASTER * way, q_start, q, lanes, points) ||
-           (!separable && are_near(n, tvi_largest(n, p_start, 1), p_start, p, lanes, points));
+        for (int i = 0; i < n; i++) distance = fmax(distance, fabs(h * p_start[i] / system->mass[i]));
+    return are_close_to_start(n, tvi_largest_magnitude(n, q_start, 1) + SPEED_GROWTH * distance, q_start, q, lanes,
+                              points) ||
+           (!separable && are_close_to_start(n, tvi_largest_magnitude(n, p_start, 1), p_start, p, lanes, points));
 }

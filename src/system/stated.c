@@ -1,37 +1,42 @@
-/* stated.c - Records the user's H or L once more for another system: its lift, or the rescaled one. */
+/* stated.c - Records the user's H or L once more for another system: a driven or a rescaled one. */
 #include "system/system.h"
 
 #include <stdlib.h>
 
-/* Records V, L or H, as the user stated it, at (q, v or p, t). NULL in place of v or p means zeros. */
-static jet stated(const tvi_system *base, const jet q[], const jet velocities[], jet t)
+/* Records V, L or H, as the user stated it, at (q, v or p, t). NULL in the place of v or p stands for zeros. */
+static jet record_stated_function(const tvi_system *base, const jet q[], const jet velocities[], jet t)
 {
-    const int n = base->n, inputs = jet_graph_inputs(base->graph), time = base->energy_inputs;
+    const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = base->energy_inputs;
     jet_graph *graph;
-    const jet refused = jet_graph_of(1, q, &graph);
+    const jet refused = jet_find_common_graph(1, q, &graph);
     if (refused.node) return refused;
-    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* numbers 0 */
-    if (!input) return jet_poison(JET_NO_MEMORY);
+    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* All are the number 0 at first. */
+    if (!input) return jet_make_poison(JET_NO_MEMORY);
     for (int i = 0; i < n; i++) input[i] = q[i];
-    for (int i = n; i < time && velocities; i++) input[i] = velocities[i - n];
-    input[time] = t;
-    const bool lifted = jet_lift(base->graph, graph, input, input + inputs, NULL, 1, &base->stated, &value, &rate);
+    for (int i = n; i < time_index && velocities; i++) input[i] = velocities[i - n];
+    input[time_index] = t;
+    const bool lifted = jet_record_forward_derivatives(base->graph, graph, input, input + inputs, NULL, 1,
+                                                       &base->stated, &value, &rate);
     free(input);
-    return lifted ? value : jet_poison(JET_NO_MEMORY);
+    return lifted ? value : jet_make_poison(JET_NO_MEMORY);
 }
 
-/* Records H. With masses V is the stated function at p = 0 or v = 0, up to the sign. */
-jet tvi_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+/* Records H. For a separable system H is sum p_i^2 / (2 m_i) + V, and V is the stated function at p = 0 or v = 0, up
+ * to the sign. */
+jet tvi_record_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_system *base = ctx;
-    if (base->form == TVI_HAMILTONIAN) return stated(base, q, p, t);
+    if (base->form == TVI_HAMILTONIAN) return record_stated_function(base, q, p, t);
     jet *terms = malloc(((size_t)base->n + 1) * sizeof *terms);
-    if (!terms) return jet_poison(JET_NO_MEMORY);
-    terms[0] = jet_mul(base->energy_sign, stated(base, q, NULL, t));
+    if (!terms) return jet_make_poison(JET_NO_MEMORY);
+    terms[0] = jet_mul(base->energy_sign, record_stated_function(base, q, NULL, t));
     for (int i = 0; i < base->n; i++) terms[1 + i] = jet_div(jet_sqr(p[i]), 2 * base->mass[i]);
     const jet H = jet_sum(terms, base->n + 1);
     free(terms);
     return H;
 }
 
-jet tvi_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx) { return stated(ctx, q, v, t); }
+jet tvi_record_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
+{
+    return record_stated_function(ctx, q, v, t);
+}

@@ -1,4 +1,5 @@
-/* statement.c - Records the user's function, and lowers it to the tapes that the steppers run. */
+/* statement.c - Creates systems: calls the user's function on jets, brings the recording into one of the three forms
+ * (tvi_form), and lowers it to the tapes that the steppers run. */
 #include "system/system.h"
 #include "system/legendre.h"
 #include "system/hessian.h"
@@ -7,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The statement of a system: one of the first four functions, or the factors of a Hamiltonian, or a system to lift. */
+/* The user's statement of a system. Exactly one of the first five functions is set, or `base`, the system to lift. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
@@ -17,23 +18,21 @@ typedef struct {
     const double *mass;
     void *ctx;
     const tvi_system *base;
-    bool has_momenta; /* of the lift: it is not separable */
-    /* The forces of a driven Hamiltonian or Lagrangian; NULL if there are none. */
-    tvi_drive_fn *drive;
+    bool has_paired_momenta; /* The lift is not separable; its momenta are conjugate to its coordinates. */
+    tvi_drive_fn *drive;     /* Forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
-} statement;
+} system_statement;
 
-/* A recording that is open. Its jets belong to the graph. */
+/* A system whose recording is open. All jets belong to its graph. */
 typedef struct {
     tvi_system *system;
-    /* Inputs: coordinates; velocities or momenta; directions of the bend; time. */
+    /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
     jet *q, *v, *r, t;
-    jet scalar; /* V, L or H */
-    jet *field; /* [2n] the system's */
-    jet *bend;  /* [2n] */
-    /* [2n + hessian_entries] the field, then the second derivatives. */
-    jet *hessian;
-} recording;
+    jet scalar;           /* V, L or H. */
+    jet *field;           /* [2n] The field, which belongs to the system. */
+    jet *gradient_of_rHp; /* [2n] The gradient of r.H_p. */
+    jet *hessian;         /* [2n + hessian_entries] The field, then the second derivatives. */
+} system_recording;
 
 static tvi_status check_masses(int n, const double mass[])
 {
@@ -45,329 +44,343 @@ static tvi_status check_masses(int n, const double mass[])
     return TVI_OK;
 }
 
-/* The name of what the function returns or sets. */
-static const char *name_of(const statement *given)
+/* Returns the name of the user's function, for texts of refusals. */
+static const char *statement_name(const system_statement *statement)
 {
-    return given->force ? "force" : given->potential ? "potential" : given->lagrangian ? "Lagrangian" : "Hamiltonian";
+    if (statement->force) return "force";
+    return statement->potential ? "potential" : statement->lagrangian ? "Lagrangian" : "Hamiltonian";
 }
 
-/* Opens a recording with the inputs q, v (or p), t, r, in this order. A force or a potential has neither v nor r. */
-static tvi_status open_recording(recording *rec, int n, const statement *given)
+/* Opens a recording with the inputs q, v or p, t, r, in this order. A force or a potential has neither v nor r. */
+static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
-    const bool general = given->lagrangian || given->hamiltonian || given->factors || given->has_momenta;
+    const bool general =
+        statement->lagrangian || statement->hamiltonian || statement->factors || statement->has_paired_momenta;
     const size_t count = (size_t)n;
-    tvi_system *system = rec->system = calloc(1, sizeof *system);
+    tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
     system->n = n;
     system->has_masses = !general;
     system->stepped = system;
     system->mass = malloc(count * sizeof *system->mass);
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
-    rec->q = malloc(3 * count * sizeof *rec->q);
-    rec->field = system->field = malloc(2 * count * sizeof *rec->field);
-    rec->bend = malloc(2 * count * sizeof *rec->bend);
-    if (!system->mass || !system->graph || !rec->q || !rec->field || !rec->bend) return TVI_ENOMEM;
-    jet_graph_name(system->graph, name_of(given));
-    rec->v = rec->q + n;
-    rec->r = rec->v + n;
+    recording->q = malloc(3 * count * sizeof *recording->q);
+    recording->field = system->field = malloc(2 * count * sizeof *recording->field);
+    recording->gradient_of_rHp = malloc(2 * count * sizeof *recording->gradient_of_rHp);
+    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->gradient_of_rHp)
+        return TVI_ENOMEM;
+    jet_graph_set_output_name(system->graph, statement_name(statement));
+    recording->v = recording->q + n;
+    recording->r = recording->v + n;
     const int inputs = general ? 2 * n : n;
-    for (int i = 0; i < inputs; i++) rec->q[i] = jet_graph_input(system->graph, i);
-    rec->t = jet_graph_input(system->graph, inputs);
+    for (int i = 0; i < inputs; i++) recording->q[i] = jet_graph_input(system->graph, i);
+    recording->t = jet_graph_input(system->graph, inputs);
     for (int i = 0; i < n; i++) {
-        if (general) rec->r[i] = jet_graph_input(system->graph, inputs + 1 + i);
-        rec->field[i] = jet_unset();
-        system->mass[i] = given->mass ? given->mass[i] : 1;
+        if (general) recording->r[i] = jet_graph_input(system->graph, inputs + 1 + i);
+        recording->field[i] = jet_make_unset();
+        system->mass[i] = statement->mass ? statement->mass[i] : 1;
     }
     return TVI_OK;
 }
 
 /* ---- From each statement to a form ------------------------------------------------------------------------------- */
 
-/* Computes out[2n] = dx/d(q, v). */
-static tvi_status gradient(const recording *rec, jet x, jet out[])
+/* Records out [2n], the gradient of x by q and v, or by q and p. */
+static tvi_status record_full_gradient(const system_recording *recording, jet x, jet out[])
 {
-    tvi_system *system = rec->system;
-    if (!jet_gradient(system->graph, x, 2 * system->n, out)) return TVI_ENOMEM;
+    tvi_system *system = recording->system;
+    if (!jet_record_gradient(system->graph, x, 2 * system->n, out)) return TVI_ENOMEM;
     tvi_status status = TVI_OK;
     for (int i = 0; i < 2 * system->n && status == TVI_OK; i++) {
-        jet component = out[i]; /* a number among them stays one */
-        status = jet_graph_accept(system->graph, 1, &component);
+        jet component = out[i]; /* Numbers in `out` stay numbers. */
+        status = jet_graph_accept_outputs(system->graph, 1, &component);
     }
     return status;
 }
 
-/* Records F = -dV/dq; of a separable Hamiltonian, -dH/dq. */
-static tvi_status record_force(recording *rec)
+/* Records the force F = -dV/dq; for a separable Hamiltonian, F = -dH/dq. */
+static tvi_status record_force(system_recording *recording)
 {
-    tvi_system *system = rec->system;
-    return jet_gradient(system->graph, jet_neg(rec->scalar), system->n, rec->field) ? TVI_OK : TVI_ENOMEM;
+    tvi_system *system = recording->system;
+    return jet_record_gradient(system->graph, jet_neg(recording->scalar), system->n, recording->field) ? TVI_OK
+                                                                                                       : TVI_ENOMEM;
 }
 
-static tvi_status record_potential(recording *rec, const statement *given)
+static tvi_status record_potential(system_recording *recording, const system_statement *statement)
 {
-    tvi_system *system = rec->system;
-    rec->scalar = given->potential(rec->q, rec->t, given->ctx);
-    const tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
-    return status == TVI_OK ? record_force(rec) : status;
+    tvi_system *system = recording->system;
+    recording->scalar = statement->potential(recording->q, recording->t, statement->ctx);
+    const tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
+    return status == TVI_OK ? record_force(recording) : status;
 }
 
-/* Adds the forces to dp/dt, which is sign times the first half of the field. A driven system is never separable. */
-static tvi_status record_drive(recording *rec, const statement *given, const jet v[], double sign)
+/* Adds driving forces to dp/dt, which is `sign` times the first half of the field. The system is then not separable. */
+static tvi_status add_driving_force(system_recording *recording, const system_statement *statement, const jet v[],
+                                    double sign)
 {
-    tvi_system *system = rec->system;
+    tvi_system *system = recording->system;
     const int n = system->n;
     jet *force = malloc((size_t)n * sizeof *force);
     if (!force) return TVI_ENOMEM;
-    for (int i = 0; i < n; i++) force[i] = jet_unset();
-    given->drive(rec->q, v, rec->t, force, given->drive_ctx);
-    jet_graph_name(system->graph, "driving force");
-    const tvi_status status = jet_graph_accept(system->graph, n, force);
-    jet_graph_name(system->graph, name_of(given));
-    for (int i = 0; i < n; i++) rec->field[i] = jet_add(rec->field[i], jet_mul(sign, force[i]));
+    for (int i = 0; i < n; i++) force[i] = jet_make_unset();
+    statement->drive(recording->q, v, recording->t, force, statement->drive_ctx);
+    jet_graph_set_output_name(system->graph, "driving force");
+    const tvi_status status = jet_graph_accept_outputs(system->graph, n, force);
+    jet_graph_set_output_name(system->graph, statement_name(statement));
+    for (int i = 0; i < n; i++) recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
     free(force);
     system->is_driven = true;
     return status;
 }
 
-/* Finds masses in the second half of the field, and whether the system is separable. A driven system is not. */
-static tvi_status find_masses(const recording *rec, const statement *given, bool *separable)
+/* Finds masses in the second half of the field, and tells whether the system is separable. A driven system is not. */
+static tvi_status find_masses(const system_recording *recording, const system_statement *statement, bool *separable)
 {
-    tvi_system *system = rec->system;
-    const jet *linear = rec->field + system->n;
+    tvi_system *system = recording->system;
+    const jet *linear = recording->field + system->n;
     tvi_status status = TVI_OK;
-    if (!given->drive) status = tvi_system_find_separable(system, linear, rec->field, separable);
+    if (!statement->drive) status = tvi_system_find_separable(system, linear, recording->field, separable);
     if (status == TVI_OK && !*separable) tvi_system_find_inertia(system, linear);
     else system->has_masses = *separable;
     return status;
 }
 
-/* Records field = (L_q, L_v). It is separable if L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
-static tvi_status record_lagrangian(recording *rec, const statement *given)
+/* Records the field (L_q, L_v). The system is separable if L_v = M v and L_q does not depend on v; then F = L_q and
+ * V = -L(q, 0). */
+static tvi_status record_lagrangian(system_recording *recording, const system_statement *statement)
 {
-    tvi_system *system = rec->system;
-    rec->scalar = given->lagrangian(rec->q, rec->v, rec->t, given->ctx);
-    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
-    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    tvi_system *system = recording->system;
+    recording->scalar = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
+    if (status == TVI_OK) status = record_full_gradient(recording, recording->scalar, recording->field);
     bool separable = false;
-    if (status == TVI_OK) status = find_masses(rec, given, &separable);
-    if (status == TVI_OK && given->drive) status = record_drive(rec, given, rec->v, 1);
+    if (status == TVI_OK) status = find_masses(recording, statement, &separable);
+    if (status == TVI_OK && statement->drive) status = add_driving_force(recording, statement, recording->v, 1);
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
-    return tvi_hessian_record(system, &rec->hessian);
+    return tvi_hessian_record(system, &recording->hessian);
 }
 
-/* Records bend, the gradient of r.H_p. */
-static tvi_status record_bend(recording *rec)
+/* Records the gradient of r.H_p. */
+static tvi_status record_gradient_of_rHp(system_recording *recording)
 {
-    tvi_system *system = rec->system;
+    tvi_system *system = recording->system;
     const int n = system->n;
-    jet along = jet_dot(rec->r, rec->field + n, n);
-    tvi_status status = jet_graph_accept(system->graph, 1, &along);
-    if (status == TVI_OK) status = gradient(rec, along, rec->bend);
-    return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
+    jet along = jet_dot(recording->r, recording->field + n, n);
+    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &along);
+    if (status == TVI_OK) status = record_full_gradient(recording, along, recording->gradient_of_rHp);
+    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, 2 * n, recording->gradient_of_rHp) : status;
 }
 
-static tvi_status record_product(recording *rec, const statement *given)
+static tvi_status record_factored_hamiltonian(system_recording *recording, const system_statement *statement)
 {
-    tvi_system *system = rec->system;
+    tvi_system *system = recording->system;
     jet factor[2];
-    given->factors(rec->q, rec->v, rec->t, given->ctx, factor);
-    rec->scalar = jet_mul(factor[0], factor[1]);
+    statement->factors(recording->q, recording->v, recording->t, statement->ctx, factor);
+    recording->scalar = jet_mul(factor[0], factor[1]);
     system->form = TVI_HAMILTONIAN;
-    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
-    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
-    if (status == TVI_OK) status = tvi_hessian_record_rescaled(system, factor, &rec->hessian);
-    return status == TVI_OK ? record_bend(rec) : status;
+    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
+    if (status == TVI_OK) status = record_full_gradient(recording, recording->scalar, recording->field);
+    if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->hessian);
+    return status == TVI_OK ? record_gradient_of_rHp(recording) : status;
 }
 
-/* Records field = (H_q, H_p). It is separable if H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
-static tvi_status record_hamiltonian(recording *rec, const statement *given)
+/* Records the field (H_q, H_p). The system is separable if H_p = M^-1 p and H_q does not depend on p; then F = -H_q
+ * and V = H(q, 0). */
+static tvi_status record_hamiltonian(system_recording *recording, const system_statement *statement)
 {
-    tvi_system *system = rec->system;
+    tvi_system *system = recording->system;
     const int n = system->n;
-    rec->scalar = given->hamiltonian(rec->q, rec->v, rec->t, given->ctx);
-    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
-    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    recording->scalar = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
+    if (status == TVI_OK) status = record_full_gradient(recording, recording->scalar, recording->field);
     bool separable = false;
-    if (status == TVI_OK) status = find_masses(rec, given, &separable);
-    if (status == TVI_OK && given->drive) status = record_drive(rec, given, rec->field + n, -1);
+    if (status == TVI_OK) status = find_masses(recording, statement, &separable);
+    if (status == TVI_OK && statement->drive)
+        status = add_driving_force(recording, statement, recording->field + n, -1);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n && system->has_masses; i++) system->mass[i] = 1 / system->mass[i];
-    if (separable) return record_force(rec);
+    if (separable) return record_force(recording);
     system->form = TVI_HAMILTONIAN;
-    return record_bend(rec);
+    return record_gradient_of_rHp(recording);
 }
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
 
-/* Sets the inputs of the base among those of its lift, and the directions in which they move. */
-static void place_inputs(const recording *rec, const tvi_system *base, jet input[], jet direction[])
+/* Sets the jets in the lift's graph that stand for the inputs of the base, and the directions in which these move. */
+static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
 {
-    const int n = base->n, inputs = jet_graph_inputs(base->graph), time = inputs == n + 1 ? n : 2 * n;
-    const bool momenta = rec->system->form == TVI_HAMILTONIAN;
-    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_unset();
+    const int n = base->n, inputs = jet_graph_input_count(base->graph), time = inputs == n + 1 ? n : 2 * n;
+    const bool momenta = recording->system->form == TVI_HAMILTONIAN;
+    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset();
     for (int i = 0; i < n; i++) {
-        input[i] = rec->q[i];
-        direction[i] = rec->q[n + i];
+        input[i] = recording->q[i];
+        direction[i] = recording->q[n + i];
         if (base->form == TVI_SEPARABLE) continue;
-        input[n + i] = rec->v[momenta ? n + i : i];
-        direction[n + i] = rec->v[momenta ? i : n + i];
+        input[n + i] = recording->v[momenta ? n + i : i];
+        direction[n + i] = recording->v[momenta ? i : n + i];
     }
-    input[time] = rec->t;
+    input[time] = recording->t;
     direction[time] = jet_const(0);
 }
 
-/* Sets the field of the lift: H_Q = ((H_q)', H_q), H_P = (H_p, (H_p)'); L_Q = ((L_q)', L_q), L_V = ((L_v)', L_v);
- * separable -H_q = F, H_p = M^-1 p, or F and F'. */
-static void place_field(recording *rec, const tvi_system *base, const jet value[], const jet rate[])
+/* Sets the field of the lift. For a Hamiltonian it is ((H_q)', H_q) and (H_p, (H_p)'), where ' is the derivative
+ * along the tangent vector. For a Lagrangian it is ((L_q)', L_q) and ((L_v)', L_v). For a separable base H_q = -F
+ * and H_p = M^-1 p. For a separable lift it is F and F'. */
+static void set_lift_field(system_recording *recording, const tvi_system *base, const jet value[], const jet rate[])
 {
     const int n = base->n;
     const bool separable = base->form == TVI_SEPARABLE, swaps = base->form == TVI_LAGRANGIAN;
-    jet *field = rec->field;
+    jet *field = recording->field;
     for (int i = 0; i < n; i++) {
-        const bool paired = rec->system->form != TVI_SEPARABLE;
+        const bool paired = recording->system->form != TVI_SEPARABLE;
         field[i] = !paired ? value[i] : separable ? jet_neg(rate[i]) : rate[i];
         field[n + i] = !paired ? rate[i] : separable ? jet_neg(value[i]) : value[i];
         if (!paired) continue;
-        const jet first = separable ? jet_div(rec->v[n + i], base->mass[i]) : value[n + i];
-        const jet second = separable ? jet_div(rec->v[i], base->mass[i]) : rate[n + i];
+        const jet first = separable ? jet_div(recording->v[n + i], base->mass[i]) : value[n + i];
+        const jet second = separable ? jet_div(recording->v[i], base->mass[i]) : rate[n + i];
         field[2 * n + i] = swaps ? second : first;
         field[3 * n + i] = swaps ? first : second;
     }
 }
 
 /* Records the parameters of the lift: the values of the base, then their rates, which are 0 unless they are set. */
-static void place_parameters(const recording *rec, int parameters, jet parameter_direction[])
+static void add_lift_parameters(const system_recording *recording, int parameters, jet parameter_direction[])
 {
     for (int i = 0; i < parameters; i++)
-        parameter_direction[i] = jet_graph_parameter(rec->system->graph, parameters + i, 0);
+        parameter_direction[i] = jet_graph_record_parameter(recording->system->graph, parameters + i, 0);
 }
 
-static tvi_status record_lift(recording *rec, const statement *given)
+static tvi_status record_lift(system_recording *recording, const system_statement *statement)
 {
-    const tvi_system *base = given->base;
-    tvi_system *system = rec->system;
-    const int parameters = jet_graph_parameters(base->graph);
+    const tvi_system *base = statement->base;
+    tvi_system *system = recording->system;
+    const int parameters = jet_graph_parameter_count(base->graph);
     system->regular = base->regular;
-    system->has_masses = !given->has_momenta;
-    if (given->has_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
+    system->has_masses = !statement->has_paired_momenta;
+    if (statement->has_paired_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
-    const size_t inputs = (size_t)jet_graph_inputs(base->graph), outputs = (size_t)base->inputs;
+    const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->inputs;
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
     if (!jets) return TVI_ENOMEM;
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
     jet *parameter_direction = rate + outputs;
-    place_inputs(rec, base, input, direction);
-    place_parameters(rec, parameters, parameter_direction);
-    bool lifted = jet_lift(base->graph, system->graph, input, direction, parameter_direction, base->inputs, base->field,
-                           value, rate);
-    if (lifted) place_field(rec, base, value, rate);
-    if (lifted && base->form == TVI_HAMILTONIAN) /* the lift's own H is the rate of H */
-        lifted = jet_lift(base->graph, system->graph, input, direction, parameter_direction, 1, &base->stated, value,
-                          &rec->scalar);
+    set_lift_inputs(recording, base, input, direction);
+    add_lift_parameters(recording, parameters, parameter_direction);
+    bool lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction,
+                                                 base->inputs, base->field, value, rate);
+    if (lifted) set_lift_field(recording, base, value, rate);
+    /* The Hamiltonian of the lift is the derivative of H along the tangent vector. */
+    if (lifted && base->form == TVI_HAMILTONIAN)
+        lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction, 1,
+                                                &base->stated, value, &recording->scalar);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    if (base->form == TVI_HAMILTONIAN && jet_graph_accept(system->graph, 1, &rec->scalar) != TVI_OK) return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN  ? record_bend(rec)
-           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &rec->hessian)
+    if (base->form == TVI_HAMILTONIAN && jet_graph_accept_outputs(system->graph, 1, &recording->scalar) != TVI_OK)
+        return TVI_ENOMEM;
+    return system->form == TVI_HAMILTONIAN  ? record_gradient_of_rHp(recording)
+           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->hessian)
                                             : TVI_OK;
 }
 
-static tvi_status record_statement(recording *rec, const statement *given)
+static tvi_status record_statement(system_recording *recording, const system_statement *statement)
 {
-    rec->system->energy_sign = 1;
-    if (given->base) return record_lift(rec, given);
-    if (given->lagrangian) return record_lagrangian(rec, given);
-    if (given->factors) return record_product(rec, given);
-    if (given->hamiltonian) return record_hamiltonian(rec, given);
-    if (given->potential) return record_potential(rec, given);
-    given->force(rec->q, rec->t, rec->field, given->ctx);
+    recording->system->energy_sign = 1;
+    if (statement->base) return record_lift(recording, statement);
+    if (statement->lagrangian) return record_lagrangian(recording, statement);
+    if (statement->factors) return record_factored_hamiltonian(recording, statement);
+    if (statement->hamiltonian) return record_hamiltonian(recording, statement);
+    if (statement->potential) return record_potential(recording, statement);
+    statement->force(recording->q, recording->t, recording->field, statement->ctx);
     return TVI_OK;
 }
 
-static tvi_status lower(recording *rec, const statement *given)
+static tvi_status create_tapes(system_recording *recording, const system_statement *statement)
 {
-    tvi_system *system = rec->system;
+    tvi_system *system = recording->system;
     const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
-    const tvi_status status = jet_graph_accept(system->graph, outputs, rec->field);
+    const tvi_status status = jet_graph_accept_outputs(system->graph, outputs, recording->field);
     if (status != TVI_OK) return status;
     jet_graph_close(system->graph);
     system->inputs = outputs;
-    system->field_series = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_SERIES);
-    system->field_values = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_VALUES);
+    system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
+    system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
     if (tvi_system_find_subsystems(system) != TVI_OK) return TVI_ENOMEM;
     system->compares_movements = system->has_masses;
     system->uses_time = system->field_series->inputs > outputs;
     if (system->form == TVI_HAMILTONIAN) {
-        system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
+        system->bend_values =
+            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->gradient_of_rHp, JET_TAPE_VALUES);
         if (!system->bend_values) return TVI_ENOMEM;
     }
-    if (rec->hessian && tvi_hessian_lower(system, rec->hessian) != TVI_OK) return TVI_ENOMEM;
-    if (given->force || (given->base && given->base->form != TVI_HAMILTONIAN)) return TVI_OK;
-    system->energy_inputs = given->potential ? n : 2 * n;
-    system->stated = rec->scalar;
-    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);
+    if (recording->hessian && tvi_hessian_create_tape(system, recording->hessian) != TVI_OK) return TVI_ENOMEM;
+    if (statement->force || (statement->base && statement->base->form != TVI_HAMILTONIAN)) return TVI_OK;
+    system->energy_inputs = statement->potential ? n : 2 * n;
+    system->stated = recording->scalar;
+    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &recording->scalar, JET_TAPE_VALUES);
     return system->energy ? TVI_OK : TVI_ENOMEM;
 }
 
-static tvi_status record_system(tvi_system **out, int n, const statement *given)
+static tvi_status record_system(tvi_system **out, int n, const system_statement *statement)
 {
     *out = NULL;
-    recording rec = {0};
-    tvi_status status = open_recording(&rec, n, given);
-    if (status == TVI_OK) status = record_statement(&rec, given);
-    if (status == TVI_OK) status = lower(&rec, given);
-    if (status == TVI_OK && !given->base) status = tvi_legendre_probe(rec.system);
-    free(rec.q);
-    free(rec.bend);
-    free(rec.hessian);
-    if (status == TVI_OK) *out = rec.system;
-    else tvi_system_free(rec.system);
-    return jet_refuse_memory(status);
+    system_recording recording = {0};
+    tvi_status status = begin_recording(&recording, n, statement);
+    if (status == TVI_OK) status = record_statement(&recording, statement);
+    if (status == TVI_OK) status = create_tapes(&recording, statement);
+    if (status == TVI_OK && !statement->base) status = tvi_legendre_test_regularity(recording.system);
+    free(recording.q);
+    free(recording.gradient_of_rHp);
+    free(recording.hessian);
+    if (status == TVI_OK) *out = recording.system;
+    else tvi_system_free(recording.system);
+    return jet_explain_out_of_memory(status);
 }
 
-static tvi_status make_system(tvi_system **out, int n, const statement *given)
+static tvi_status create_system(tvi_system **out, int n, const system_statement *statement)
 {
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (n < 1 || n > TVI_MAX_DIMENSION) return jet_refuse(TVI_EINVAL, "n = %d is not 1 .. %d", n, TVI_MAX_DIMENSION);
-    if (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian && !given->factors)
+    if (!statement->force && !statement->potential && !statement->lagrangian && !statement->hamiltonian &&
+        !statement->factors)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
-    const tvi_status status = check_masses(n, given->mass);
-    return status == TVI_OK ? record_system(out, n, given) : status;
+    const tvi_status status = check_masses(n, statement->mass);
+    return status == TVI_OK ? record_system(out, n, statement) : status;
 }
 
-tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
+tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
 {
-    const bool has_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
-    return record_system(out, 2 * system->n, &(statement){.base = system, .has_momenta = has_momenta});
+    const bool has_paired_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
+    return record_system(out, 2 * system->n,
+                         &(system_statement){.base = system, .has_paired_momenta = has_paired_momenta});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
 {
-    return make_system(out, n, &(statement){.force = force, .mass = mass, .ctx = ctx});
+    return create_system(out, n, &(system_statement){.force = force, .mass = mass, .ctx = ctx});
 }
 
 tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential, void *ctx)
 {
-    return make_system(out, n, &(statement){.potential = potential, .mass = mass, .ctx = ctx});
+    return create_system(out, n, &(system_statement){.potential = potential, .mass = mass, .ctx = ctx});
 }
 
 tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx)
 {
-    return make_system(out, n, &(statement){.lagrangian = lagrangian, .ctx = ctx});
+    return create_system(out, n, &(system_statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
 tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
-    return make_system(out, n, &(statement){.factors = factors, .ctx = ctx});
+    return create_system(out, n, &(system_statement){.factors = factors, .ctx = ctx});
 }
 
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
 {
-    return make_system(out, n, &(statement){.hamiltonian = hamiltonian, .ctx = ctx});
+    return create_system(out, n, &(system_statement){.hamiltonian = hamiltonian, .ctx = ctx});
 }
 
 tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx)
@@ -380,8 +393,8 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
                                     : system->is_driven         ? "the system is driven already: add the forces in one"
                                                                 : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
-    statement given = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
-    if (system->form == TVI_LAGRANGIAN) given.lagrangian = tvi_stated_lagrangian;
-    else given.hamiltonian = tvi_stated_hamiltonian;
-    return make_system(out, system->n, &given);
+    system_statement statement = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
+    if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_stated_lagrangian;
+    else statement.hamiltonian = tvi_record_stated_hamiltonian;
+    return create_system(out, system->n, &statement);
 }

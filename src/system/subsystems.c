@@ -1,78 +1,79 @@
-/* subsystems.c - Splits a recorded system into subsystems that do not interact. */
+/* subsystems.c - Splits a recorded system into subsystems that do not interact, by a union-find over the slots of
+ * its tape. statement.c calls it. */
 #include "split.h"
 #include "system/system.h"
 
 #include <stdlib.h>
 
-/* The first slot of the set that the slot belongs to. */
-static int first_of(int first[], int slot)
+/* Finds the first slot of the set that the slot belongs to. */
+static int find_set(int set_parent[], int slot)
 {
-    while (first[slot] != slot) slot = first[slot] = first[first[slot]];
+    while (set_parent[slot] != slot) slot = set_parent[slot] = set_parent[set_parent[slot]];
     return slot;
 }
 
-static void unite(int first[], int a, int b)
+static void unite_sets(int set_parent[], int a, int b)
 {
-    const int of_a = first_of(first, a), of_b = first_of(first, b);
-    if (of_a < of_b) first[of_b] = of_a;
-    else first[of_a] = of_b;
+    const int of_a = find_set(set_parent, a), of_b = find_set(set_parent, b);
+    if (of_a < of_b) set_parent[of_b] = of_a;
+    else set_parent[of_a] = of_b;
 }
 
-/* Unites the slots of which one depends on the other. Constants, and slots that depend on the time alone, unite
- * nothing. */
-static void unite_operations(const jet_tape *tape, const bool follows[], int first[])
+/* Unites the sets of each result and its operands. Operands that do not depend on the state (constants, functions of
+ * the time) unite nothing. */
+static void unite_operations(const jet_tape *tape, const bool depends[], int set_parent[])
 {
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        for (int i = 0; i < run->count; i++)
-            for (int k = 0, a; (a = jet_operand_slot(tape, run, i, k)) >= 0; k++)
-                if (follows[a]) unite(first, run->z + i, a);
+        for (int i = 0; i < run->operation_count; i++)
+            for (int k = 0, a; (a = jet_operation_operand_slot(tape, run, i, k)) >= 0; k++)
+                if (depends[a]) unite_sets(set_parent, run->z + i, a);
 }
 
-/* Unites a component with its momentum or velocity, and with the outputs of the field for both. */
-static void unite_components(const tvi_system *system, const bool follows[], int first[])
+/* Unites each component with its momentum or velocity, and with the outputs of the field for both. */
+static void unite_components(const tvi_system *system, const bool depends[], int set_parent[])
 {
     const int n = system->n, *output = system->field_values->output;
     for (int u = 0; u < system->inputs; u++) {
-        unite(first, u % n, u);
-        if (follows[output[u]]) unite(first, u % n, output[u]);
+        unite_sets(set_parent, u % n, u);
+        if (depends[output[u]]) unite_sets(set_parent, u % n, output[u]);
     }
 }
 
-/* Lists the members of the sets. Each set begins with its first component. counts [n] is scratch, of zeros. */
-static void list_members(tvi_subsystems *parts, int n, int first[], int counts[])
+/* Lists the components of each set; the sets are ordered by their first components. counts [n] is scratch, all 0. */
+static void list_members(tvi_subsystems *subsystems, int n, int set_parent[], int counts[])
 {
     int members = 0;
-    for (int i = 0; i < n; i++) counts[first_of(first, i)]++;
+    for (int i = 0; i < n; i++) counts[find_set(set_parent, i)]++;
     for (int i = 0; i < n; i++) {
         if (counts[i] == 0) continue;
         const int begin = members;
-        parts->end[parts->count++] = members += counts[i];
+        subsystems->end[subsystems->count++] = members += counts[i];
         counts[i] = begin;
     }
-    for (int i = 0; i < n; i++) parts->member[counts[first_of(first, i)]++] = i;
+    for (int i = 0; i < n; i++) subsystems->component[counts[find_set(set_parent, i)]++] = i;
 }
 
 tvi_status tvi_system_find_subsystems(tvi_system *system)
 {
     const jet_tape *tape = system->field_values;
     const size_t n = (size_t)system->n, slots = (size_t)tape->slots;
-    tvi_subsystems *parts = &system->parts;
-    parts->member = calloc(n, sizeof *parts->member);
-    parts->end = calloc(n, sizeof *parts->end);
-    int *first = calloc(slots, sizeof *first);
-    bool *follows = calloc(slots, sizeof *follows);
+    tvi_subsystems *subsystems = &system->parts;
+    subsystems->component = calloc(n, sizeof *subsystems->component);
+    subsystems->end = calloc(n, sizeof *subsystems->end);
+    int *set_parent = calloc(slots, sizeof *set_parent);
+    bool *depends = calloc(slots, sizeof *depends);
     int *counts = calloc(n, sizeof *counts);
-    const bool has_memory = parts->member && parts->end && first && follows && counts;
+    const bool has_memory = subsystems->component && subsystems->end && set_parent && depends && counts;
     if (has_memory) {
-        for (int i = 0; i < tape->slots; i++) first[i] = i;
-        for (int u = 0; u < system->inputs; u++) follows[u] = true;
-        jet_tape_mark_dependents(tape, follows);
-        unite_operations(tape, follows, first);
-        unite_components(system, follows, first);
-        list_members(parts, system->n, first, counts);
+        for (int i = 0; i < tape->slots; i++) set_parent[i] = i;
+        for (int u = 0; u < system->inputs; u++) depends[u] = true;
+        jet_tape_mark_dependents(tape, depends);
+        unite_operations(tape, depends, set_parent);
+        unite_components(system, depends, set_parent);
+        list_members(subsystems, system->n, set_parent, counts);
     }
-    free(first);
-    free(follows);
+    free(set_parent);
+    free(depends);
     free(counts);
     return has_memory ? TVI_OK : TVI_ENOMEM;
 }
@@ -84,10 +85,10 @@ void tvi_system_split_time(tvi_system *system)
     int kept = 0, k = 0;
     for (int part = 0, at = 0; part < parts->count; part++) {
         for (; at < parts->end[part]; at++)
-            if (parts->member[at] != n - 1) parts->member[k++] = parts->member[at];
+            if (parts->component[at] != n - 1) parts->component[k++] = parts->component[at];
         if (k > (kept ? parts->end[kept - 1] : 0)) parts->end[kept++] = k;
     }
-    parts->member[k] = n - 1;
+    parts->component[k] = n - 1;
     parts->end[kept++] = n;
     parts->count = kept;
 }

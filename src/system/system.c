@@ -16,7 +16,7 @@ void tvi_system_free(tvi_system *system)
     jet_graph_free(system->graph);
     free(system->field);
     free(system->mass);
-    free(system->parts.member);
+    free(system->parts.component);
     free(system->parts.end);
     free(system);
 }
@@ -24,11 +24,12 @@ void tvi_system_free(tvi_system *system)
 int tvi_system_parameters(const tvi_system *system)
 {
     if (!system) return 0;
-    const int own = jet_graph_parameters(system->graph), of_steps = jet_graph_parameters(system->stepped->graph);
+    const int own = jet_graph_parameter_count(system->graph),
+              of_steps = jet_graph_parameter_count(system->stepped->graph);
     return own > of_steps ? own : of_steps;
 }
 
-void tvi_system_prepare(const tvi_system *system, const tvi_block *blocks, const double parameters[])
+void tvi_system_prepare_blocks(const tvi_system *system, const tvi_block *blocks, const double parameters[])
 {
     tvi_blocks_prepare(blocks);
     if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), 1, parameters);
@@ -37,13 +38,13 @@ void tvi_system_prepare(const tvi_system *system, const tvi_block *blocks, const
 /* Reads the values of the parameters in one recording. */
 static void read_parameters(const jet_graph *graph, double value[])
 {
-    for (int i = 0; i < jet_graph_count(graph); i++) {
-        const struct jet_node *node = jet_graph_node(graph, i);
+    for (int i = 0; i < jet_graph_node_count(graph); i++) {
+        const struct jet_node *node = jet_graph_node_at(graph, i);
         if (node->op == OP_PARAMETER) value[node->which] = node->number;
     }
 }
 
-void tvi_system_recorded_parameters(const tvi_system *system, double value[])
+void tvi_system_read_recorded_parameters(const tvi_system *system, double value[])
 {
     read_parameters(system->graph, value);
     read_parameters(system->stepped->graph, value);

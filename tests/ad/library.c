@@ -19,7 +19,7 @@ static void write_to(const char *path, const jet_text *text)
 {
     FILE *file = fopen(path, "w");
     ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fwrite(text->data, 1, text->size, file), text->size);
+    ck_assert_uint_eq(fwrite(text->data, 1, text->length, file), text->length);
     ck_assert_int_eq(fclose(file), 0);
 }
 
@@ -27,7 +27,7 @@ library library_make(jet_text *text, const char *flags)
 {
     library made;
     char source[80], binary[80], command[400];
-    ck_assert(!text->failed);
+    ck_assert(!text->is_incomplete);
     strcpy(made.directory, "/tmp/tvi-emit-XXXXXX");
     ck_assert_ptr_nonnull(mkdtemp(made.directory));
     snprintf(source, sizeof source, "%s/emit.c", made.directory);

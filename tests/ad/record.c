@@ -17,8 +17,8 @@ double *numbers(size_t count)
 
 recording record_close(jet_graph *graph, int outputs, jet output[], jet_tape_kind kind)
 {
-    recording r = {.graph = graph, .inputs = jet_graph_inputs(graph), .outputs = outputs};
-    ck_assert_int_eq(jet_graph_accept(graph, outputs, output), TVI_OK);
+    recording r = {.graph = graph, .inputs = jet_graph_input_count(graph), .outputs = outputs};
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, outputs, output), TVI_OK);
     jet_graph_close(graph);
     r.tape = jet_tape_create(graph, r.inputs, outputs, output, kind);
     ck_assert_ptr_nonnull(r.tape);
@@ -53,7 +53,7 @@ recording record_gradient(const function *f, int output, jet_tape_kind kind)
 {
     jet z[OUTPUTS_MAX], gradient[INPUTS_MAX];
     jet_graph *graph = record_open(f, z);
-    ck_assert(jet_gradient(graph, z[output], f->inputs, gradient));
+    ck_assert(jet_record_gradient(graph, z[output], f->inputs, gradient));
     return record_close(graph, f->inputs, gradient, kind);
 }
 
@@ -61,8 +61,8 @@ recording record_second_gradient(const function *f, int output, int i, jet_tape_
 {
     jet z[OUTPUTS_MAX], gradient[INPUTS_MAX], second[INPUTS_MAX];
     jet_graph *graph = record_open(f, z);
-    ck_assert(jet_gradient(graph, z[output], f->inputs, gradient));
-    ck_assert(jet_gradient(graph, gradient[i], f->inputs, second));
+    ck_assert(jet_record_gradient(graph, z[output], f->inputs, gradient));
+    ck_assert(jet_record_gradient(graph, gradient[i], f->inputs, second));
     return record_close(graph, f->inputs, second, kind);
 }
 
@@ -71,16 +71,16 @@ recording record_lift(const function *f, bool of_gradient, jet_tape_kind kind)
     jet z[OUTPUTS_MAX + INPUTS_MAX], x[INPUTS_MAX], dx[INPUTS_MAX], lifted[2 * (OUTPUTS_MAX + INPUTS_MAX)];
     jet_graph *from = record_open(f, z), *graph = jet_graph_create(2 * f->inputs);
     const int outputs = of_gradient ? f->inputs : f->outputs;
-    if (of_gradient) ck_assert(jet_gradient(from, z[f->outputs - 1], f->inputs, z));
-    ck_assert_int_eq(jet_graph_accept(from, outputs, z), TVI_OK);
+    if (of_gradient) ck_assert(jet_record_gradient(from, z[f->outputs - 1], f->inputs, z));
+    ck_assert_int_eq(jet_graph_accept_outputs(from, outputs, z), TVI_OK);
     jet_graph_close(from);
-    const int nodes = jet_graph_count(from);
+    const int nodes = jet_graph_node_count(from);
     for (int i = 0; i < f->inputs; i++) {
         x[i] = jet_graph_input(graph, f->inputs - 1 - i);
         dx[i] = jet_graph_input(graph, 2 * f->inputs - 1 - i);
     }
-    ck_assert(jet_lift(from, graph, x, dx, NULL, outputs, z, lifted, lifted + outputs));
-    ck_assert_int_eq(jet_graph_count(from), nodes);
+    ck_assert(jet_record_forward_derivatives(from, graph, x, dx, NULL, outputs, z, lifted, lifted + outputs));
+    ck_assert_int_eq(jet_graph_node_count(from), nodes);
     jet_graph_free(from); /* nothing is left of it in the lift */
     return record_close(graph, 2 * outputs, lifted, kind);
 }
@@ -123,7 +123,7 @@ static double *new_block(const jet_tape *tape, int orders, int lanes)
 bool run_values(const recording *r, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, 1, lanes);
-    jet_tape_prepare(r->tape, block, 1, lanes);
+    jet_tape_prepare_block(r->tape, block, 1, lanes);
     spoil(r->tape, 1, lanes, false, block);
     set_inputs(r, 0, lanes, 0, 0, x, block);
     const bool inside = jet_sweep_values(r->tape, block, lanes);
@@ -136,7 +136,8 @@ static double size_of(const jet_tape *tape, int slot, int lanes, const double *l
 {
     double size = fabs(lane[slot * lanes]);
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        for (int k = 0; run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->count && k < run->terms; k++) {
+        for (int k = 0;
+             run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->operation_count && k < run->terms; k++) {
             const int term = run->term + (slot - run->z) * run->terms + k;
             size += fabs(tape->term_coefficient[term] * lane[tape->term_slot[term] * lanes]);
         }
@@ -146,7 +147,7 @@ static double size_of(const jet_tape *tape, int slot, int lanes, const double *l
 void run_sizes(const recording *r, int lanes, const double x[], double size[])
 {
     double *block = new_block(r->tape, 1, lanes);
-    jet_tape_prepare(r->tape, block, 1, lanes);
+    jet_tape_prepare_block(r->tape, block, 1, lanes);
     set_inputs(r, 0, lanes, 0, 0, x, block);
     (void)jet_sweep_values(r->tape, block, lanes);
     for (int i = 0; i < r->outputs * lanes; i++)
@@ -157,7 +158,7 @@ void run_sizes(const recording *r, int lanes, const double x[], double size[])
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare(r->tape, block, degree + 1, lanes);
+    jet_tape_prepare_block(r->tape, block, degree + 1, lanes);
     spoil(r->tape, degree + 1, lanes, true, block);
     bool inside = true;
     for (int k = 0; k <= degree; k++) {
@@ -173,7 +174,7 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
                   double dz[])
 {
     double *block = new_block(r->tape, degree + 1, lanes_of_x), *dblock = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare(r->tape, block, degree + 1, lanes_of_x);
+    jet_tape_prepare_block(r->tape, block, degree + 1, lanes_of_x);
     spoil(r->tape, degree + 1, lanes_of_x, true, block);
     spoil(r->tape, degree + 1, lanes, true, dblock);
     for (int k = 0; k <= degree; k++) {
@@ -201,7 +202,7 @@ void run_adjoints(const recording *r, clear_fn *clear, int degree, const double 
 {
     const jet_tape *tape = r->tape;
     double *block = new_block(tape, degree + 1, 1), *bar = new_block(tape, degree + 1, 1);
-    jet_tape_prepare(tape, block, degree + 1, 1);
+    jet_tape_prepare_block(tape, block, degree + 1, 1);
     if (clear) clear_all(tape, clear, degree + 1, bar);
     for (int k = 0; k <= degree; k++) {
         set_inputs(r, degree, 1, k, k, x, block);
@@ -262,6 +263,6 @@ void check_series(const char *what, int degree, const double got[], const double
 int operations_of(const jet_tape *tape, jet_op op)
 {
     int count = 0;
-    for (int i = 0; i < tape->runs; i++) count += tape->run[i].op == op ? tape->run[i].count : 0;
+    for (int i = 0; i < tape->runs; i++) count += tape->run[i].op == op ? tape->run[i].operation_count : 0;
     return count;
 }

@@ -36,7 +36,7 @@ static recording record_forces(int bodies)
             }
             V = jet_add(V, jet_mul((1 + i / 8.0) * (1 + j / 8.0), jet_pow(square, -0.5)));
         }
-    ck_assert(jet_gradient(graph, V, 3 * bodies, force));
+    ck_assert(jet_record_gradient(graph, V, 3 * bodies, force));
     return record_close(graph, 3 * bodies, force, JET_TAPE_VALUES);
 }
 
@@ -54,18 +54,19 @@ START_TEST(forces_are_those_of_the_tape)
     recording r = record_forces(bodies);
     jet_text text = {0};
     jet_sweeps own;
-    jet_emit_rules(&text);
+    jet_emit_rule_source(&text);
     jet_emit_tape(&text, r.tape,
-                  &(jet_emission){.name = "V", .lanes = {lanes[0], lanes[1]}, .is_force = cases[_i].is_force});
-    jet_text_add(&text, "extern const jet_sweeps *const sweeps;\nconst jet_sweeps *const sweeps = &V_sweeps;\n");
+                  &(jet_emission_request){
+                      .name = "V", .lanes = {lanes[0], lanes[1]}, .may_move_pair_factors = cases[_i].is_force});
+    jet_text_append(&text, "extern const jet_sweeps *const sweeps;\nconst jet_sweeps *const sweeps = &V_sweeps;\n");
     library code = library_make(&text, "-O1 -march=native");
     const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
     for (int k = 0; k < 2; k++) {
         set_places(bodies, lanes[k], x);
-        r.tape->sweeps = r.tape->interpreted;
+        r.tape->sweeps = r.tape->interpreter_sweeps;
         ck_assert(run_values(&r, lanes[k], x, want));
         run_sizes(&r, lanes[k], x, size);
-        r.tape->sweeps = jet_sweeps_merge(&own, r.tape->interpreted, *sweeps);
+        r.tape->sweeps = jet_merge_sweeps(&own, r.tape->interpreter_sweeps, *sweeps);
         ck_assert(run_values(&r, lanes[k], x, got));
         for (int i = 0; i < 3 * bodies * lanes[k]; i++)
             ck_assert_double_le(fabs(got[i] - want[i]), 8 * DBL_EPSILON * size[i]);
@@ -86,7 +87,7 @@ static int calls_for(int bodies)
     recording r = record_forces(bodies);
     jet_text text = {0};
     int calls = 0;
-    jet_emit_tape(&text, r.tape, &(jet_emission){.name = "V", .lanes = {8, 64}, .is_force = true});
+    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name = "V", .lanes = {8, 64}, .may_move_pair_factors = true});
     for (const char *at = text.data; (at = strstr(at, "(V, ")); at++) calls++;
     free(text.data);
     recording_free(&r);

@@ -31,15 +31,15 @@ static void emit_function(jet_text *text, int i)
     char names[2][16];
     snprintf(names[0], sizeof names[0], "S%d", i);
     snprintf(names[1], sizeof names[1], "V%d", i);
-    const jet_emission of_values = {.name = names[1], .lanes = {LANES, 1}};
-    const jet_emission of_series = {.name = names[0],
-                                    .lanes = {1},
-                                    .directions = {DIRECTIONS},
-                                    .top = i % 2 ? MANY_ORDERS : DEGREE, /* in loops, or unrolled */
-                                    .has_series = true,
-                                    .has_adjoints = true};
+    const jet_emission_request of_values = {.name = names[1], .lanes = {LANES, 1}};
+    const jet_emission_request of_series = {.name = names[0],
+                                            .lanes = {1},
+                                            .directions = {DIRECTIONS},
+                                            .top = i % 2 ? MANY_ORDERS : DEGREE, /* in loops, or unrolled */
+                                            .has_series = true,
+                                            .has_adjoints = true};
     jet_emit_tape(text, series.tape, &of_series);
-    jet_text_add(text, "static void clear_%d(double *bar) { S%d_clear(bar); }\n", i, i);
+    jet_text_append(text, "static void clear_%d(double *bar) { S%d_clear(bar); }\n", i, i);
     jet_emit_tape(text, values.tape, &of_values);
     recording_free(&series);
     recording_free(&values);
@@ -48,16 +48,17 @@ static void emit_function(jet_text *text, int i)
 static void write_all(jet_text *text)
 {
     const int count = operation_count + composition_count;
-    jet_emit_rules(text);
+    jet_emit_rule_source(text);
     for (int i = 0; i < count; i++)
         if (is_tested(i)) emit_function(text, i);
-    jet_text_add(text, "typedef struct { const jet_sweeps *of_series, *of_values; void (*clear)(double *bar); } own;\n"
-                       "extern const own all[];\nconst own all[] = {\n");
+    jet_text_append(text,
+                    "typedef struct { const jet_sweeps *of_series, *of_values; void (*clear)(double *bar); } own;\n"
+                    "extern const own all[];\nconst own all[] = {\n");
     for (int i = 0; i < count; i++) {
-        if (is_tested(i)) jet_text_add(text, "    {&S%d_sweeps, &V%d_sweeps, clear_%d},\n", i, i, i);
-        else jet_text_add(text, "    {0},\n");
+        if (is_tested(i)) jet_text_append(text, "    {&S%d_sweeps, &V%d_sweeps, clear_%d},\n", i, i, i);
+        else jet_text_append(text, "    {0},\n");
     }
-    jet_text_add(text, "};\n");
+    jet_text_append(text, "};\n");
 }
 
 /* Once for all tests: by base instructions and sums in the order of the tape's, whose results have the same bits. */
@@ -102,8 +103,8 @@ static void run(const function *f, const own_code *own, results *r)
         lanes[INPUTS_MAX * LANES];
     recording series = record_outputs(f, JET_TAPE_SERIES), values = record_outputs(f, JET_TAPE_VALUES);
     jet_sweeps merged[2];
-    if (own) series.tape->sweeps = jet_sweeps_merge(&merged[0], series.tape->interpreted, own->of_series);
-    if (own) values.tape->sweeps = jet_sweeps_merge(&merged[1], values.tape->interpreted, own->of_values);
+    if (own) series.tape->sweeps = jet_merge_sweeps(&merged[0], series.tape->interpreter_sweeps, own->of_series);
+    if (own) values.tape->sweeps = jet_merge_sweeps(&merged[1], values.tape->interpreter_sweeps, own->of_values);
     dense_series(f, DEGREE, x);
     for (int i = 0; i < f->inputs * SHORT * DIRECTIONS; i++) dx[i] = cos(1.0 + i);
     for (int i = 0; i < f->outputs * SHORT; i++) zbar[i] = 1.0 / (1 + i % 7);
@@ -159,7 +160,7 @@ START_TEST(outside_is_refused)
     recording r = record_outputs(any_function(i), JET_TAPE_VALUES);
     jet_sweeps own;
     double x[LANES] = {1, 2, 3, 4, 5, 6, 7, 8}, z[LANES];
-    r.tape->sweeps = jet_sweeps_merge(&own, r.tape->interpreted, all()[i].of_values);
+    r.tape->sweeps = jet_merge_sweeps(&own, r.tape->interpreter_sweeps, all()[i].of_values);
     ck_assert(run_values(&r, LANES, x, z));
     ck_assert(run_values(&r, 1, x, z));
     x[5] = 0;

@@ -222,15 +222,15 @@ START_TEST(lift_of_poison_is_poison)
 {
     jet_graph *from = jet_graph_create(2), *graph = jet_graph_create(2);
     jet z = jet_mul(jet_graph_input(from, 0), jet_exp(jet_graph_input(from, 1))), value, rate;
-    ck_assert_int_eq(jet_graph_accept(from, 1, &z), TVI_OK);
+    ck_assert_int_eq(jet_graph_accept_outputs(from, 1, &z), TVI_OK);
     jet_graph_close(from);
-    const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_unset()};
-    ck_assert(jet_lift(from, graph, all, one, NULL, 1, &z, &value, &rate));
-    ck_assert_int_eq(jet_graph_accept(graph, 1, &value), TVI_OK);
-    ck_assert_int_eq(jet_graph_accept(graph, 1, &rate), TVI_EINVAL);
-    ck_assert(jet_lift(from, graph, one, all, NULL, 1, &z, &value, &rate));
-    ck_assert_int_eq(jet_graph_accept(graph, 1, &value), TVI_EINVAL);
-    ck_assert_int_eq(jet_graph_accept(graph, 1, &rate), TVI_EINVAL);
+    const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_make_unset()};
+    ck_assert(jet_record_forward_derivatives(from, graph, all, one, NULL, 1, &z, &value, &rate));
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &value), TVI_OK);
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &rate), TVI_EINVAL);
+    ck_assert(jet_record_forward_derivatives(from, graph, one, all, NULL, 1, &z, &value, &rate));
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &value), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &rate), TVI_EINVAL);
     jet_graph_free(from);
     jet_graph_free(graph);
 }
@@ -270,7 +270,7 @@ END_TEST
     {                                                                                                                  \
         jet first = jet_const(0);                                                                                      \
         (void)x, (void)y, (void)first;                                                                                 \
-        if (out[0].node == jet_unset().node) out[0] = output;                                                          \
+        if (out[0].node == jet_make_unset().node) out[0] = output;                                                     \
         else out[1] = by_x, out[2] = by_y;                                                                             \
     }
 RECORDED(BUILD)
@@ -292,11 +292,11 @@ START_TEST(gradient_records_no_more_than_needed)
 {
     jet_graph *graph = jet_graph_create(2);
     const jet a = jet_graph_input(graph, 0), b = jet_graph_input(graph, 1);
-    jet out[3] = {jet_unset(), jet_unset(), jet_unset()}, g[2];
+    jet out[3] = {jet_make_unset(), jet_make_unset(), jet_make_unset()}, g[2];
     recorded[_i].build(a, b, out);
-    const int before = jet_graph_count(graph);
-    ck_assert(jet_gradient(graph, out[0], 2, g));
-    ck_assert_int_eq(jet_graph_count(graph) - before, recorded[_i].nodes);
+    const int before = jet_graph_node_count(graph);
+    ck_assert(jet_record_gradient(graph, out[0], 2, g));
+    ck_assert_int_eq(jet_graph_node_count(graph) - before, recorded[_i].nodes);
     recorded[_i].build(a, b, out);
     check_same(recorded[_i].name, g[0], out[1]);
     check_same(recorded[_i].name, g[1], out[2]);
@@ -308,15 +308,15 @@ END_TEST
 static tvi_status gradient_status(jet_graph *graph, jet output)
 {
     jet g[8];
-    ck_assert(jet_gradient(graph, output, 8, g));
-    return jet_graph_accept(graph, 8, g);
+    ck_assert(jet_record_gradient(graph, output, 8, g));
+    return jet_graph_accept_outputs(graph, 8, g);
 }
 
 /* A jet of no graph has no gradient in it, and that shows at the outputs. */
 START_TEST(gradient_of_poison_is_poison)
 {
     jet_graph *graph = jet_graph_create(8), *other = jet_graph_create(8);
-    ck_assert_int_eq(gradient_status(graph, jet_unset()), TVI_EINVAL);
+    ck_assert_int_eq(gradient_status(graph, jet_make_unset()), TVI_EINVAL);
     ck_assert_int_eq(gradient_status(graph, jet_log(0)), TVI_EDOMAIN);
     ck_assert_int_eq(gradient_status(graph, jet_exp(1000)), TVI_ENONFINITE);
     ck_assert_int_eq(gradient_status(graph, jet_sqr(jet_graph_input(other, 1))), TVI_EINVAL);
@@ -331,8 +331,8 @@ START_TEST(gradient_takes_the_first_inputs)
 {
     jet_graph *graph = jet_graph_create(3);
     const jet a = jet_graph_input(graph, 0), b = jet_graph_input(graph, 1), t = jet_graph_input(graph, 2);
-    jet g[3] = {jet_unset(), jet_unset(), jet_const(7)};
-    ck_assert(jet_gradient(graph, jet_mul(jet_mul(a, t), b), 2, g));
+    jet g[3] = {jet_make_unset(), jet_make_unset(), jet_const(7)};
+    ck_assert(jet_record_gradient(graph, jet_mul(jet_mul(a, t), b), 2, g));
     check_same("first", g[0], jet_mul(t, b));
     check_same("second", g[1], jet_mul(a, t));
     ck_assert_double_eq(g[2].number, 7);
@@ -348,7 +348,7 @@ START_TEST(gradient_of_long_dot)
     jet *in = malloc(2 * LONG * sizeof *in), *g = malloc(2 * LONG * sizeof *g);
     ck_assert(in && g);
     for (int i = 0; i < 2 * LONG; i++) in[i] = jet_graph_input(graph, i);
-    ck_assert(jet_gradient(graph, jet_dot(in, in + LONG, LONG), 2 * LONG, g));
+    ck_assert(jet_record_gradient(graph, jet_dot(in, in + LONG, LONG), 2 * LONG, g));
     for (int i = 0; i < LONG; i++) {
         check_same("first factor", g[i], in[LONG + i]);
         check_same("second factor", g[LONG + i], in[i]);
@@ -366,7 +366,7 @@ START_TEST(gradient_of_many_uses)
     jet_graph *graph = jet_graph_create(1);
     jet waves[LONG], g;
     for (int i = 0; i < LONG; i++) waves[i] = jet_sin(jet_mul(i + 1, jet_graph_input(graph, 0)));
-    ck_assert(jet_gradient(graph, jet_sum(waves, LONG), 1, &g));
+    ck_assert(jet_record_gradient(graph, jet_sum(waves, LONG), 1, &g));
     recording r = record_close(graph, 1, &g, JET_TAPE_VALUES);
     double slope, want = 0;
     const double at = 0.01;

@@ -36,8 +36,8 @@ START_TEST(arrays_are_hashed)
     recording r = record_all_kinds();
     jet_tape *tape = r.tape;
     ck_assert(tape->constants > 0 && tape->rows > 0 && tape->terms > 0 && tape->outputs == 4);
-    for (int i = 0; i < tape->constants; i++) EXPECT_SEEN(tape, tape->constant[i]);
-    for (int i = 0; i < tape->rows; i++) EXPECT_SEEN(tape, tape->base[i]);
+    for (int i = 0; i < tape->constants; i++) EXPECT_SEEN(tape, tape->constant_values[i]);
+    for (int i = 0; i < tape->rows; i++) EXPECT_SEEN(tape, tape->constant_terms[i]);
     for (int i = 0; i < tape->terms; i++) {
         EXPECT_SEEN(tape, tape->term_slot[i]);
         EXPECT_SEEN(tape, tape->term_operand_b[i]);
@@ -57,19 +57,19 @@ START_TEST(runs_are_hashed)
     for (int i = 0; i < r.tape->runs; i++) {
         jet_run *run = &r.tape->run[i];
         EXPECT_SEEN(r.tape, run->op);
-        EXPECT_SEEN(r.tape, run->count);
+        EXPECT_SEEN(r.tape, run->operation_count);
         EXPECT_SEEN(r.tape, run->z);
         EXPECT_SEEN(r.tape, run->a);
         EXPECT_SEEN(r.tape, run->b);
         EXPECT_SEEN(r.tape, run->w);
-        EXPECT_SEEN(r.tape, run->c);
-        EXPECT_SEEN(r.tape, run->first);
+        EXPECT_SEEN(r.tape, run->exponent);
+        EXPECT_SEEN(r.tape, run->first_constant);
         EXPECT_SEEN(r.tape, run->terms);
         EXPECT_SEEN(r.tape, run->term);
         const uint64_t before = hash_of(r.tape);
-        run->has_numbers = !run->has_numbers;
+        run->has_constants = !run->has_constants;
         ck_assert(hash_of(r.tape) != before);
-        run->has_numbers = !run->has_numbers;
+        run->has_constants = !run->has_constants;
     }
     recording_free(&r);
 }

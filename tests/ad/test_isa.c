@@ -81,7 +81,7 @@ START_TEST(environment_chooses)
     static results r;
     const function *f = any_function(0);
     const jet_sweeps *base = run_with("base", f, &r), *avx2 = run_with("avx2", f, &r), *widest = run_with("", f, &r);
-    const jet_sweeps *by_itself = jet_sweeps_choose();
+    const jet_sweeps *by_itself = jet_choose_sweeps_for_processor();
     ck_assert_ptr_eq(by_itself, widest);
 #if defined(__x86_64__)
     ck_assert((base != avx2) == (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")));

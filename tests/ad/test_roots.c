@@ -57,17 +57,17 @@ static recording record_both(void)
 
 static void emit(jet_text *text)
 {
-    jet_emit_rules(text);
+    jet_emit_rule_source(text);
     for (int i = 0; i < POWERS; i++) {
         char name[16];
         snprintf(name, sizeof name, "V%d", i);
-        const jet_emission wanted = {.name = name, .lanes = {lanes[0], lanes[1], lanes[2]}};
+        const jet_emission_request wanted = {.name = name, .lanes = {lanes[0], lanes[1], lanes[2]}};
         jet_emit_tape(text, powers[i].tape, &wanted);
     }
-    jet_emit_tape(text, both.tape, &(jet_emission){.name = "W", .lanes = {4, 8}});
-    jet_text_add(text,
-                 "extern const jet_sweeps *const sweeps[];\n"
-                 "const jet_sweeps *const sweeps[] = {&V0_sweeps, &V1_sweeps, &V2_sweeps, &V3_sweeps, &W_sweeps};\n");
+    jet_emit_tape(text, both.tape, &(jet_emission_request){.name = "W", .lanes = {4, 8}});
+    jet_text_append(
+        text, "extern const jet_sweeps *const sweeps[];\n"
+              "const jet_sweeps *const sweeps[] = {&V0_sweeps, &V1_sweeps, &V2_sweeps, &V3_sweeps, &W_sweeps};\n");
 }
 
 static bool begin(int i)
@@ -83,8 +83,8 @@ static bool begin(int i)
     code = library_make(&text, codes[i].flags);
     const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
     for (int k = 0; k < POWERS; k++)
-        powers[k].tape->sweeps = jet_sweeps_merge(&own[k], powers[k].tape->interpreted, sweeps[k]);
-    both.tape->sweeps = jet_sweeps_merge(&own[POWERS], both.tape->interpreted, sweeps[POWERS]);
+        powers[k].tape->sweeps = jet_merge_sweeps(&own[k], powers[k].tape->interpreter_sweeps, sweeps[k]);
+    both.tape->sweeps = jet_merge_sweeps(&own[POWERS], both.tape->interpreter_sweeps, sweeps[POWERS]);
     return true;
 }
 

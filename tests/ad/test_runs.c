@@ -28,13 +28,14 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             ck_assert_int_eq(kind, JET_TAPE_SERIES);
             ck_assert_int_eq(run->z, (slot + VECTOR - 1) / VECTOR * VECTOR);
         }
-        ck_assert_int_ge(run->count, 1);
-        slot = run->z + run->count;
+        ck_assert_int_ge(run->operation_count, 1);
+        slot = run->z + run->operation_count;
         ck_assert_int_le(slot, tape->slots);
-        if (rule && rule->operands == 2) ck_assert_int_le(run->b + run->count, run->z);
-        if (rule && rule->partner == W_SAME && kind == JET_TAPE_SERIES) ck_assert_int_le(run->w + run->count, run->z);
+        if (rule && rule->operand_count == 2) ck_assert_int_le(run->b + run->operation_count, run->z);
+        if (rule && rule->partner == W_SAME && kind == JET_TAPE_SERIES)
+            ck_assert_int_le(run->w + run->operation_count, run->z);
         if (run->op != OP_LINEAR && !is_product(run)) {
-            ck_assert_int_le(run->a + run->count, run->z);
+            ck_assert_int_le(run->a + run->operation_count, run->z);
             continue;
         }
         ck_assert_int_eq(run->term, term);
@@ -42,16 +43,18 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             ck_assert_int_ge(run->terms, 1);
             ck_assert_int_le(run->terms, JET_TERMS_MAX);
             ck_assert(!run->is_scattered || kind == JET_TAPE_VALUES);
-            const int rows = run->is_scattered ? run->count : 1, read = run->is_scattered ? 1 : run->count;
+            const int rows = run->is_scattered ? run->operation_count : 1,
+                      read = run->is_scattered ? 1 : run->operation_count;
             for (int i = 0; i < rows * run->terms; i++, term++) {
                 ck_assert_int_le(tape->term_slot[term] + read, run->z);
                 ck_assert_int_le(tape->term_operand_b[term] + read, run->z);
             }
             continue;
         }
-        ck_assert_int_eq(run->first, row);
-        row += run->count;
-        for (int i = 0; i < run->count * run->terms; i++, term++) ck_assert_int_lt(tape->term_slot[term], run->z);
+        ck_assert_int_eq(run->first_constant, row);
+        row += run->operation_count;
+        for (int i = 0; i < run->operation_count * run->terms; i++, term++)
+            ck_assert_int_lt(tape->term_slot[term], run->z);
     }
     ck_assert_int_eq(term, tape->terms);
     ck_assert(tape->slots == slot || (kind == JET_TAPE_SERIES && tape->slots == (slot + VECTOR - 1) / VECTOR * VECTOR));
@@ -107,7 +110,7 @@ START_TEST(pairs_run_together)
         const jet_run *run = &r.tape->run[i];
         if (run->op == OP_LINEAR) continue;
         ck_assert_int_eq(run->z % VECTOR, 0);
-        ck_assert_int_eq(run->count % VECTOR, 0);
+        ck_assert_int_eq(run->operation_count % VECTOR, 0);
     }
     recording_free(&r);
 }
@@ -147,7 +150,7 @@ START_TEST(copies_run_together)
         recording one = record_outputs(f, (jet_tape_kind)kind), many = record_copies(f, (jet_tape_kind)kind);
         if (stays_adjacent(f)) ck_assert_int_eq(many.tape->runs, one.tape->runs);
         for (int i = 0; i < one.tape->runs && stays_adjacent(f); i++)
-            ck_assert_int_eq(many.tape->run[i].count, COPIES * one.tape->run[i].count);
+            ck_assert_int_eq(many.tape->run[i].operation_count, COPIES * one.tape->run[i].operation_count);
         ck_assert(run_values(&one, 1, f->centre, &want));
         ck_assert(run_values(&many, 1, x, z));
         for (int i = 0; i < COPIES; i++) ck_assert_double_eq(z[i], want);

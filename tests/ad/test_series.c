@@ -42,9 +42,9 @@ static int values_that_differ(const function *f)
     dense_series(f, 0, x);
     ck_assert(precise && run_values(&r, 1, x, z));
     quad_series(f, 0, 1, x, want);
-    jet_tape_prepare(r.tape, block, 1, 1);
+    jet_tape_prepare_block(r.tape, block, 1, 1);
     for (int i = 0; i < f->inputs; i++) precise[i] = x[i];
-    jet_sweep_precisely(r.tape, block, precise);
+    jet_sweep_long_double_values(r.tape, block, precise);
     for (int i = 0; i < f->outputs; i++) {
         const long double value = precise[r.tape->output[i]], unit = nextafter(fabs(want[i]), INFINITY) - fabs(want[i]);
         ck_assert_msg(fabsl(value - want[i]) <= 0.51L * unit, "%s", f->name);

@@ -124,7 +124,7 @@ static bool build_equal(pair_fn *build, bool computed)
     if (computed) build(jet_mul(x, y), jet_cosh(x), pair);
     else build(x, y, pair);
     const bool result = equal(pair);
-    ck_assert_int_eq(jet_graph_accept(graph, 2, pair), TVI_OK);
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 2, pair), TVI_OK);
     jet_graph_free(graph);
     return result;
 }
@@ -153,11 +153,11 @@ START_TEST(sharing_survives_growth)
     jet_graph *graph = jet_graph_create(1);
     const jet x = jet_graph_input(graph, 0);
     for (int i = 0; i < MANY; i++) first[i] = jet_pow(x, 0.25 + i);
-    ck_assert_int_eq(jet_graph_count(graph), 1 + MANY);
+    ck_assert_int_eq(jet_graph_node_count(graph), 1 + MANY);
     for (int i = 0; i < MANY; i++) ck_assert_ptr_eq(jet_pow(x, 0.25 + i).node, first[i].node);
-    ck_assert_int_eq(jet_graph_count(graph), 1 + MANY);
-    for (int i = 0; i < MANY; i++) ck_assert_int_eq(jet_graph_node(graph, 1 + i)->index, 1 + i);
-    ck_assert_int_lt(jet_graph_collisions(graph), 2 * jet_graph_count(graph));
+    ck_assert_int_eq(jet_graph_node_count(graph), 1 + MANY);
+    for (int i = 0; i < MANY; i++) ck_assert_int_eq(jet_graph_node_at(graph, 1 + i)->index, 1 + i);
+    ck_assert_int_lt(jet_graph_hash_collisions(graph), 2 * jet_graph_node_count(graph));
     jet_graph_free(graph);
 }
 END_TEST
@@ -171,7 +171,7 @@ START_TEST(beginnings_are_different)
     for (int i = 0; i < MANY; i++) in[i] = jet_graph_input(graph, i);
     for (int k = 1; k <= MANY; k++) {
         const jet sum = jet_sum(in, k);
-        ck_assert_int_eq(jet_graph_count(graph), MANY + k - 1);
+        ck_assert_int_eq(jet_graph_node_count(graph), MANY + k - 1);
         ck_assert_int_eq(sum.node->count, k == 1 ? 0 : k);
         ck_assert_ptr_eq(jet_sum(in, k).node, sum.node);
     }
@@ -220,11 +220,11 @@ static const struct {
 START_TEST(nodes_are_few)
 {
     jet_graph *graph = jet_graph_create(2);
-    ck_assert_int_eq(jet_graph_inputs(graph), 2);
-    ck_assert_int_eq(jet_graph_count(graph), 2);
+    ck_assert_int_eq(jet_graph_input_count(graph), 2);
+    ck_assert_int_eq(jet_graph_node_count(graph), 2);
     (void)counts[_i].build(jet_graph_input(graph, 0), jet_graph_input(graph, 1));
-    ck_assert_msg(jet_graph_count(graph) == 2 + counts[_i].nodes, "%d nodes %s instead of %d",
-                  jet_graph_count(graph) - 2, counts[_i].name, counts[_i].nodes);
+    ck_assert_msg(jet_graph_node_count(graph) == 2 + counts[_i].nodes, "%d nodes %s instead of %d",
+                  jet_graph_node_count(graph) - 2, counts[_i].name, counts[_i].nodes);
     jet_graph_free(graph);
 }
 END_TEST
@@ -237,17 +237,17 @@ START_TEST(closed_recording_is_not_written)
     jet_graph_close(graph);
     enum { MOST = 16 };
     struct jet_node before[MOST];
-    const int count = jet_graph_count(graph);
+    const int count = jet_graph_node_count(graph);
     ck_assert_int_le(count, MOST);
-    for (int i = 0; i < count; i++) before[i] = *jet_graph_node(graph, i);
+    for (int i = 0; i < count; i++) before[i] = *jet_graph_node_at(graph, i);
     jet gradient[2];
-    for (int i = 0; i < COUNT(same); i++) same[i].build(x, u, (jet[2]){jet_unset(), jet_unset()});
-    for (int i = 0; i < COUNT(different); i++) different[i].build(y, u, (jet[2]){jet_unset(), jet_unset()});
-    ck_assert(jet_gradient(graph, u, 2, gradient));
-    ck_assert_int_eq(jet_graph_accept(graph, 1, gradient), TVI_EINVAL);
-    ck_assert_int_eq(jet_graph_count(graph), count);
+    for (int i = 0; i < COUNT(same); i++) same[i].build(x, u, (jet[2]){jet_make_unset(), jet_make_unset()});
+    for (int i = 0; i < COUNT(different); i++) different[i].build(y, u, (jet[2]){jet_make_unset(), jet_make_unset()});
+    ck_assert(jet_record_gradient(graph, u, 2, gradient));
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, gradient), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_node_count(graph), count);
     const size_t bytes = offsetof(struct jet_node, which) + sizeof before->which; /* what follows is not set */
-    for (int i = 0; i < count; i++) ck_assert_mem_eq(&before[i], jet_graph_node(graph, i), bytes);
+    for (int i = 0; i < count; i++) ck_assert_mem_eq(&before[i], jet_graph_node_at(graph, i), bytes);
     jet_graph_free(graph);
 }
 END_TEST

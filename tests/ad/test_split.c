@@ -9,12 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const jet_split ways[] = {JET_SPLIT_NONE, JET_SPLIT_SUMS, JET_SPLIT_ALL, JET_SPLIT_PAIRS};
+static const jet_split_mode ways[] = {JET_SPLIT_NONE, JET_SPLIT_SUMS, JET_SPLIT_ALL, JET_SPLIT_PAIRS};
 enum { WAYS = sizeof ways / sizeof *ways, LANES = 8 };
 
-static recording split_of(const recording *r, jet_split which, jet_tape *split)
+static recording split_of(const recording *r, jet_split_mode which, jet_tape *split)
 {
-    ck_assert(jet_tape_split(split, r->tape, which));
+    ck_assert(jet_split_tape_runs(split, r->tape, which));
     recording other = *r;
     other.tape = split;
     return other;
@@ -23,7 +23,7 @@ static recording split_of(const recording *r, jet_split which, jet_tape *split)
 /* The same values, but for the last two bits of powers that the tape has together, or none, too; and of pairs, of the
  * terms of a sum, whose factors may be those of products. A slot that is read before it is computed would be no number.
  */
-static void check_values(const recording *r, const function *f, jet_split which)
+static void check_values(const recording *r, const function *f, jet_split_mode which)
 {
     double x[INPUTS_MAX * LANES], want[OUTPUTS_MAX * LANES], got[OUTPUTS_MAX * LANES], size[OUTPUTS_MAX * LANES];
     jet_tape split;
@@ -35,7 +35,7 @@ static void check_values(const recording *r, const function *f, jet_split which)
     for (int i = 0; i < r->outputs * LANES; i++)
         ck_assert_double_le(fabs(got[i] - want[i]),
                             3 * DBL_EPSILON * (which == JET_SPLIT_PAIRS ? size[i] : fabs(want[i])));
-    jet_tape_free_split(&split);
+    jet_free_split_tape(&split);
 }
 
 START_TEST(splits_compute_the_same)
@@ -53,7 +53,7 @@ START_TEST(splits_compute_the_same)
 END_TEST
 
 /* Whether the split has the operations of such a run alone. */
-static bool is_cut(const jet_run *run, jet_split which)
+static bool is_cut(const jet_run *run, jet_split_mode which)
 {
     return which >= JET_SPLIT_ALL || (which == JET_SPLIT_SUMS && (run->is_scattered || run->op == OP_LINEAR));
 }
@@ -66,15 +66,15 @@ START_TEST(operations_are_made_once)
     int *makers = calloc((size_t)r.tape->slots, sizeof *makers);
     for (int way = 0; way < WAYS; way++) {
         jet_tape split;
-        ck_assert(jet_tape_split(&split, r.tape, ways[way]));
+        ck_assert(jet_split_tape_runs(&split, r.tape, ways[way]));
         memset(makers, 0, (size_t)r.tape->slots * sizeof *makers);
         for (const jet_run *run = split.run; run < split.run + split.runs; run++) {
-            ck_assert(run->count == 1 || !is_cut(run, ways[way]));
-            for (int slot = run->z; slot < run->z + run->count; slot++) makers[slot]++;
+            ck_assert(run->operation_count == 1 || !is_cut(run, ways[way]));
+            for (int slot = run->z; slot < run->z + run->operation_count; slot++) makers[slot]++;
         }
         for (int slot = 0; slot < r.tape->slots; slot++)
             ck_assert_int_eq(makers[slot], slot >= r.tape->inputs + r.tape->constants);
-        jet_tape_free_split(&split);
+        jet_free_split_tape(&split);
     }
     free(makers);
     recording_free(&r);
@@ -93,7 +93,7 @@ static int longest_way(const jet_tape *tape)
 {
     int *made = calloc((size_t)tape->slots, sizeof *made), longest = 0, count = 0;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        for (int i = 0; i < run->count; i++, count++) {
+        for (int i = 0; i < run->operation_count; i++, count++) {
             made[run->z + i] = count;
             for (int term = run->term; term < run->term + run->terms && run->op != OP_LINEAR; term++) {
                 const int first = made[tape->term_slot[term] + i], second = made[tape->term_operand_b[term] + i];
@@ -111,12 +111,12 @@ START_TEST(pairs_follow_each_other)
 {
     recording r = record_outputs(gravity(), JET_TAPE_VALUES);
     jet_tape sums, all;
-    ck_assert(jet_tape_split(&sums, r.tape, JET_SPLIT_SUMS));
-    ck_assert(jet_tape_split(&all, r.tape, JET_SPLIT_ALL));
+    ck_assert(jet_split_tape_runs(&sums, r.tape, JET_SPLIT_SUMS));
+    ck_assert(jet_split_tape_runs(&all, r.tape, JET_SPLIT_ALL));
     ck_assert_int_ge(longest_way(&sums), 45);
     ck_assert_int_le(longest_way(&all), 12);
-    jet_tape_free_split(&sums);
-    jet_tape_free_split(&all);
+    jet_free_split_tape(&sums);
+    jet_free_split_tape(&all);
     recording_free(&r);
 }
 END_TEST
@@ -125,7 +125,7 @@ END_TEST
  * that shares none keeps what it has there, and so do all where only forces may have them moved. */
 START_TEST(factors_of_sums_are_moved)
 {
-    const jet_split which = ways[_i];
+    const jet_split_mode which = ways[_i];
     jet_graph *graph = jet_graph_create(3);
     jet z[2], product[4];
     for (int i = 0; i < 3; i++) product[i] = jet_mul(jet_graph_input(graph, i), jet_exp(jet_graph_input(graph, 0)));
@@ -139,7 +139,7 @@ START_TEST(factors_of_sums_are_moved)
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
     jet_tape split;
     double factors = 1, of_sums = 1;
-    ck_assert(jet_tape_split(&split, r.tape, which));
+    ck_assert(jet_split_tape_runs(&split, r.tape, which));
     for (const jet_run *run = split.run; run < split.run + split.runs; run++) {
         if (run->op == OP_PRODUCTS) factors *= split.term_coefficient[run->term];
         for (int k = 0; run->op == OP_LINEAR && k < run->terms; k++) of_sums *= split.term_coefficient[run->term + k];
@@ -150,7 +150,7 @@ START_TEST(factors_of_sums_are_moved)
     const double moved = which == JET_SPLIT_PAIRS ? 3 * 3 : 1; /* 7 and 8 differ */
     ck_assert_double_eq(factors, moved);
     ck_assert_double_eq(of_sums, 7 * 8 * (9 * -9) * (3 * 3 / moved) * (3 * 3 / moved));
-    jet_tape_free_split(&split);
+    jet_free_split_tape(&split);
     recording_free(&r);
 }
 END_TEST
@@ -167,16 +167,16 @@ START_TEST(angles_stay_together)
     }
     recording r = record_close(graph, 4, z, JET_TAPE_VALUES);
     jet_tape split;
-    ck_assert(jet_tape_split(&split, r.tape, JET_SPLIT_ALL));
+    ck_assert(jet_split_tape_runs(&split, r.tape, JET_SPLIT_ALL));
     ck_assert_int_eq(split.runs, 4);
     for (const jet_run *run = split.run; run < split.run + split.runs; run += 2) {
         ck_assert_int_eq(run[0].op, OP_SIN);
-        ck_assert_int_eq(run[0].together, 2);
+        ck_assert_int_eq(run[0].fused_runs, 2);
         ck_assert_int_eq(run[1].op, OP_COS);
-        ck_assert_int_eq(run[1].together, 1);
+        ck_assert_int_eq(run[1].fused_runs, 1);
         ck_assert_int_eq(run[1].a, run[0].a);
     }
-    jet_tape_free_split(&split);
+    jet_free_split_tape(&split);
     recording_free(&r);
 }
 END_TEST

@@ -73,7 +73,7 @@ START_TEST(what_is_not_needed_is_left_out)
     (void)jet_exp(jet_mul(x[0], x[1]));
     (void)jet_tan(jet_sin(x[3]));
     z[0] = jet_mul(x[1], jet_sqrt(x[2]));
-    ck_assert_int_eq(jet_graph_accept(graph, 1, z), TVI_OK);
+    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, z), TVI_OK);
     jet_graph_close(graph);
     jet_tape *tape = jet_tape_create(graph, 1, 1, z, JET_TAPE_SERIES);
     ck_assert_int_eq(tape->inputs, 3); /* x0, asked for; x1 and x2, needed; x3 is not */
@@ -141,7 +141,7 @@ START_TEST(block_is_prepared)
     const int size = ORDERS_USED * r.tape->slots * LANES;
     double *block = numbers((size_t)size);
     for (int i = 0; i < size; i++) block[i] = 7;
-    jet_tape_prepare(r.tape, block, ORDERS_USED, LANES);
+    jet_tape_prepare_block(r.tape, block, ORDERS_USED, LANES);
     for (int i = 0; i < size; i++) {
         const int constant = i / LANES - r.tape->inputs;
         const bool is_constant = constant >= 0 && constant < r.tape->constants;
@@ -171,7 +171,7 @@ START_TEST(sweeps_write_their_own_order)
     recording r = record_outputs(f, JET_TAPE_SERIES);
     const size_t size = (size_t)((DEGREE + 1) * r.tape->slots);
     double *x = numbers(size), *dx = numbers(size), *before = numbers(size);
-    jet_tape_prepare(r.tape, x, DEGREE + 1, 1);
+    jet_tape_prepare_block(r.tape, x, DEGREE + 1, 1);
     for (int k = 0; k <= DEGREE; k++)
         for (int i = 0; i < f->inputs; i++) {
             x[k * r.tape->slots + i] = k == 0 ? f->centre[i] : 0.1;

@@ -57,7 +57,7 @@ START_TEST(samples_are_the_curve)
     const pairing *x = &pairings[_i / 2];
     const int n = x->scene->n, end = TVI_SAMPLES - 1;
     run r = run_open(x->scene, x->method, x->order);
-    const tvi_range all[] = {{0, n}, {0, n}}, last[] = {{n - 1, n}, {n - 1, n}};
+    const tvi_component_range all[] = {{0, n}, {0, n}}, last[] = {{n - 1, n}, {n - 1, n}};
     double sample[2 * MOST_N + 1][TVI_SAMPLES], now[2 * MOST_N + 1], start[2 * MOST_N];
     double part[2 * MOST_N + 1][TVI_SAMPLES];
     for (int step = 0; step < 5; step++) {
@@ -116,7 +116,7 @@ START_TEST(rates_are_those_of_steps)
     ck_assert_int_eq(tvi_rates_open(&rates, r.system, NULL), TVI_OK);
     ck_assert(!rates.block == (r.system->form == TVI_LAGRANGIAN));
     if (rates.block) {
-        ck_assert_int_eq(tvi_rates_at(&rates, x, rate), TVI_OK);
+        ck_assert_int_eq(tvi_rates_compute(&rates, x, rate), TVI_OK);
         for (int side = -1; side <= 1; side += 2) {
             double t = x[2 * n], *q = side < 0 ? before : after;
             memcpy(q, x, 2 * (size_t)n * sizeof *q);

@@ -340,7 +340,7 @@ void print_problem(FILE *to, const problem *x)
 const char *describe(const tvi_options *options)
 {
     static char text[160];
-    snprintf(text, sizeof text, "%s, %s, degree %d, order %d, quadrature %d with %d%s", tvi_method_of(options)->title,
+    snprintf(text, sizeof text, "%s, %s, degree %d, order %d, quadrature %d with %d%s", tvi_find_method(options)->title,
              options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", options->degree, options->order,
              (int)options->quadrature, options->quadrature_points, options->compose_adjoint ? ", composed" : "");
     return text;

@@ -266,7 +266,7 @@ static bool solve_step(task *x, quad z[], quad q[], quad p[])
 static bool generated_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
 {
     const int n = s->source->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
-    const tvi_span span = tvi_method_of(options)->curve.span;
+    const tvi_scaled_span span = tvi_find_method(options)->curve.span;
     const quad from = span.from / ((quad)span.to - span.from);
     task x = {s, options, n, N, p_degree, size_of(n, q), t, h, from, .rule = {.points = 2}};
     quad z[DATA] = {0}, Q[COEFFICIENTS], P[COEFFICIENTS];
@@ -370,6 +370,6 @@ static bool one_step(quad_series *s, const tvi_options *options, quad h, quad t,
 bool quad_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
 {
     if (!options->compose_adjoint) return one_step(s, options, h, t, q, p);
-    const tvi_options adjoint = tvi_method_adjoint(options);
+    const tvi_options adjoint = tvi_adjoint_options(options);
     return one_step(s, options, h / 2, t, q, p) && one_step(s, &adjoint, h / 2, t + h / 2, q, p);
 }

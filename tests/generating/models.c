@@ -233,9 +233,9 @@ static void add_kinds(const tvi_descriptor *d)
 {
     for (int nodes = TVI_NODES_ON_CURVE; nodes <= TVI_NODES_TRUNCATED; nodes++) {
         const tvi_options options = {.method = d->method, .expansion = d->expansion, .nodes = (tvi_nodes)nodes};
-        if (tvi_method_of(&options) != d) continue;
+        if (tvi_find_method(&options) != d) continue;
         if (all_kinds == KINDS_MOST) abort();
-        kinds[all_kinds++] = (kind){d->method, d->expansion, options.nodes, tvi_is_symmetric(d)};
+        kinds[all_kinds++] = (kind){d->method, d->expansion, options.nodes, tvi_is_method_symmetric(d)};
     }
 }
 
@@ -277,7 +277,7 @@ const char *describe(const tvi_options *options)
     static char text[TEXTS][160];
     static int next;
     char *out = text[next++ % TEXTS];
-    snprintf(out, sizeof text[0], "%s, %s, degree %d, %s %d%s", tvi_method_of(options)->title,
+    snprintf(out, sizeof text[0], "%s, %s, degree %d, %s %d%s", tvi_find_method(options)->title,
              options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", options->degree,
              quadrature[options->quadrature], options->quadrature_points, options->compose_adjoint ? ", composed" : "");
     return out;

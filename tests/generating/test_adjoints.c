@@ -55,7 +55,7 @@ START_TEST(adjoint_undoes_the_step_back)
     for (int degree = 1; degree <= DEGREES; degree++)
         for (int rule = 0; rule < RULES; rule++) {
             const tvi_options options = kind_options_with(k, degree, rules[rule].quadrature, rules[rule].points);
-            const tvi_options adjoint = tvi_method_adjoint(&options);
+            const tvi_options adjoint = tvi_adjoint_options(&options);
             const double error = missed(m, m->h, &options, &adjoint);
             ck_assert_msg(error < 1e-13, "%s, %s then %s: %.1e", m->name, describe(&options), describe(&adjoint),
                           error);
@@ -71,7 +71,7 @@ START_TEST(no_other_does)
     if (!kind_serves(k, m)) return;
     const tvi_options plain = kind_options_with(k, 2, TVI_RECTANGLE_START, 1);
     const tvi_options options = kind_options(k, 2);
-    tvi_options wrong = tvi_method_adjoint(&plain);
+    tvi_options wrong = tvi_adjoint_options(&plain);
     wrong.quadrature = TVI_RECTANGLE_START;
     ck_assert_msg(missed(m, m->h, &plain, &wrong) > 1e-8, "%s, %s, not mirrored", m->name, describe(&plain));
     if (!k->symmetric)
@@ -89,7 +89,7 @@ START_TEST(composition_is_half_a_step_and_half_of_the_adjoint)
     for (int degree = 1; degree <= DEGREES; degree++)
         for (int rule = 0; rule < RULES; rule++) {
             tvi_options options = kind_options_with(k, degree, rules[rule].quadrature, rules[rule].points);
-            const tvi_options adjoint = tvi_method_adjoint(&options);
+            const tvi_options adjoint = tvi_adjoint_options(&options);
             tvi_system *system = model_system(m);
             test_state halves = somewhere(m), whole = halves;
             step_with(system, &options, m->h / 2, &halves);

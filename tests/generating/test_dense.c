@@ -87,7 +87,7 @@ START_TEST(composition_has_the_output_of_its_halves)
     const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     tvi_system *system = model_system(m);
-    const tvi_options first = kind_options(k, 2), second = tvi_method_adjoint(&first);
+    const tvi_options first = kind_options(k, 2), second = tvi_adjoint_options(&first);
     tvi_options composed = first;
     composed.compose_adjoint = true;
     tvi_integrator *whole = integrator_of(system, &composed),

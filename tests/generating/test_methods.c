@@ -32,7 +32,7 @@ START_TEST(adjoints_are_mirrored)
     for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         if (!expands(d)) continue;
-        const tvi_span a = d->curve.span, b = adjoint->curve.span;
+        const tvi_scaled_span a = d->curve.span, b = adjoint->curve.span;
         ck_assert_msg(a.from == -b.to && a.to == -b.from && a.tau == b.tau, "%s", d->title);
         ck_assert_double_eq_tol((a.to - a.from) * a.tau, 1, 1e-15);
         ck_assert_msg(d->curve.action == adjoint->curve.action && d->serves == adjoint->serves, "%s", d->title);
@@ -56,7 +56,7 @@ enum { PLACES = sizeof places / sizeof *places };
 START_TEST(curves_are_expanded_where_they_are_called)
 {
     const tvi_options options = {.method = places[_i].method, .expansion = places[_i].expansion};
-    const tvi_descriptor *d = tvi_method_of(&options);
+    const tvi_descriptor *d = tvi_find_method(&options);
     ck_assert_ptr_nonnull(d);
     ck_assert_double_eq(-d->curve.span.from * d->curve.span.tau, places[_i].before);
 }
@@ -71,7 +71,7 @@ START_TEST(names_are_their_own)
             tvi_options options = {.order = 0};
             for (int order = 1; name && order <= 2 && options.order == 0; order++)
                 (void)!tvi_options_named(name, order, &options);
-            ck_assert_msg(!name || (tvi_method_of(&options) == *d && (int)options.nodes == nodes), "%s", name);
+            ck_assert_msg(!name || (tvi_find_method(&options) == *d && (int)options.nodes == nodes), "%s", name);
         }
 }
 END_TEST

@@ -49,14 +49,14 @@ void add_methods(const tvi_system *system, int count, const int degrees[], bool 
 bool is_symmetric(const tvi_options *options)
 {
     return options->compose_adjoint || options->method == TVI_STORMER_VERLET ||
-           tvi_is_symmetric(tvi_method_of(options));
+           tvi_is_method_symmetric(tvi_find_method(options));
 }
 
 const char *describe(const tvi_options *options)
 {
     static char text[160];
     const bool by_order = options->degree == 0;
-    snprintf(text, sizeof text, "%s, %s, %s %d%s", tvi_method_of(options)->title,
+    snprintf(text, sizeof text, "%s, %s, %s %d%s", tvi_find_method(options)->title,
              options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", by_order ? "order" : "degree",
              by_order ? options->order : options->degree, options->compose_adjoint ? ", composed" : "");
     return text;

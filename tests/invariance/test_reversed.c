@@ -48,7 +48,7 @@ START_TEST(methods_return)
         for (int i = 0; i < list.count; i++) {
             if (list.options[i].method == TVI_TAYLOR) continue;
             const tvi_options back =
-                is_symmetric(&list.options[i]) ? list.options[i] : tvi_method_adjoint(&list.options[i]);
+                is_symmetric(&list.options[i]) ? list.options[i] : tvi_adjoint_options(&list.options[i]);
             const double error = missed(&s, system, &list.options[i], &back);
             if (!(error <= growth * (2 * STEPS + 1)))
                 complain(&c, "%s: %.1e units of roundoff\n", describe(&list.options[i]), error);

@@ -20,9 +20,9 @@ typedef struct {
 static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
-        x->piece[i] = tvi_arena_take(&x->arena, sizes[i]);
-        x->ring[i] = tvi_arena_ring(&x->arena, sizes[i]);
-        x->history[i] = tvi_arena_history(&x->arena, sizes[PIECES - 1 - i]);
+        x->piece[i] = tvi_arena_allocate(&x->arena, sizes[i]);
+        x->ring[i] = tvi_arena_allocate_ring(&x->arena, sizes[i]);
+        x->history[i] = tvi_arena_allocate_history(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
 
@@ -32,10 +32,10 @@ static open_arena open_all(void)
     take_all(&x);
     for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.ring[i]);
     const tvi_arena measured = x.arena;
-    x.memory = tvi_arena_open(&x.arena);
+    x.memory = tvi_arena_allocate_memory(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
     take_all(&x);
-    ck_assert(x.arena.used == measured.used && x.arena.marked == measured.marked);
+    ck_assert(x.arena.used_bytes == measured.used_bytes && x.arena.marked == measured.marked);
     ck_assert(x.arena.ring_bytes == measured.ring_bytes);
     return x;
 }
@@ -61,7 +61,7 @@ static void check_piece(char *piece, size_t bytes, size_t alignment, const char 
 START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
-    char *const end = x.memory + x.arena.used, *const end_of_marked = end + x.arena.marked,
+    char *const end = x.memory + x.arena.used_bytes, *const end_of_marked = end + x.arena.marked,
                 *const end_of_rings = end + tvi_arena_history_bytes(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
@@ -83,11 +83,11 @@ START_TEST(histories_are_copied)
     memset(copy, 7, remembered + 1);
     for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
     for (int i = 0; i < PIECES; i++) memset(x.ring[i], 11 + i, sizes[i]);
-    tvi_arena_copy(copy, x.arena.history, remembered);
-    tvi_arena_copy(x.arena.history, NULL, remembered);
+    tvi_arena_copy_history(copy, x.arena.history, remembered);
+    tvi_arena_copy_history(x.arena.history, NULL, remembered);
     for (int i = 0; i < PIECES; i++)
         ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.ring[i][sizes[i] - 1] == 0);
-    tvi_arena_copy(x.arena.history, copy, remembered);
+    tvi_arena_copy_history(x.arena.history, copy, remembered);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 1 + i);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.ring[i][sizes[i] - 1], 11 + i);
     ck_assert_int_eq(copy[remembered], 7);

@@ -159,7 +159,7 @@ static expansion expand(const test_problem *problem)
     expansion e = {.system = problem_system(problem)};
     tvi_arena arena = {0};
     tvi_curve_take(&e.curve, &arena, e.system, 4, true, 1);
-    e.memory = tvi_arena_open(&arena);
+    e.memory = tvi_arena_allocate_memory(&arena);
     ck_assert_ptr_nonnull(e.memory);
     tvi_curve_take(&e.curve, &arena, e.system, 4, true, 1);
     tvi_blocks_prepare(arena.blocks);

@@ -18,18 +18,18 @@ enum { MOST = 12 };
 
 typedef struct {
     void *memory;
-    tvi_factor factor;
+    tvi_lu_factor factor;
 } open_factor;
 
 static open_factor open_of_size(int n)
 {
     open_factor x = {0};
     tvi_arena arena = {0};
-    tvi_factor_take(&x.factor, &arena, n);
-    arena.base = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    tvi_factor_allocate(&x.factor, &arena, n);
+    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used_bytes);
     ck_assert_ptr_nonnull(x.memory);
-    arena.used = 0;
-    tvi_factor_take(&x.factor, &arena, n);
+    arena.used_bytes = 0;
+    tvi_factor_allocate(&x.factor, &arena, n);
     return x;
 }
 

@@ -18,10 +18,10 @@ typedef struct {
 
 /* Rules by which passes that do not contract by a half are stuck; by which the next correction is predicted; by which
  * passes are stuck if two alternating corrections do not shrink; and by which small corrections show nothing. */
-#define HALVES       .goal = 1e-16, .stuck = 0.5, .period = 1
-#define EXPECTS      HALVES, .contraction = 0.5
-#define TURNS(STUCK) .goal = 1e-24, .contraction = 0.5, .stuck = STUCK, .period = 2
-#define NOISE        TURNS(TVI_PASSES_ALL), .noise = 1e-14
+#define HALVES       .correction_goal = 1e-16, .stall_ratio = 0.5, .stall_period = 1
+#define EXPECTS      HALVES, .max_contraction = 0.5
+#define TURNS(STUCK) .correction_goal = 1e-24, .max_contraction = 0.5, .stall_ratio = STUCK, .stall_period = 2
+#define NOISE        TURNS(TVI_PASSES_ALL), .roundoff_level = 1e-14
 
 static const passes_case cases[] = {
     {.name = "nothing moves", .rule = {EXPECTS}, .sizes = {1e-3, 0}, .verdicts = ".E"},
@@ -44,15 +44,19 @@ static const passes_case cases[] = {
      .rule = {NOISE},
      .sizes = {1e-4, 1e-9, 1e-12, 2e-15, 2.1e-15, 2.2e-15, 2.3e-15},
      .verdicts = "......E"},
-    {.name = "nothing known", .rule = {EXPECTS, .noise = 1e-13}, .sizes = {2e-14, 1e-14}, .verdicts = ".."},
-    {.name = "known before", .rule = {EXPECTS, .noise = 1e-13}, .known = 1e-3, .sizes = {3e-14}, .verdicts = "E"},
+    {.name = "nothing known", .rule = {EXPECTS, .roundoff_level = 1e-13}, .sizes = {2e-14, 1e-14}, .verdicts = ".."},
+    {.name = "known before",
+     .rule = {EXPECTS, .roundoff_level = 1e-13},
+     .known = 1e-3,
+     .sizes = {3e-14},
+     .verdicts = "E"},
     {.name = "known, but slow",
-     .rule = {EXPECTS, .noise = 1e-13},
+     .rule = {EXPECTS, .roundoff_level = 1e-13},
      .known = 0.5,
      .sizes = {3e-14, 1.3e-16},
      .verdicts = ".."},
     {.name = "of a first one nothing is known",
-     .rule = {EXPECTS, .noise = 1e-13},
+     .rule = {EXPECTS, .roundoff_level = 1e-13},
      .known = 1e-8,
      .sizes = {2e-9, 1e-15},
      .verdicts = ".E"},
@@ -63,7 +67,7 @@ static const passes_case cases[] = {
      .verdicts = ".....E"},
     {.name = "stuck", .rule = {HALVES}, .sizes = {1e-3, 5e-4, 2.6e-4}, .verdicts = "..S"},
     {.name = "all is left",
-     .rule = {.stuck = TVI_PASSES_ALL, .period = 1},
+     .rule = {.stall_ratio = TVI_PASSES_ALL, .stall_period = 1},
      .sizes = {1, 0.999, 0.999},
      .verdicts = "..S"},
     {.name = "not in turns", .rule = {HALVES}, .sizes = {1e-3, 1e-5, 9e-6}, .verdicts = "..S"},
@@ -74,7 +78,7 @@ static const passes_case cases[] = {
     {.name = "a cycle", .rule = {NOISE}, .known = 0.4, .sizes = {2e-15, 2e-15, 2e-15}, .verdicts = "..E"},
     {.name = "nearly a cycle", .rule = {NOISE}, .known = 0.4, .sizes = {2e-15, 2e-15, 2.1e-15}, .verdicts = "..."},
     {.name = "a large cycle", .rule = {NOISE}, .sizes = {2e-14, 2e-14, 2e-14}, .verdicts = "..S"},
-    {.name = "exactly", .rule = {EXPECTS, .exactly = 3}, .sizes = {0, 1, 1}, .verdicts = "..E"},
+    {.name = "exactly", .rule = {EXPECTS, .exact_passes = 3}, .sizes = {0, 1, 1}, .verdicts = "..E"},
 };
 enum { CASES = sizeof cases / sizeof *cases };
 
@@ -88,7 +92,7 @@ START_TEST(each_number)
     tvi_passes_begin(&passes, c->known);
     passes.roundoff = c->measured;
     for (size_t i = 0; i < strlen(c->verdicts); i++)
-        verdicts[i] = letters[tvi_passes_judge(&passes, &c->rule, c->sizes[i])];
+        verdicts[i] = letters[tvi_passes_add_and_judge(&passes, &c->rule, c->sizes[i])];
     ck_assert_msg(strcmp(verdicts, c->verdicts) == 0, "%s: %s, not %s", c->name, verdicts, c->verdicts);
 }
 END_TEST
@@ -96,13 +100,15 @@ END_TEST
 /* A tolerance is a goal for the correction itself, and passes are as many as are asked for. */
 START_TEST(the_options)
 {
-    const tvi_passes_rule rule = {.most = 10, .goal = 1, .contraction = 2};
+    const tvi_passes_rule rule = {.max_passes = 10, .correction_goal = 1, .max_contraction = 2};
     const tvi_passes_rule plain = tvi_passes_rule_with_options(&rule, &(tvi_options){0}, 0),
                           less = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20}, 0.5),
                           exact = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20, .passes = 3}, 0);
-    ck_assert(plain.most == 10 && plain.exactly == 0 && plain.goal == 1 && plain.contraction == 2);
-    ck_assert(less.most == 20 && less.exactly == 0 && less.goal == 0.5 && less.contraction == 0);
-    ck_assert(exact.most == 3 && exact.exactly == 3);
+    ck_assert(plain.max_passes == 10 && plain.exact_passes == 0 && plain.correction_goal == 1 &&
+              plain.max_contraction == 2);
+    ck_assert(less.max_passes == 20 && less.exact_passes == 0 && less.correction_goal == 0.5 &&
+              less.max_contraction == 0);
+    ck_assert(exact.max_passes == 3 && exact.exact_passes == 3);
 }
 END_TEST
 
@@ -112,10 +118,10 @@ START_TEST(measured_later)
     const tvi_passes_rule rule = {HALVES};
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
-    ck_assert(tvi_passes_judge(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
-    ck_assert(tvi_passes_judge(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
+    ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
+    ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
     ck_assert(!tvi_passes_are_roundoff(&passes, 1e-10));
-    ck_assert(tvi_passes_judge(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
+    ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
     ck_assert(tvi_passes_are_roundoff(&passes, 1e-10));
 }
 END_TEST

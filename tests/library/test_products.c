@@ -35,7 +35,7 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     open_curve x = {0};
     tvi_arena arena = {0};
     lay_out(&x, &arena, system, jacobians);
-    x.memory = tvi_arena_open(&arena);
+    x.memory = tvi_arena_allocate_memory(&arena);
     ck_assert_ptr_nonnull(x.memory);
     lay_out(&x, &arena, system, jacobians);
     tvi_blocks_prepare(arena.blocks);

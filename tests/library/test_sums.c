@@ -78,7 +78,7 @@ START_TEST(sums_are_compensated)
     const int size = _i % GALERKIN_LOOPS, lanes = lanes_of[size];
     galerkin_tables tables;
     uint64_t bits = 1;
-    if (isa > jet_sweeps_choose()->isa) return;
+    if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (int j = 0; j < lanes; j++)
         ck_assert_double_eq_tol(tables.of.weights.late[j], 1 - tables.of.c[j], DBL_EPSILON / 2);
@@ -109,7 +109,7 @@ START_TEST(increments_have_two_parts)
     const galerkin_sums sums = {.once = once, .twice = twice, .once_low = drift_low, .twice_low = twice_low};
     const tvi_increments to = {by[0], by[1], by[2], by[3]};
     uint64_t bits = 1;
-    if (isa > jet_sweeps_choose()->isa) return;
+    if (isa > jet_choose_sweeps_for_processor()->isa) return;
     for (int round = 0; round < ROUNDS; round++) {
         for (int k = 0; k < 6 * UNKNOWNS; k++)
             of[k / UNKNOWNS][k % UNKNOWNS] =
@@ -197,7 +197,7 @@ START_TEST(places_are_rounded_to_no_side)
     const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
     const int size = _i % GALERKIN_LOOPS, lanes = lanes_of[size];
     galerkin_tables tables;
-    if (isa > jet_sweeps_choose()->isa) return;
+    if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (size_t k = 0; k < sizeof unknowns / sizeof *unknowns; k++) {
         const sample errors = errors_of(&tables.of, loops_of[isa][size], unknowns[k], 1 / 3.0);

@@ -15,7 +15,7 @@ typedef struct {
 
 static inline void galerkin_tables_take(galerkin_tables *tables, tvi_arena *arena, int points, int lanes)
 {
-    tvi_galerkin_dense_take(&tables->dense, arena, points, lanes, jet_sweeps_choose());
+    tvi_galerkin_dense_take(&tables->dense, arena, points, lanes, jet_choose_sweeps_for_processor());
     tvi_galerkin_coefficients_take(&tables->of, arena, points, lanes);
 }
 
@@ -24,7 +24,7 @@ static inline void galerkin_tables_open(galerkin_tables *tables, int points, int
     tvi_arena arena = {0};
     *tables = (galerkin_tables){0};
     galerkin_tables_take(tables, &arena, points, lanes);
-    tables->memory = tvi_arena_open(&arena);
+    tables->memory = tvi_arena_allocate_memory(&arena);
     ck_assert_ptr_nonnull(tables->memory);
     galerkin_tables_take(tables, &arena, points, lanes);
     tvi_galerkin_coefficients_prepare(&tables->of, &tables->dense, is_second_order);

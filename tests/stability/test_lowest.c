@@ -87,7 +87,7 @@ START_TEST(there_are_such_methods)
     for (int i = 0; i < rows(); i++) {
         tvi_options options;
         const bool is_method = lowest_options(i, &options),
-                   is_listed = tvi_method_of(&options) && (!options.compose_adjoint || tvi_methods[i / 4]->adjoint);
+                   is_listed = tvi_find_method(&options) && (!options.compose_adjoint || tvi_methods[i / 4]->adjoint);
         ck_assert_msg(is_method == is_listed, "row %d", i);
         methods += is_method;
     }
