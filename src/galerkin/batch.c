@@ -13,336 +13,370 @@ enum { MOST_LANES = 256, LEAST_WIDTH = 8 };
  * except if a whole step is generated code, which then is faster. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
-/* The last two steps of each member, as in galerkin_history, [width] each. */
+/* The history of each member's last two steps, as galerkin_history has it for one member, [member_count] each. */
 typedef struct {
-    double *h, *h_before, *t;
+    double *step_size, *previous_step_size, *start_time;
     galerkin_convergence *convergence;
-} batch_history;
+} galerkin_batch_history;
 
 typedef struct {
-    tvi_member_stepper single_stepper;
-    galerkin *single; /* work of the single stepper, which has all tables */
+    tvi_member_stepper single_member;
+    galerkin_stepper *galerkin; /* the work of single_member, which contains all tables */
     galerkin_nodes nodes;
     galerkin_tail_inputs tail_inputs;
-    galerkin_frame frame;
-    galerkin_verdicts verdicts;
-    /* [width] All bits, or none: the member steps in lanes; the result of galerkin_is_rough. */
-    long long *in_lanes, *is_rough;
-    tvi_increments increments; /* [n][width] each */
-    double *share, *ratio;     /* [n][width] */
-    double *tail;              /* [width] */
-    /* In the arena's history, with the impulses and the index of the last ones. */
-    batch_history last;
-    long *ring_index;
-    double *impulses[GALERKIN_RING]; /* [unknowns][points][width] of the last two steps and of the next one */
-} batch;
+    galerkin_step_data step_data;
+    galerkin_batch_convergence convergence;
+    /* [member_count] Masks, with all bits set or none: is_in_lanes if the member steps together with others, and the
+     * result of galerkin_is_prediction_rough. */
+    long long *is_in_lanes, *is_rough;
+    tvi_increments increments;       /* [n][member_count] the increments of the state */
+    double *tail_share, *tail_ratio; /* [n][width] */
+    double *tail;                    /* [width] */
+    /* These are stored in the arena's history, like last_ring_index and the impulses. */
+    galerkin_batch_history history;
+    long *last_ring_index;
+    /* [unknowns][node_count][member_count] The impulses of the last two steps and of the next one. */
+    double *impulse_ring[GALERKIN_RING];
+} galerkin_batch_stepper;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_galerkin_members_base,
+static const galerkin_kernels *const *const kernel_tables[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_batch_kernels_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_galerkin_members_avx2,
-    [jet_isa_avx512] = &tvi_galerkin_members_avx512,
+    [jet_isa_avx2] = &tvi_galerkin_batch_kernels_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_batch_kernels_avx512,
 #endif
 };
 
-static int width_of(const tvi_system *system, const tvi_options *options)
+static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
-    const int points = options->degree, bytes = system->field_values->slots * points * (int)sizeof(double);
-    if (!tvi_galerkin_is_plain(system) || options->passes == TVI_PREDICT_ONLY) return 1;
+    const int node_count = options->degree, bytes = system->field_values->slots * node_count * (int)sizeof(double);
+    if (!tvi_galerkin_needs_no_hessian(system) || options->passes == TVI_PREDICT_ONLY) return 1;
     const bool has_steps = system->code && system->code->galerkin;
     if (LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
-    int width = LEAST_WIDTH;
-    while (2 * width <= GALERKIN_MOST_WIDTH && 2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES)
-        width *= 2;
-    return width;
+    int member_count = LEAST_WIDTH;
+    while (2 * member_count <= GALERKIN_MOST_WIDTH && 2 * member_count * node_count <= MOST_LANES &&
+           2 * member_count * bytes <= MOST_BYTES)
+        member_count *= 2;
+    return member_count;
 }
 
-static void take_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
+static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system *system, int node_count,
+                                 int member_count)
 {
-    const size_t of_unknowns = (size_t)system->inputs * (size_t)width, numbers = of_unknowns * (size_t)points;
-    *nodes = (galerkin_nodes){.unknowns = system->inputs, .half = system->n, .points = points, .width = width};
-    nodes->x = tvi_arena_allocate_block(arena, system->field_values, 1, points * width, 0);
-    nodes->start = tvi_arena_doubles(arena, of_unknowns);
-    nodes->high = tvi_arena_doubles(arena, numbers);
-    nodes->base = tvi_arena_doubles(arena, numbers);
+    const size_t of_unknowns = (size_t)system->inputs * (size_t)member_count,
+                 numbers = of_unknowns * (size_t)node_count;
+    *nodes = (galerkin_nodes){
+        .unknowns = system->inputs, .half_unknowns = system->n, .node_count = node_count, .member_count = member_count};
+    nodes->values = tvi_arena_allocate_block(arena, system->field_values, 1, node_count * member_count, 0);
+    nodes->start_values = tvi_arena_doubles(arena, of_unknowns);
+    nodes->free_values = tvi_arena_doubles(arena, numbers);
+    nodes->free_values_low = tvi_arena_doubles(arena, numbers);
     nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
 }
 
-static void take_history(batch *w, tvi_arena *arena, size_t numbers)
+static void allocate_batch_history(galerkin_batch_stepper *batch, tvi_arena *arena, size_t numbers)
 {
-    const size_t width = (size_t)w->nodes.width;
-    double **const of_last[] = {&w->last.h, &w->last.h_before, &w->last.t};
-    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_history(arena, width * sizeof(double));
-    w->last.convergence = tvi_arena_allocate_history(arena, width * sizeof *w->last.convergence);
-    w->ring_index = tvi_arena_allocate_history(arena, sizeof *w->ring_index);
+    const size_t member_count = (size_t)batch->nodes.member_count;
+    double **const of_last[] = {&batch->history.step_size, &batch->history.previous_step_size,
+                                &batch->history.start_time};
+    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_history(arena, member_count * sizeof(double));
+    batch->history.convergence = tvi_arena_allocate_history(arena, member_count * sizeof *batch->history.convergence);
+    batch->last_ring_index = tvi_arena_allocate_history(arena, sizeof *batch->last_ring_index);
     for (int i = 0; i < GALERKIN_RING; i++)
-        w->impulses[i] = tvi_arena_allocate_history(arena, numbers * sizeof(double));
+        batch->impulse_ring[i] = tvi_arena_allocate_history(arena, numbers * sizeof(double));
 }
 
-static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                                    int member_count)
 {
-    batch *taken = tvi_arena_allocate(arena, sizeof *taken);
-    batch w = {.ring_index = NULL};
-    tvi_member_stepper_allocate(&w.single_stepper, arena, &tvi_stepper_galerkin, system, options, width,
+    galerkin_batch_stepper *taken = tvi_arena_allocate(arena, sizeof *taken);
+    galerkin_batch_stepper batch = {.last_ring_index = NULL};
+    tvi_member_stepper_allocate(&batch.single_member, arena, &tvi_stepper_galerkin, system, options, member_count,
                                 options->degree);
-    w.single = w.single_stepper.work;
-    take_nodes(&w.nodes, arena, system, options->degree, width);
-    const size_t count = (size_t)width, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
-    galerkin_sums *sums = &w.tail_inputs.sums;
-    double **const of_unknowns[] = {&sums->once,     &sums->twice,     &sums->last,    &sums->reach,
-                                    &sums->once_low, &sums->twice_low, &w.frame.drift, &w.frame.drift_low};
-    double **const of_n[] = {&w.increments.dq,     &w.increments.dp, &w.increments.dq_low,
-                             &w.increments.dp_low, &w.share,         &w.ratio};
+    batch.galerkin = batch.single_member.work;
+    allocate_node_arrays(&batch.nodes, arena, system, options->degree, member_count);
+    const size_t count = (size_t)member_count, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
+    galerkin_impulse_sums *sums = &batch.tail_inputs.impulse_sums;
+    double **const of_unknowns[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
+                                    &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low,
+                                    &batch.step_data.drift,  &batch.step_data.drift_low};
+    double **const of_n[] = {&batch.increments.dq,     &batch.increments.dp, &batch.increments.dq_low,
+                             &batch.increments.dp_low, &batch.tail_share,    &batch.tail_ratio};
     for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, n);
-    w.tail = tvi_arena_doubles(arena, count);
-    w.in_lanes = tvi_arena_allocate(arena, count * sizeof *w.in_lanes);
-    w.is_rough = tvi_arena_allocate(arena, count * sizeof *w.is_rough);
-    take_history(&w, arena, unknowns * (size_t)options->degree);
-    if (taken) *taken = w;
+    batch.tail = tvi_arena_doubles(arena, count);
+    batch.is_in_lanes = tvi_arena_allocate(arena, count * sizeof *batch.is_in_lanes);
+    batch.is_rough = tvi_arena_allocate(arena, count * sizeof *batch.is_rough);
+    allocate_batch_history(&batch, arena, unknowns * (size_t)options->degree);
+    if (taken) *taken = batch;
     return taken;
 }
 
-static void prepare(void *work)
+static void prepare_batch_stepper(void *work)
 {
-    batch *w = work;
-    galerkin *single = w->single;
-    galerkin_nodes *nodes = &w->nodes;
-    double *const drift = w->frame.drift, *const drift_low = w->frame.drift_low;
-    tvi_member_stepper_prepare(&w->single_stepper);
+    galerkin_batch_stepper *batch = work;
+    galerkin_stepper *single = batch->galerkin;
+    galerkin_nodes *nodes = &batch->nodes;
+    double *const drift = batch->step_data.drift, *const drift_low = batch->step_data.drift_low;
+    tvi_member_stepper_prepare(&batch->single_member);
     const galerkin_nodes *of_one = &single->field.nodes;
-    nodes->is_moving = w->verdicts.is_moving;
+    nodes->is_member_moving = batch->convergence.is_moving;
     nodes->lanes = of_one->lanes;
-    nodes->moving = of_one->moving;
-    nodes->weight = of_one->weight;
-    nodes->scale = of_one->scale;
-    nodes->per_movement = of_one->per_movement;
-    nodes->parts = of_one->parts;
-    const galerkin_sums sums = w->tail_inputs.sums;
-    w->tail_inputs = single->tail_inputs;
-    w->tail_inputs.sums = sums;
-    w->frame = single->frame;
-    w->frame.loops = *loops_of[single->field.system->field_values->sweeps->isa];
-    w->frame.nodes = nodes;
-    w->frame.tail_inputs = &w->tail_inputs;
-    w->frame.drift = drift;
-    w->frame.drift_low = drift_low;
-    w->frame.share = w->share;
-    w->frame.ratio = w->ratio;
-    w->frame.impulses = w->impulses;
+    nodes->moving_unknowns = of_one->moving_unknowns;
+    nodes->impulse_weight = of_one->impulse_weight;
+    nodes->impulse_scale = of_one->impulse_scale;
+    nodes->momentum_per_movement = of_one->momentum_per_movement;
+    nodes->subsystems = of_one->subsystems;
+    const galerkin_impulse_sums sums = batch->tail_inputs.impulse_sums;
+    batch->tail_inputs = single->tail_inputs;
+    batch->tail_inputs.impulse_sums = sums;
+    batch->step_data = single->step_data;
+    batch->step_data.kernels = *kernel_tables[single->field.system->field_values->sweeps->isa];
+    batch->step_data.nodes = nodes;
+    batch->step_data.tail_inputs = &batch->tail_inputs;
+    batch->step_data.drift = drift;
+    batch->step_data.drift_low = drift_low;
+    batch->step_data.tail_share = batch->tail_share;
+    batch->step_data.tail_ratio = batch->tail_ratio;
+    batch->step_data.impulse_ring = batch->impulse_ring;
 }
 
 /* ---- Members one by one ------------------------------------------------------------------------------------------ */
 
-/* Copies impulses from [unknowns][points][width] to [unknowns][lanes]. */
-static void gather_impulses(const batch *w, const double *from, int m, double *to)
+/* Copies the impulses of one member from the batch's array [unknowns][node_count][member_count] to an array
+ * [unknowns][lanes]. */
+static void gather_member_impulses(const galerkin_batch_stepper *batch, const double *source, int member,
+                                   double *destination)
 {
-    const galerkin_nodes *nodes = &w->nodes;
+    const galerkin_nodes *nodes = &batch->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
-        tvi_gather_member(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m,
-                          to + u * nodes->lanes);
+        tvi_gather_member(nodes->node_count, nodes->member_count, source + u * nodes->node_count * nodes->member_count,
+                          member, destination + u * nodes->lanes);
 }
 
-static void scatter_impulses(const batch *w, const double *from, int m, double *to)
+static void scatter_member_impulses(const galerkin_batch_stepper *batch, const double *source, int member,
+                                    double *destination)
 {
-    const galerkin_nodes *nodes = &w->nodes;
+    const galerkin_nodes *nodes = &batch->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
-        tvi_scatter_member(nodes->points, nodes->width, from + u * nodes->lanes, m,
-                           to + u * nodes->points * nodes->width);
+        tvi_scatter_member(nodes->node_count, nodes->member_count, source + u * nodes->lanes, member,
+                           destination + u * nodes->node_count * nodes->member_count);
 }
 
-static double *impulses(const batch *w, int after_last)
+static double *impulses_of_step(const galerkin_batch_stepper *batch, int steps_after_last)
 {
-    return galerkin_ring_buffer(&w->frame, (int)*w->ring_index + after_last);
+    return galerkin_impulses_in_ring(&batch->step_data, (int)*batch->last_ring_index + steps_after_last);
 }
 
-/* Copies the history of a lane to the single stepper's. */
-static void lane_to_scalar(const void *work, int lane, void *scalar)
+/* Copies the history of one lane to the history of a stepper for a single member. */
+static void copy_history_from_lane(const void *work, int lane, void *single_stepper)
 {
-    const batch *w = work;
-    const galerkin_predictor *predictor = &((galerkin *)scalar)->predictor;
-    const batch_history *last = &w->last;
-    *predictor->last = (galerkin_history){.h = last->h[lane],
-                                          .h_before = last->h_before[lane],
-                                          .t = last->t[lane],
-                                          .convergence = last->convergence[lane]};
-    for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
+    const galerkin_batch_stepper *batch = work;
+    const galerkin_predictor *predictor = &((galerkin_stepper *)single_stepper)->predictor;
+    const galerkin_batch_history *last = &batch->history;
+    *predictor->history = (galerkin_history){.step_size = last->step_size[lane],
+                                             .previous_step_size = last->previous_step_size[lane],
+                                             .start_time = last->start_time[lane],
+                                             .convergence = last->convergence[lane]};
+    for (int i = 0; i < 2; i++)
+        gather_member_impulses(batch, impulses_of_step(batch, -i), lane, tvi_galerkin_impulses_of_step(predictor, -i));
 }
 
-static void scalar_to_lane(void *work, int lane, const void *scalar)
+static void copy_history_to_lane(void *work, int lane, const void *single_stepper)
 {
-    const batch *w = work;
-    const galerkin_predictor *predictor = &((const galerkin *)scalar)->predictor;
-    w->last.h[lane] = predictor->last->h;
-    w->last.h_before[lane] = predictor->last->h_before;
-    w->last.t[lane] = predictor->last->t;
-    w->last.convergence[lane] = predictor->last->convergence;
-    for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
+    const galerkin_batch_stepper *batch = work;
+    const galerkin_predictor *predictor = &((const galerkin_stepper *)single_stepper)->predictor;
+    batch->history.step_size[lane] = predictor->history->step_size;
+    batch->history.previous_step_size[lane] = predictor->history->previous_step_size;
+    batch->history.start_time[lane] = predictor->history->start_time;
+    batch->history.convergence[lane] = predictor->history->convergence;
+    for (int i = 0; i < 2; i++)
+        scatter_member_impulses(batch, tvi_galerkin_impulses_of_step(predictor, -i), lane, impulses_of_step(batch, -i));
 }
 
-static void forget(void *work, int lane)
+static void forget_lane_history(void *work, int lane)
 {
-    const batch *w = work;
-    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = 0;
-    w->last.convergence[lane] = (galerkin_convergence){0};
+    const galerkin_batch_stepper *batch = work;
+    batch->history.step_size[lane] = batch->history.previous_step_size[lane] = batch->history.start_time[lane] = 0;
+    batch->history.convergence[lane] = (galerkin_convergence){0};
 }
 
-static bool is_sound(const void *work)
+static bool is_ring_index_valid(const void *work)
 {
-    const long ring_index = *((const batch *)work)->ring_index;
+    const long ring_index = *((const galerkin_batch_stepper *)work)->last_ring_index;
     return ring_index >= 0 && ring_index < GALERKIN_RING;
 }
 
-static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, int m,
-                           tvi_stats *stats)
+static void step_member_alone(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
+                              const tvi_batch_results *end, int member, tvi_stats *stats)
 {
-    const jet_tape *tape = w->single->field.system->field_values;
-    lane_to_scalar(w, m, w->single);
-    if (tvi_step_member(&w->single_stepper, tape, w->nodes.x, w->nodes.points, h, origin, end, m, stats))
-        scalar_to_lane(w, m, w->single);
+    const jet_tape *tape = batch->galerkin->field.system->field_values;
+    copy_history_from_lane(batch, member, batch->galerkin);
+    if (tvi_step_member(&batch->single_member, tape, batch->nodes.values, batch->nodes.node_count, h, origin, end,
+                        member, stats))
+        copy_history_to_lane(batch, member, batch->galerkin);
 }
 
 /* ---- Members in lanes -------------------------------------------------------------------------------------------- */
 
-/* Selects the members whose step continues one of size h that ended at t. Returns how many they are. */
-static int select_lanes(batch *w, double h, const double t[], const tvi_status status[])
+/* Selects the members whose last step had size h and ended at the time t, so that this step can be made in lanes.
+ * Returns how many they are. */
+static int select_members_that_continue(galerkin_batch_stepper *batch, double h, const double t[],
+                                        const tvi_status status[])
 {
-    const batch_history *last = &w->last;
+    const galerkin_batch_history *last = &batch->history;
     int count = 0;
-    for (int m = 0; m < w->nodes.width; m++) {
-        const bool goes_on = status[m] == TVI_OK && last->h[m] == h && fabs(t[m] - (last->t[m] + h)) < 0.25 * fabs(h);
-        w->verdicts.slowest[m] = last->convergence[m].slowest;
-        w->in_lanes[m] = w->verdicts.is_moving[m] = goes_on ? -1 : 0;
-        w->is_rough[m] = galerkin_is_rough(&w->frame, last->h_before[m] == h ? 2 : 1, last->convergence[m].first);
+    for (int member = 0; member < batch->nodes.member_count; member++) {
+        const bool goes_on = status[member] == TVI_OK && last->step_size[member] == h &&
+                             fabs(t[member] - (last->start_time[member] + h)) < 0.25 * fabs(h);
+        batch->convergence.slowest_contraction[member] = last->convergence[member].slowest_contraction;
+        batch->is_in_lanes[member] = batch->convergence.is_moving[member] = goes_on ? -1 : 0;
+        batch->is_rough[member] = galerkin_is_prediction_rough(
+            &batch->step_data, last->previous_step_size[member] == h ? 2 : 1, last->convergence[member].first_movement);
         count += goes_on;
     }
     return count;
 }
 
-/* Holds a member that steps by itself at its start, so that it does not disturb the sweeps. */
-static void hold(batch *w, int m)
+/* Sets the unknowns of a member that is stepped alone to the start of its step, where the field can be evaluated,
+ * and lets no pass move them. */
+static void freeze_member_at_start(galerkin_batch_stepper *batch, int member)
 {
-    const galerkin_nodes *nodes = &w->nodes;
-    w->verdicts.is_moving[m] = 0;
-    for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width) {
-        nodes->impulse[at] = nodes->base[at] = 0;
-        nodes->high[at] = nodes->start[at / (nodes->points * nodes->width) * nodes->width + m];
+    const galerkin_nodes *nodes = &batch->nodes;
+    batch->convergence.is_moving[member] = 0;
+    for (int at = member; at < nodes->unknowns * nodes->node_count * nodes->member_count; at += nodes->member_count) {
+        nodes->impulses[at] = nodes->free_values_low[at] = 0;
+        nodes->free_values[at] =
+            nodes->start_values[at / (nodes->node_count * nodes->member_count) * nodes->member_count + member];
     }
 }
 
-static void set_times(const batch *w, double h, const tvi_batch_origin *origin)
+static void set_node_times(const galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin)
 {
-    const galerkin_nodes *nodes = &w->nodes;
-    double *t = nodes->x + nodes->unknowns * nodes->points * nodes->width;
-    if (!w->single->field.system->uses_time) return;
-    for (int i = 0; i < nodes->points; i++)
-        for (int m = 0; m < nodes->width; m++)
-            *t++ = origin->t[m] + (origin->t_low[m] + h * w->single->coefficients.c[i]);
+    const galerkin_nodes *nodes = &batch->nodes;
+    double *t = nodes->values + nodes->unknowns * nodes->node_count * nodes->member_count;
+    if (!batch->galerkin->field.system->uses_time) return;
+    for (int i = 0; i < nodes->node_count; i++)
+        for (int member = 0; member < nodes->member_count; member++)
+            *t++ = origin->t[member] + (origin->t_low[member] + h * batch->galerkin->coefficients.node_abscissa[i]);
 }
 
-/* A step of all members in lanes. */
+/* The data of a pass of all members that are stepped in lanes. */
 typedef struct {
-    batch *w;
+    galerkin_batch_stepper *batch;
     tvi_stats *stats;
-} lanes_step;
+} batch_pass_work;
 
-/* Evaluates a pass. Members outside of the domain are left to step by themselves. */
-static tvi_status pass(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff)
+/* Makes a pass of all members in lanes. Members whose unknowns leave the field's domain are stepped alone
+ * afterwards. */
+static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff)
 {
-    const lanes_step *step = work;
-    batch *w = step->w;
-    const galerkin_field *field = &w->single->field;
+    const batch_pass_work *step = work;
+    galerkin_batch_stepper *batch = step->batch;
+    const galerkin_field *field = &batch->galerkin->field;
     const jet_tape *tape = field->system->field_values;
-    const bool is_inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
+    const bool is_inside = tape->sweeps->values(tape, nodes->values, nodes->node_count * nodes->member_count);
     (void)roundoff;
-    for (int m = 0; m < nodes->width; m++) {
-        if (!nodes->is_moving[m]) continue;
-        step->stats->force_evaluations += nodes->points;
+    for (int member = 0; member < nodes->member_count; member++) {
+        if (!nodes->is_member_moving[member]) continue;
+        step->stats->force_evaluations += nodes->node_count;
         step->stats->passes++;
-        if (!is_inside && !tvi_is_member_inside_domain(&w->single_stepper, tape, nodes->x, nodes->points, m))
-            hold(w, m);
+        if (!is_inside &&
+            !tvi_is_member_inside_domain(&batch->single_member, tape, nodes->values, nodes->node_count, member))
+            freeze_member_at_start(batch, member);
     }
-    w->frame.loops->move(nodes, w->frame.matrix, nodes->x, field->slot, moved);
+    batch->step_data.kernels->move(nodes, batch->step_data.impulse_matrix, nodes->values, field->rate_row, moved);
     return TVI_OK;
 }
 
-static void solve(batch *w, double h, const tvi_batch_origin *origin, const tvi_origin *from, tvi_stats *stats)
+static void solve_members_in_lanes(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
+                                   const tvi_origin *lanes_origin, tvi_stats *stats)
 {
-    const galerkin_nodes *nodes = &w->nodes;
-    const galerkin_extrapolation by = galerkin_from_steps(&w->frame, (int)*w->ring_index, w->is_rough);
-    lanes_step step = {w, stats};
-    galerkin_start(&w->frame, nodes, from);
-    for (int m = 0; m < nodes->width; m++)
-        if (!w->in_lanes[m]) hold(w, m);
-    w->frame.loops->predict(nodes, &by);
-    set_times(w, h, origin);
-    w->frame.loops->set_sizes(nodes, w->single->n);
-    galerkin_solve_members(&w->frame, nodes, &(galerkin_solver){.pass = pass, .work = &step}, &w->verdicts);
-    for (int m = 0; m < nodes->width; m++) w->in_lanes[m] = w->verdicts.has_ended[m];
+    const galerkin_nodes *nodes = &batch->nodes;
+    const galerkin_extrapolation by =
+        galerkin_extrapolate_last_steps(&batch->step_data, (int)*batch->last_ring_index, batch->is_rough);
+    batch_pass_work step = {batch, stats};
+    galerkin_start_unknowns(&batch->step_data, nodes, lanes_origin);
+    for (int member = 0; member < nodes->member_count; member++)
+        if (!batch->is_in_lanes[member]) freeze_member_at_start(batch, member);
+    batch->step_data.kernels->predict(nodes, &by);
+    set_node_times(batch, h, origin);
+    batch->step_data.kernels->set_sizes(nodes, batch->galerkin->n);
+    galerkin_iterate_members(&batch->step_data, nodes,
+                             &(galerkin_pass_functions){.pass = make_batch_pass, .work = &step}, &batch->convergence);
+    for (int member = 0; member < nodes->member_count; member++)
+        batch->is_in_lanes[member] = batch->convergence.has_ended[member];
 }
 
-/* Keeps the impulses of members that step by themselves, or do not step. */
-static void keep_impulses(const batch *w)
+/* Moves the impulses of members that are not stepped in lanes by one place in the ring, so that their history stays
+ * the same when the ring advances. */
+static void keep_impulses_of_other_members(const galerkin_batch_stepper *batch)
 {
-    const int width = w->nodes.width, rows = w->nodes.unknowns * w->nodes.points;
-    double *const before = impulses(w, -1), *const last = impulses(w, 0), *const next = impulses(w, 1);
-    for (int m = 0; m < width; m++)
-        for (int at = m; at < rows * width && !w->in_lanes[m]; at += width) {
+    const int member_count = batch->nodes.member_count, rows = batch->nodes.unknowns * batch->nodes.node_count;
+    double *const before = impulses_of_step(batch, -1), *const last = impulses_of_step(batch, 0),
+                  *const next = impulses_of_step(batch, 1);
+    for (int member = 0; member < member_count; member++)
+        for (int at = member; at < rows * member_count && !batch->is_in_lanes[member]; at += member_count) {
             next[at] = last[at];
             last[at] = before[at];
         }
-    *w->ring_index = (*w->ring_index + 1) % GALERKIN_RING;
+    *batch->last_ring_index = (*batch->last_ring_index + 1) % GALERKIN_RING;
 }
 
-/* Copies rows of the members in lanes. */
-static void copy_lanes(const batch *w, int rows, const double *from, double *to)
+/* Copies the numbers of all members that were stepped in lanes. */
+static void copy_members_in_lanes(const galerkin_batch_stepper *batch, int rows, const double *source,
+                                  double *destination)
 {
-    const int width = w->nodes.width;
-    for (int i = 0; i < rows; i++, from += width, to += width)
-        for (int m = 0; m < width; m++) to[m] = w->in_lanes[m] ? from[m] : to[m];
+    const int member_count = batch->nodes.member_count;
+    for (int i = 0; i < rows; i++, source += member_count, destination += member_count)
+        for (int member = 0; member < member_count; member++)
+            destination[member] = batch->is_in_lanes[member] ? source[member] : destination[member];
 }
 
-static void finish(batch *w, double h, const tvi_batch_origin *origin, const tvi_origin *from,
-                   const tvi_batch_results *end)
+static void finish_step_in_lanes(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
+                                 const tvi_origin *lanes_origin, const tvi_batch_results *end)
 {
-    const int n = w->single->n;
-    galerkin_end_step(&w->frame, &w->nodes, from, &w->increments, w->tail);
-    keep_impulses(w);
-    copy_lanes(w, n, w->increments.dq, end->increments.dq);
-    copy_lanes(w, n, w->increments.dp, end->increments.dp);
-    copy_lanes(w, n, w->increments.dq_low, end->increments.dq_low);
-    copy_lanes(w, n, w->increments.dp_low, end->increments.dp_low);
-    copy_lanes(w, 1, w->tail, end->tail);
-    copy_lanes(w, 1, origin->t, w->last.t);
-    for (int m = 0; m < w->nodes.width; m++) {
-        if (!w->in_lanes[m]) continue;
-        w->last.h_before[m] = h;
-        w->last.convergence[m] = (galerkin_convergence){w->verdicts.slowest[m], w->verdicts.first[m]};
-        end->passes[m] = (int)w->verdicts.count[m];
+    const int n = batch->galerkin->n;
+    galerkin_compute_increments(&batch->step_data, &batch->nodes, lanes_origin, &batch->increments, batch->tail);
+    keep_impulses_of_other_members(batch);
+    copy_members_in_lanes(batch, n, batch->increments.dq, end->increments.dq);
+    copy_members_in_lanes(batch, n, batch->increments.dp, end->increments.dp);
+    copy_members_in_lanes(batch, n, batch->increments.dq_low, end->increments.dq_low);
+    copy_members_in_lanes(batch, n, batch->increments.dp_low, end->increments.dp_low);
+    copy_members_in_lanes(batch, 1, batch->tail, end->tail);
+    copy_members_in_lanes(batch, 1, origin->t, batch->history.start_time);
+    for (int member = 0; member < batch->nodes.member_count; member++) {
+        if (!batch->is_in_lanes[member]) continue;
+        batch->history.previous_step_size[member] = h;
+        batch->history.convergence[member] = (galerkin_convergence){batch->convergence.slowest_contraction[member],
+                                                                    batch->convergence.first_movement[member]};
+        end->passes[member] = (int)batch->convergence.pass_count[member];
     }
 }
 
-static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats)
+static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end,
+                       tvi_stats *stats)
 {
-    batch *w = work;
-    const tvi_origin from = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};
-    tvi_galerkin_set_size(w->single, h);
-    w->nodes.impulse = impulses(w, 1);
-    if (select_lanes(w, h, origin->t, end->status) > 0) {
-        solve(w, h, origin, &from, stats);
-        finish(w, h, origin, &from, end);
+    galerkin_batch_stepper *batch = work;
+    const tvi_origin lanes_origin = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};
+    tvi_galerkin_set_step_size(batch->galerkin, h);
+    batch->nodes.impulses = impulses_of_step(batch, 1);
+    if (select_members_that_continue(batch, h, origin->t, end->status) > 0) {
+        solve_members_in_lanes(batch, h, origin, &lanes_origin, stats);
+        finish_step_in_lanes(batch, h, origin, &lanes_origin, end);
     }
-    for (int m = 0; m < w->nodes.width; m++)
-        if (end->status[m] == TVI_OK && !w->in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
+    for (int member = 0; member < batch->nodes.member_count; member++)
+        if (end->status[member] == TVI_OK && !batch->is_in_lanes[member])
+            step_member_alone(batch, h, origin, end, member, stats);
 }
 
-const tvi_batch_stepper tvi_galerkin_batch = {.width = width_of,
-                                              .take = take,
-                                              .prepare = prepare,
-                                              .step = step,
-                                              .lane_to_scalar = lane_to_scalar,
-                                              .scalar_to_lane = scalar_to_lane,
-                                              .forget = forget,
-                                              .is_sound = is_sound};
+const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,
+                                              .take = allocate_batch_stepper,
+                                              .prepare = prepare_batch_stepper,
+                                              .step = step_batch,
+                                              .lane_to_scalar = copy_history_from_lane,
+                                              .scalar_to_lane = copy_history_to_lane,
+                                              .forget = forget_lane_history,
+                                              .is_sound = is_ring_index_valid};

@@ -13,40 +13,45 @@
  * parameters. */
 typedef struct {
     int n, lanes, inputs;
-    const void *work; /* belongs to the sweep */
-    /* The field, and the field with its derivatives, with zeros after it. */
-    double *values, *hessian;
-} galerkin_blocks;
+    const void *sweep_data; /* data that the sweep function uses */
+    /* The block of the field's tape, and the block of the tape that also has second derivatives, with one row of
+     * zeros after it. */
+    double *values_block, *hessian_block;
+} galerkin_tape_blocks;
 
-/* Evaluates one block or the other. Returns false outside its domain. */
-typedef bool galerkin_sweep(const galerkin_blocks *blocks, bool with_hessian);
+/* Evaluates the tape of values_block, or of hessian_block if with_hessian is set. Returns false if an operand is
+ * outside its domain. */
+typedef bool galerkin_sweep(const galerkin_tape_blocks *blocks, bool with_hessian);
 
-/* Evaluates the gradient at the points in the block of values. Returns the block that has it; NULL outside its
- * domain. */
-static inline const double *galerkin_sweep_there(const galerkin_blocks *blocks, galerkin_sweep *sweep,
-                                                 bool with_hessian)
+/* Evaluates the gradient at the points whose coordinates are in values_block, with or without second derivatives.
+ * Returns the block that contains the result, or NULL if an operand is outside its domain. */
+static inline const double *galerkin_sweep_gradient(const galerkin_tape_blocks *blocks, galerkin_sweep *sweep,
+                                                    bool with_hessian)
 {
     if (with_hessian)
-        memcpy(blocks->hessian, blocks->values, (size_t)(blocks->inputs * blocks->lanes) * sizeof(double));
-    return !sweep(blocks, with_hessian) ? NULL : with_hessian ? blocks->hessian : blocks->values;
+        memcpy(blocks->hessian_block, blocks->values_block, (size_t)(blocks->inputs * blocks->lanes) * sizeof(double));
+    return !sweep(blocks, with_hessian) ? NULL : with_hessian ? blocks->hessian_block : blocks->values_block;
 }
 
-/* Evaluates the gradient at the nodes, first and last [n][lanes]. */
-static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, galerkin_sweep *sweep, bool with_hessian,
-                                              const double *first, const double *last)
+/* Evaluates the gradient at the nodes, whose coordinates are q [n][lanes] and the velocities or momenta second_input
+ * [n][lanes]. */
+static inline const double *galerkin_sweep_gradient_at(const galerkin_tape_blocks *blocks, galerkin_sweep *sweep,
+                                                       bool with_hessian, const double *first,
+                                                       const double *second_input)
 {
     const int half = blocks->n * blocks->lanes;
-    memcpy(blocks->values, first, (size_t)half * sizeof *first);
-    memcpy(blocks->values + half, last, (size_t)half * sizeof *last);
-    return galerkin_sweep_there(blocks, sweep, with_hessian);
+    memcpy(blocks->values_block, first, (size_t)half * sizeof *first);
+    memcpy(blocks->values_block + half, second_input, (size_t)half * sizeof *second_input);
+    return galerkin_sweep_gradient(blocks, sweep, with_hessian);
 }
 
-/* The drives, which are impulses divided by h b, and unknowns that begin at 0. */
-static inline void galerkin_predict_rates(const galerkin_loops *loops, const galerkin_nodes *rates,
-                                          const galerkin_extrapolation *by)
+/* Predicts the rates of the unknowns from the impulses of earlier steps. A rate is an impulse divided by h b. In the
+ * predictor rates are unknowns that start at 0. */
+static inline void galerkin_predict_rates(const galerkin_kernels *kernels, const galerkin_nodes *rate_nodes,
+                                          const galerkin_extrapolation *extrapolation)
 {
-    for (int u = 0; u < rates->unknowns; u++) rates->scale[u] = 1 / by->h;
-    GALERKIN_LOOP(loops, predict, rates, by);
+    for (int u = 0; u < rate_nodes->unknowns; u++) rate_nodes->impulse_scale[u] = 1 / extrapolation->step_size;
+    GALERKIN_KERNEL(kernels, predict, rate_nodes, extrapolation);
 }
 
 #endif

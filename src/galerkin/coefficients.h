@@ -6,16 +6,20 @@
 #include "galerkin/dense.h"
 
 typedef struct {
-    int points, lanes;
-    double *b, *c;    /* [lanes] */
-    double inverse_b; /* of the first and the last node */
-    double *matrix;   /* [j][i] factor of impulse j in an unknown at node i */
-    galerkin_weights weights;
-    long double exact_node[TVI_GALERKIN_MAX_LANES], exact_weight[TVI_GALERKIN_MAX_LANES];
+    int node_count, lanes;
+    double *node_weight, *node_abscissa; /* [lanes] */
+    /* The reciprocal of the weight of the first and of the last node. */
+    double inverse_end_weight;
+    /* [j][i] The factor of the impulse of node j in an unknown at node i. */
+    double *impulse_matrix;
+    galerkin_end_weights end_weights;
+    long double exact_abscissa[TVI_GALERKIN_MAX_LANES], exact_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 
-void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, int points, int lanes);
+void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi_arena *arena, int node_count,
+                                        int lanes);
 /* Computes the coefficients for Q'' = F, or for Q' = V, P' = F. It also prepares the dense output, whose integrals they
  * use. */
-void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense *dense, bool is_second_order);
+void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_dense_output *dense,
+                                       bool is_second_order);
 #endif

@@ -1,19 +1,19 @@
-/* emit.c - Writes generated steps: the sizes of one system as constants, the loops of kernel.h for them, and the steps
- * of steps.h by the passes of the field's form. */
+/* emit.c - Writes the Galerkin steps of one system into generated code: the sizes of the system as constants, the
+ * kernels of kernel.h for these sizes, and the steps of steps.h with the passes of the field's form. */
 #include "galerkin/field.h"
 
 extern const char *const tvi_embedded_galerkin[];
 
-void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[])
+void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[])
 {
-    jet_text_append(text, "static const int galerkin_%s[] = {", what);
+    jet_text_append(text, "static const int galerkin_%s[] = {", name);
     for (int i = 0; i < count; i++) jet_text_append(text, "%d, ", value[i]);
     jet_text_append(text, "0};\n");
 }
 
-#define FIELD(name) #name, r->name
+#define FIELD(name) #name, rule->name
 
-static void emit_rule(jet_text *text, const tvi_passes_rule *r)
+static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
 {
     const struct {
         const char *name;
@@ -26,12 +26,12 @@ static void emit_rule(jet_text *text, const tvi_passes_rule *r)
     jet_text_append(text, "};\n");
 }
 
-static void emit_lines(jet_text *text, const char *const *line)
+static void emit_text_lines(jet_text *text, const char *const *line)
 {
     for (; *line; line++) jet_text_append(text, "%s", *line);
 }
 
-void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule)
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule)
 {
     const galerkin_nodes *nodes = &field->nodes;
     jet_text_append(text,
@@ -39,11 +39,12 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_pa
                     "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, GALERKIN_PARTS = %d, "
                     "GALERKIN_IS_SEPARABLE = %d, "
                     "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
-                    nodes->lanes, field->points, field->system->n, nodes->unknowns, nodes->moving, nodes->parts.count,
-                    galerkin_is_second_order(field), galerkin_rows_kept(field->system->field_values), nodes->lanes);
-    emit_lines(text, tvi_embedded_galerkin);
-    emit_rule(text, rule);
+                    nodes->lanes, field->node_count, field->system->n, nodes->unknowns, nodes->moving_unknowns,
+                    nodes->subsystems.count, galerkin_is_second_order(field),
+                    galerkin_count_input_rows(field->system->field_values), nodes->lanes);
+    emit_text_lines(text, tvi_embedded_galerkin);
+    emit_passes_rule(text, rule);
     field->form->emit(text, field);
-    emit_lines(text, field->form->text);
-    jet_text_append(text, "static const galerkin_code tvi_loops = {galerkin_steps};\n");
+    emit_text_lines(text, field->form->text);
+    jet_text_append(text, "static const galerkin_code tvi_loops = {galerkin_make_generated_steps};\n");
 }

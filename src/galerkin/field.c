@@ -1,55 +1,65 @@
-/* field.c - Evaluates the field of a separable system and of a Hamiltonian: F, or (H_p, -H_q), whose sign is in the
- * nodes' scale. The unknowns are the inputs of the tape. */
+/* field.c - Evaluates the field of a separable system, F, or of a Hamiltonian, (H_p, -H_q), at the nodes. The sign
+ * of H_q is part of the nodes' scale. The unknowns are the inputs of the tape. Passes of this form are a fixed-point
+ * iteration. */
 #include "galerkin/field.h"
 
-static void take(galerkin_field *field, tvi_arena *arena)
+static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)
 {
-    field->rows = field->nodes.unknowns;
-    field->nodes.x = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
-    field->inputs = field->nodes.x;
-    field->ahead = field->matrix;
+    field->saved_row_count = field->nodes.unknowns;
+    field->nodes.values = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
+    field->tape_block = field->nodes.values;
+    field->rate_to_unknown = field->impulse_matrix;
 }
 
-/* The output slot with the rate of an unknown: F; or H_p, then H_q. */
-static int rate_slot(const tvi_system *system, int unknown)
+/* Returns the tape's output slot that contains the rate of an unknown: F for a separable system; H_p for a
+ * coordinate and H_q for a momentum otherwise. */
+static int find_rate_slot(const tvi_system *system, int unknown)
 {
     const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
     return system->field_values->output[output];
 }
 
-static void prepare(galerkin_field *field)
+static void prepare_fixed_point_field(galerkin_field *field)
 {
-    for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = rate_slot(field->system, u);
+    for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = find_rate_slot(field->system, u);
 }
 
-void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x)
+void tvi_galerkin_displace_outputs(const galerkin_field *field, const jet_tape *tape, double *x)
 {
     const int lanes = field->nodes.lanes;
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
-            x[tape->output[i] * lanes + lane] += tvi_roundoff_random_sign(field->noise, field->noise->change[i]);
+            x[tape->output[i] * lanes + lane] +=
+                tvi_roundoff_random_sign(field->value_noise, field->value_noise->change[i]);
 }
 
-static tvi_status start(galerkin_field *field, const tvi_origin *origin)
+static tvi_status start_fixed_point_unknowns(galerkin_field *field, const tvi_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
     (void)origin;
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
-    const tvi_status status = galerkin_evaluate(field);
-    if (status == TVI_OK) (void)galerkin_move(field);
+        for (int i = 0; i < nodes->lanes; i++) nodes->values[u * nodes->lanes + i] = nodes->start_values[u];
+    const tvi_status status = galerkin_evaluate_field(field);
+    if (status == TVI_OK) (void)galerkin_move_unknowns(field);
     return status;
 }
 
-static void predict(galerkin_field *field, const galerkin_extrapolation *by)
+static void predict_fixed_point_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
 {
-    field->loops->predict(&field->nodes, by);
+    field->kernels->predict(&field->nodes, extrapolation);
 }
 
-static void emit(jet_text *text, const galerkin_field *field)
+static void emit_fixed_point_field(jet_text *text, const galerkin_field *field)
 {
-    tvi_galerkin_emit_ints(text, "slot", field->nodes.unknowns, field->slot);
+    tvi_galerkin_emit_int_array(text, "slot", field->nodes.unknowns, field->rate_row);
 }
 
-const galerkin_form tvi_galerkin_form_plain = {-1,   &tvi_galerkin_fixed_point,  take, prepare, start, predict, NULL,
-                                               emit, tvi_embedded_galerkin_plain};
+const galerkin_field_form tvi_galerkin_form_plain = {-1,
+                                                     &tvi_galerkin_fixed_point,
+                                                     allocate_fixed_point_field,
+                                                     prepare_fixed_point_field,
+                                                     start_fixed_point_unknowns,
+                                                     predict_fixed_point_unknowns,
+                                                     NULL,
+                                                     emit_fixed_point_field,
+                                                     tvi_embedded_galerkin_plain};

@@ -1,5 +1,6 @@
-/* field.h - Declares the field at the nodes of the Galerkin curve: the rates of its unknowns. It contains all
- * differences between the forms of systems except the order of the equations (galerkin.c). */
+/* field.h - Declares the field of a system at the nodes of the Galerkin curve, which gives the rates of the
+ * unknowns. All differences between the forms of systems are here, except for the order of the equations
+ * (galerkin.c). */
 #ifndef TVI_SRC_GALERKIN_FIELD_H
 #define TVI_SRC_GALERKIN_FIELD_H
 
@@ -11,52 +12,60 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct galerkin_form galerkin_form;
+typedef struct galerkin_field_form galerkin_field_form;
 
-/* The field at the nodes. The unknowns are Q of a separable system, otherwise Q and P; their rates are F, or V and
- * F. */
+/* The work for evaluating the field at the nodes. The unknowns are Q for a separable system, and Q and P otherwise.
+ * Their rates are F, or V and F. */
 typedef struct {
     const tvi_system *system;
-    const galerkin_form *form;
-    const galerkin_loops *loops;
-    int points; /* of the lanes; the others repeat the last one */
+    const galerkin_field_form *form;
+    const galerkin_kernels *kernels;
+    int node_count; /* the number of nodes; further lanes repeat the last node */
     galerkin_nodes nodes;
-    int rows;       /* of nodes.x at the start of a pass */
-    double h;       /* of the nodes' weights and scales; 0: none yet */
-    double *b;      /* [lanes] */
-    int *slot;      /* [unknowns] the row of nodes.x with the rate of each unknown */
-    double *inputs; /* block of the field's tape, which has the time */
-    /* Matrix of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system. */
-    double *matrix;
-    /* [j][i] The matrix that extrapolations are multiplied by for `predict`. */
-    double *ahead;
-    /* The displacements of the field's values when roundoff is measured; NULL otherwise. */
-    tvi_roundoff *noise;
-    void *own; /* of the form */
+    int saved_row_count; /* the number of rows of nodes.values that a pass starts from */
+    /* The step for which the weights and scales of the nodes were computed; 0 before the first step. */
+    double step_size;
+    double *node_weight; /* [lanes] */
+    /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
+    int *rate_row;
+    double *tape_block; /* the block of the field's tape, whose inputs include the time */
+    /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
+    double *impulse_matrix;
+    /* [j][i] The factor by which tables of extrapolated rates are multiplied, so that `predict` gets unknowns or
+     * rates. */
+    double *rate_to_unknown;
+    /* The displacements that are added to the field's values while roundoff is measured; NULL otherwise. */
+    tvi_roundoff *value_noise;
+    void *form_work; /* the work of the field's form */
 } galerkin_field;
 
-struct galerkin_form {
-    int force_sign;              /* 1 or -1: what the tape gives for P is multiplied by it to get P' */
-    const tvi_passes_rule *rule; /* for a movement's part in one unknown at one node */
+struct galerkin_field_form {
+    int force_sign; /* 1 or -1: the factor from the tape's output to the rate of P */
+    /* The rule that ends passes, for a single unknown at one node. */
+    const tvi_passes_rule *rule;
     void (*take)(galerkin_field *field, tvi_arena *arena);
-    /* Prepares the form, once the matrix is there. */
+    /* Prepares the form after the coefficients have been computed. */
     void (*prepare)(galerkin_field *field);
-    /* Sets the unknowns of all nodes by the rates at the start of the step. */
+    /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
-    /* Predicts the unknowns from the impulses of earlier steps, by tables times `ahead`. */
+    /* Predicts the unknowns from the impulses of earlier steps, by tables that are multiplied by rate_to_unknown. */
     void (*predict)(galerkin_field *field, const galerkin_extrapolation *by);
-    /* Does what tvi_galerkin_pass does, without counting; NULL: galerkin_evaluate is called. */
+    /* Makes a pass, without counting it. If the form has NULL here, tvi_galerkin_make_pass evaluates the field and
+     * moves the unknowns itself. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
-    /* Writes the form's constants in generated code; `text` is that of its steps (generated_*.h). */
+    /* Writes the form's constants into generated code. `text` is the text of the form's generated steps
+     * (generated_*.h). */
     void (*emit)(jet_text *text, const galerkin_field *field);
     const char *const *text;
 };
 
-/* The rules for the end of passes: of a fixed point, of a method whose Jacobian is kept, and of Newton's (probe.c). */
+/* The rules that end the passes of a fixed-point iteration, of a Newton method that reuses its Jacobian, and of
+ * Newton's method (probe.c). */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
-/* The forms of the field: with the tape's outputs as rates, and with second derivatives. */
-extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
+/* The forms of the field. The rates of the plain form are outputs of the tape. The other forms use second
+ * derivatives. */
+extern const galerkin_field_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
     tvi_galerkin_form_product;
 
 /* Tells whether the equations are Q'' = F, and not Q' = V and P' = F. */
@@ -65,48 +74,48 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
     return field->system->form == TVI_SEPARABLE;
 }
 
-/* Defines `static const galerkin_code NAME` of generated code that has the sweeps (emit.c), of a field that is
- * prepared, whose passes have this rule. */
-void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule);
-/* Defines `static const int galerkin_what[]`, with a 0 behind it. */
-void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[]);
+/* Writes the steps of one system into generated code that has the sweeps of its tapes (emit.c). The field is
+ * prepared, and the rule is that of its passes. */
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule);
+/* Writes the definition of the array `static const int galerkin_NAME[]`, with a 0 after its last element. */
+void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[]);
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
-/* The rows of a block of the tape that a sweep does not set. */
-static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs + tape->constants; }
+/* Returns the number of rows at the start of a tape's block that a sweep reads and does not write. */
+static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
-/* Displaces the outputs of a tape of the field in its block. */
-void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);
+/* Adds the displacements of value_noise to the outputs of a tape in its block x. */
+void tvi_galerkin_displace_outputs(const galerkin_field *field, const jet_tape *tape, double *x);
 
-/* Runs the tape at the unknowns, which are its inputs. */
-static inline tvi_status galerkin_evaluate(galerkin_field *field)
+/* Evaluates the field's tape at the unknowns, which are its inputs. */
+static inline tvi_status galerkin_evaluate_field(galerkin_field *field)
 {
     const jet_tape *tape = field->system->field_values;
-    double *x = field->nodes.x;
+    double *x = field->nodes.values;
     if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
-    if (field->noise) tvi_galerkin_displace(field, tape, x);
+    if (field->value_noise) tvi_galerkin_displace_outputs(field, tape, x);
     return TVI_OK;
 }
 
-/* Moves the unknowns by their rates. Returns the movement, as `move` measures it. */
-static inline double galerkin_move(const galerkin_field *field)
+/* Moves the unknowns by their rates. Returns the movement, as the kernel `move` measures it. */
+static inline double galerkin_move_unknowns(const galerkin_field *field)
 {
     double moved;
-    field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot, &moved);
+    field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row, &moved);
     return moved;
 }
 
-/* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts. *moved is the movement,
- * as `move` measures it. */
-static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved, tvi_stats *stats)
+/* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts the pass. *moved is
+ * the movement, as the kernel `move` measures it. */
+static inline tvi_status tvi_galerkin_make_pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
-    stats->force_evaluations += field->points;
+    stats->force_evaluations += field->node_count;
     if (field->form->pass) {
         const tvi_status status = field->form->pass(field, moved, stats);
         if (status != TVI_OK) return status;
     } else {
-        if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
-        *moved = galerkin_move(field);
+        if (galerkin_evaluate_field(field) != TVI_OK) return TVI_EDOMAIN;
+        *moved = galerkin_move_unknowns(field);
     }
     stats->passes++;
     return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;

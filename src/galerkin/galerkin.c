@@ -15,31 +15,31 @@ enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static int lanes_for(int points)
+static int choose_lane_count(int node_count)
 {
     int lanes = 1;
-    while (lanes < points && lanes < 8) lanes *= 2;
-    return points <= lanes ? lanes : MAX_LANES;
+    while (lanes < node_count && lanes < 8) lanes *= 2;
+    return node_count <= lanes ? lanes : MAX_LANES;
 }
 
-/* The index of the loops for this number of lanes. */
-static int loops_index(int lanes)
+/* Returns the index of the kernel table for this number of lanes. */
+static int find_kernel_table(int lanes)
 {
     int index = 0;
     while (1 << index < lanes) index++;
     return index;
 }
 
-/* The loops of the instruction set that the system's tapes run with. */
-static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = tvi_galerkin_loops_base,
+/* The kernel tables of each instruction set. A system uses the instruction set of its tapes. */
+static const galerkin_kernels *const *const kernel_tables[JET_ISA_COUNT] = {
+    [jet_isa_base] = tvi_galerkin_kernels_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = tvi_galerkin_loops_avx2,
-    [jet_isa_avx512] = tvi_galerkin_loops_avx512,
+    [jet_isa_avx2] = tvi_galerkin_kernels_avx2,
+    [jet_isa_avx512] = tvi_galerkin_kernels_avx512,
 #endif
 };
 
-static const galerkin_form *form_of(const tvi_system *system)
+static const galerkin_field_form *select_field_form(const tvi_system *system)
 {
     return !system->hessian_values          ? &tvi_galerkin_form_plain
            : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
@@ -47,11 +47,15 @@ static const galerkin_form *form_of(const tvi_system *system)
                                             : &tvi_galerkin_form_product;
 }
 
-bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }
+bool tvi_galerkin_needs_no_hessian(const tvi_system *system)
+{
+    return select_field_form(system) == &tvi_galerkin_form_plain;
+}
 
-/* Counts the last coordinates that H does not depend on, as the time of a rescaled system whose forces do not depend on
- * it. Such a coordinate is a quadrature, which needs no movement, and its momentum does not move. */
-static int cyclic_at_end(const tvi_system *system)
+/* Counts how many of the last coordinates are cyclic: H does not depend on them. An example is the time of a
+ * rescaled system whose forces do not depend on it. The momentum of a cyclic coordinate is constant, and the
+ * coordinate follows from a quadrature, so that passes need not move them. */
+static int count_last_cyclic_coordinates(const tvi_system *system)
 {
     const int *force = system->field_values->output;
     int count = 0;
@@ -60,300 +64,330 @@ static int cyclic_at_end(const tvi_system *system)
     return count;
 }
 
-static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system *system, int points)
+static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_system *system, int node_count)
 {
     galerkin_nodes *nodes = &field->nodes;
     field->system = system;
-    field->points = points;
-    const int lanes_needed = lanes_for(points);
-    field->loops = loops_of[system->field_values->sweeps->isa][loops_index(lanes_needed)];
-    field->form = form_of(system);
+    field->node_count = node_count;
+    const int lanes_needed = choose_lane_count(node_count);
+    field->kernels = kernel_tables[system->field_values->sweeps->isa][find_kernel_table(lanes_needed)];
+    field->form = select_field_form(system);
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
-    nodes->points = points;
-    nodes->width = 1;
-    nodes->half = system->n;
-    nodes->parts = system->parts;
-    const int cyclic = cyclic_at_end(system);
-    nodes->moving = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
+    nodes->node_count = node_count;
+    nodes->member_count = 1;
+    nodes->half_unknowns = system->n;
+    nodes->subsystems = system->parts;
+    const int cyclic = count_last_cyclic_coordinates(system);
+    nodes->moving_unknowns = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
-    nodes->high = tvi_arena_doubles(arena, unknowns * lanes);
-    nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
-    nodes->weight = tvi_arena_doubles(arena, lanes);
-    nodes->start = tvi_arena_doubles(arena, unknowns);
-    nodes->scale = tvi_arena_doubles(arena, unknowns);
+    nodes->free_values = tvi_arena_doubles(arena, unknowns * lanes);
+    nodes->free_values_low = tvi_arena_doubles(arena, unknowns * lanes);
+    nodes->impulse_weight = tvi_arena_doubles(arena, lanes);
+    nodes->start_values = tvi_arena_doubles(arena, unknowns);
+    nodes->impulse_scale = tvi_arena_doubles(arena, unknowns);
     nodes->inverse_size = tvi_arena_doubles(arena, unknowns);
-    nodes->per_movement = tvi_arena_doubles(arena, (size_t)system->n);
-    field->slot = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    nodes->momentum_per_movement = tvi_arena_doubles(arena, (size_t)system->n);
+    field->rate_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
-static void take_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system, double *scale)
+static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system,
+                                 double *scale)
 {
-    galerkin_sums *sums = &inputs->sums;
-    double **const vectors[] = {&sums->once,  &sums->twice,    &sums->last,
-                                &sums->reach, &sums->once_low, &sums->twice_low};
+    galerkin_impulse_sums *sums = &inputs->impulse_sums;
+    double **const vectors[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
+                                &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
     inputs->n = system->n;
     inputs->is_separable = system->form == TVI_SEPARABLE;
     inputs->has_masses = system->compares_movements;
-    inputs->parts = system->parts;
-    inputs->scale = scale;
-    inputs->per_scale = tvi_arena_doubles(arena, (size_t)system->n);
+    inputs->subsystems = system->parts;
+    inputs->impulse_scale = scale;
+    inputs->inverse_impulse_scale = tvi_arena_doubles(arena, (size_t)system->n);
 }
 
-static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    galerkin *taken = tvi_arena_allocate(arena, sizeof *taken);
-    galerkin w = {.options = options, .n = system->n};
-    take_field(&w.field, arena, system, options->degree);
-    const int unknowns = w.field.nodes.unknowns, lanes = w.field.nodes.lanes;
-    tvi_galerkin_coefficients_take(&w.coefficients, arena, w.field.points, lanes);
-    w.field.b = w.coefficients.b;
-    w.field.matrix = w.coefficients.matrix;
-    tvi_galerkin_predictor_take(&w.predictor, arena, &w.field);
-    tvi_galerkin_dense_take(&w.dense, arena, w.field.points, lanes, system->field_values->sweeps);
-    w.drift = tvi_arena_doubles(arena, (size_t)unknowns);
-    w.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
-    w.share = tvi_arena_doubles(arena, (size_t)w.n);
-    w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
-    w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
-    take_tail_inputs(&w.tail_inputs, arena, system, w.field.nodes.scale);
-    w.field.form->take(&w.field, arena);
-    tvi_galerkin_probe_take(&w.probe, arena, &w.field);
-    if (taken) *taken = w;
+    galerkin_stepper *taken = tvi_arena_allocate(arena, sizeof *taken);
+    galerkin_stepper stepper = {.options = options, .n = system->n};
+    allocate_field(&stepper.field, arena, system, options->degree);
+    const int unknowns = stepper.field.nodes.unknowns, lanes = stepper.field.nodes.lanes;
+    tvi_galerkin_allocate_coefficients(&stepper.coefficients, arena, stepper.field.node_count, lanes);
+    stepper.field.node_weight = stepper.coefficients.node_weight;
+    stepper.field.impulse_matrix = stepper.coefficients.impulse_matrix;
+    tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.field);
+    tvi_galerkin_allocate_dense_output(&stepper.dense_output, arena, stepper.field.node_count, lanes,
+                                       system->field_values->sweeps);
+    stepper.drift = tvi_arena_doubles(arena, (size_t)unknowns);
+    stepper.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
+    stepper.tail_share = tvi_arena_doubles(arena, (size_t)stepper.n);
+    stepper.tail_ratio = tvi_arena_doubles(arena, (size_t)stepper.n);
+    stepper.change_scale = tvi_arena_doubles(arena, 2 * (size_t)stepper.n);
+    allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
+    stepper.field.form->take(&stepper.field, arena);
+    tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.field);
+    if (taken) *taken = stepper;
     return taken;
 }
 
-static void prepare(void *work)
+static void prepare_stepper(void *work)
 {
-    galerkin *w = work;
-    tvi_galerkin_coefficients_prepare(&w->coefficients, &w->dense, galerkin_is_second_order(&w->field));
-    w->field.form->prepare(&w->field);
-    const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
-    tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
-    w->tail_inputs.per_weight = w->coefficients.inverse_b;
-    w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
-    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
-    w->code = w->field.system->code && iterates ? w->field.system->code->galerkin : NULL;
-    w->frame = (galerkin_frame){.loops = w->field.loops,
-                                .nodes = &w->field.nodes,
-                                .tail_inputs = &w->tail_inputs,
-                                .weights = &w->coefficients.weights,
-                                .rule = &w->rule,
-                                .matrix = w->field.matrix,
-                                .c = w->coefficients.c,
-                                .from_two = w->predictor.from_two,
-                                .from_last = w->predictor.from_last,
-                                .rough_limit = w->predictor.rough_limit,
-                                .impulses = w->predictor.impulses,
-                                .drift = w->drift,
-                                .drift_low = w->drift_low,
-                                .share = w->share,
-                                .ratio = w->ratio,
-                                .h = &w->field.h,
-                                .own = w->field.own};
+    galerkin_stepper *stepper = work;
+    tvi_galerkin_compute_coefficients(&stepper->coefficients, &stepper->dense_output,
+                                      galerkin_is_second_order(&stepper->field));
+    stepper->field.form->prepare(&stepper->field);
+    const int numbers = stepper->field.nodes.unknowns * stepper->field.nodes.lanes;
+    tvi_galerkin_prepare_predictor(&stepper->predictor, &stepper->coefficients, &stepper->field);
+    stepper->tail_inputs.inverse_end_weight = stepper->coefficients.inverse_end_weight;
+    stepper->passes_rule = tvi_galerkin_scale_passes_rule(stepper->field.form->rule, numbers, stepper->options);
+    const bool iterates = stepper->options->passes != TVI_PREDICT_ONLY;
+    stepper->generated_code = stepper->field.system->code && iterates ? stepper->field.system->code->galerkin : NULL;
+    stepper->step_data = (galerkin_step_data){.kernels = stepper->field.kernels,
+                                              .nodes = &stepper->field.nodes,
+                                              .tail_inputs = &stepper->tail_inputs,
+                                              .end_weights = &stepper->coefficients.end_weights,
+                                              .passes_rule = &stepper->passes_rule,
+                                              .impulse_matrix = stepper->field.impulse_matrix,
+                                              .node_abscissa = stepper->coefficients.node_abscissa,
+                                              .two_step_table = stepper->predictor.two_step_table,
+                                              .last_step_table = stepper->predictor.last_step_table,
+                                              .rough_prediction_limit = stepper->predictor.rough_prediction_limit,
+                                              .impulse_ring = stepper->predictor.impulse_ring,
+                                              .drift = stepper->drift,
+                                              .drift_low = stepper->drift_low,
+                                              .tail_share = stepper->tail_share,
+                                              .tail_ratio = stepper->tail_ratio,
+                                              .step_size = &stepper->field.step_size,
+                                              .form_work = stepper->field.form_work};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-void tvi_galerkin_set_size(galerkin *w, double h)
+void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
 {
-    const galerkin_nodes *nodes = &w->field.nodes;
-    if (h == w->field.h) return;
-    w->field.h = h;
-    for (int i = 0; i < nodes->lanes; i++) nodes->weight[i] = h * w->field.b[i];
+    const galerkin_nodes *nodes = &stepper->field.nodes;
+    if (h == stepper->field.step_size) return;
+    stepper->field.step_size = h;
+    for (int i = 0; i < nodes->lanes; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
     for (int u = 0; u < nodes->unknowns; u++)
-        nodes->scale[u] = galerkin_is_second_order(&w->field) ? h / w->field.system->mass[u]
-                          : u < w->n                          ? 1
-                                                              : w->field.form->force_sign;
-    for (int i = 0; i < w->n; i++) {
-        w->rise[i] = nodes->scale[i];
-        w->tail_inputs.per_scale[i] = 1 / fabs(nodes->scale[i]);
-        nodes->per_movement[i] = w->field.system->has_masses ? w->field.system->mass[i] / fabs(h) : INFINITY;
-        w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? 1 : nodes->scale[w->n + i];
+        nodes->impulse_scale[u] = galerkin_is_second_order(&stepper->field) ? h / stepper->field.system->mass[u]
+                                  : u < stepper->n                          ? 1
+                                                                            : stepper->field.form->force_sign;
+    for (int i = 0; i < stepper->n; i++) {
+        stepper->change_scale[i] = nodes->impulse_scale[i];
+        stepper->tail_inputs.inverse_impulse_scale[i] = 1 / fabs(nodes->impulse_scale[i]);
+        nodes->momentum_per_movement[i] =
+            stepper->field.system->has_masses ? stepper->field.system->mass[i] / fabs(h) : INFINITY;
+        stepper->change_scale[stepper->n + i] =
+            galerkin_is_second_order(&stepper->field) ? 1 : nodes->impulse_scale[stepper->n + i];
     }
 }
 
-/* Sets the times of the nodes of a step of size h. */
-static void set_times(galerkin *w, const tvi_origin *origin, double h)
+/* Writes the times of the nodes of a step of size h into the field's tape, if it uses the time. */
+static void set_node_times(galerkin_stepper *stepper, const tvi_origin *origin, double h)
 {
     double t[MAX_LANES];
-    if (!w->field.system->uses_time) return;
-    for (int i = 0; i < w->field.nodes.lanes; i++) t[i] = origin->t + (origin->t_low + h * w->coefficients.c[i]);
-    tvi_system_write_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
+    if (!stepper->field.system->uses_time) return;
+    for (int i = 0; i < stepper->field.nodes.lanes; i++)
+        t[i] = origin->t + (origin->t_low + h * stepper->coefficients.node_abscissa[i]);
+    tvi_system_write_time(stepper->field.system, stepper->field.tape_block, stepper->field.nodes.lanes, t);
 }
 
-/* Sets the unknowns of a step that continues no step of its size: by the last step, beginning after `part` of it; NULL:
- * by the field at the start. */
-static tvi_status begin(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
+/* Predicts the unknowns of a step if the step before it has another size. It extrapolates the last step, beginning
+ * after `start_part` of it. If `start_part` is NULL, it uses the field at the start of the step. */
+static tvi_status predict_without_equal_steps(galerkin_stepper *stepper, const tvi_origin *origin,
+                                              const double *start_part, tvi_stats *stats)
 {
-    galerkin_field *field = &w->field;
-    field->nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
-    galerkin_start(&w->frame, &field->nodes, origin);
-    if (part) {
-        tvi_galerkin_extrapolate(&w->predictor, &w->coefficients, &w->dense, field, *part);
+    galerkin_field *field = &stepper->field;
+    field->nodes.impulses = tvi_galerkin_impulses_of_step(&stepper->predictor, 1);
+    galerkin_start_unknowns(&stepper->step_data, &field->nodes, origin);
+    if (start_part) {
+        tvi_galerkin_predict_from_last_step(&stepper->predictor, &stepper->coefficients, &stepper->dense_output, field,
+                                            *start_part);
         return TVI_OK;
     }
-    set_times(w, origin, 0);
+    set_node_times(stepper, origin, 0);
     stats->force_evaluations++;
     return field->form->start(field, origin);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* A step that the library makes. */
+/* The data of steps that the library makes itself, without generated code. */
 typedef struct {
-    galerkin *w;
+    galerkin_stepper *stepper;
     const tvi_origin *origin;
-    /* Counts of the steps that were made. */
-    tvi_stats *stats, counted;
-} in_library;
+    /* The counts of all evaluations, and the counts at the end of the last step that was completed. */
+    tvi_stats *stats, counted_stats;
+} library_steps;
 
-/* The roundoff of passes that no longer shrink is measured where their movement may be roundoff, or where the nodes are
- * near the start: far away, loud movements that go to and fro are those of a step that is too large. */
-JET_INLINE tvi_status pass(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
+/* Makes the next pass of a step. If passes no longer shrink, it also measures their roundoff, but only if their
+ * movement may be roundoff, or if the nodes are near the start of the step. Large movements back and forth far away
+ * from the start belong to a step that is too large. */
+JET_INLINE tvi_status make_library_pass(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
 {
-    const in_library *step = work;
-    galerkin_field *field = &step->w->field;
+    const library_steps *step = work;
+    galerkin_field *field = &step->stepper->field;
     (void)nodes;
-    if (roundoff && (*moved <= step->w->rule.roundoff_level || tvi_galerkin_is_near(field, step->origin)))
-        return tvi_galerkin_measure(field, &step->w->probe, moved, roundoff, step->stats);
-    return tvi_galerkin_pass(field, moved, step->stats);
+    if (roundoff &&
+        (*moved <= step->stepper->passes_rule.roundoff_level || tvi_galerkin_are_nodes_near_start(field, step->origin)))
+        return tvi_galerkin_measure_roundoff(field, &step->stepper->probe, moved, roundoff, step->stats);
+    return tvi_galerkin_make_pass(field, moved, step->stats);
 }
 
-JET_INLINE void predict(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void predict_in_library(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation)
 {
-    const in_library *step = work;
+    const library_steps *step = work;
     (void)nodes;
-    step->w->field.form->predict(&step->w->field, by);
+    step->stepper->field.form->predict(&step->stepper->field, extrapolation);
 }
 
-static void count(void *work)
+static void save_counts_of_step(void *work)
 {
-    in_library *step = work;
-    step->counted = *step->stats;
+    library_steps *step = work;
+    step->counted_stats = *step->stats;
 }
 
-static void make_in_library(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
-                            galerkin_outcome *to, tvi_stats *stats)
+static void make_steps_in_library(galerkin_stepper *stepper, const tvi_step_run *run, const tvi_origin *origin,
+                                  const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats)
 {
-    in_library step = {.w = w, .origin = origin, .stats = stats};
-    galerkin_make_steps(&w->frame, &w->field.nodes, &(galerkin_solver){pass, predict, count, &step}, row, origin, now,
-                        to);
-    if (to->made > 0) *stats = step.counted;
+    library_steps step = {.stepper = stepper, .origin = origin, .stats = stats};
+    galerkin_make_steps(&stepper->step_data, &stepper->field.nodes,
+                        &(galerkin_pass_functions){make_library_pass, predict_in_library, save_counts_of_step, &step},
+                        run, origin, state, outcome);
+    if (outcome->step_count > 0) *stats = step.counted_stats;
 }
 
-static void make_by_code(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
-                         galerkin_outcome *to, tvi_stats *stats)
+static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_step_run *run, const tvi_origin *origin,
+                                         const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats)
 {
-    w->code->steps(&w->frame, row, origin, now, to);
-    const long passes = to->count + (to->made < 1 ? to->tried : 0);
+    stepper->generated_code->steps(&stepper->step_data, run, origin, state, outcome);
+    const long passes = outcome->pass_count + (outcome->step_count < 1 ? outcome->failed_pass_count : 0);
     stats->passes += passes;
-    stats->force_evaluations += passes * w->field.points;
-    stats->factorisations += to->factors * w->field.points;
+    stats->force_evaluations += passes * stepper->field.node_count;
+    stats->factorisations += outcome->hessian_pass_count * stepper->field.node_count;
 }
 
-static void remember(galerkin_history *last, double h, const galerkin_outcome *to)
+static void update_history(galerkin_history *history, double h, const galerkin_outcome *outcome)
 {
-    *last = (galerkin_history){.h = h,
-                               .h_before = to->made > 1 ? h : last->h,
-                               .t = to->t,
-                               .convergence = to->convergence,
-                               .ring_index = to->ring_index};
+    *history = (galerkin_history){.step_size = h,
+                                  .previous_step_size = outcome->step_count > 1 ? h : history->step_size,
+                                  .start_time = outcome->last_start_time,
+                                  .convergence = outcome->convergence,
+                                  .ring_index = outcome->last_ring_index};
 }
 
-typedef void make_steps(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
-                        galerkin_outcome *to, tvi_stats *stats);
+typedef void step_maker(galerkin_stepper *stepper, const tvi_step_run *run, const tvi_origin *origin,
+                        const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats);
 
-/* Makes steps of size field->h. The first one is predicted from earlier steps, or from the state alone. */
-static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tvi_step_run *row,
-                             const tvi_origin *origin, const tvi_run_state *now, tvi_stats *stats)
+/* Makes steps of size field.step_size, by generated code or by the library. The first step is predicted from earlier
+ * steps, or from the state alone. */
+static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
+                                               bool follows_last_step, const tvi_step_run *run,
+                                               const tvi_origin *origin, const tvi_run_state *state, tvi_stats *stats)
 {
-    galerkin_history *last = w->predictor.last;
-    galerkin_outcome to = {.ring_index = (int)last->ring_index, .largest_tail = stats->largest_tail};
-    double part;
-    if (w->field.h == last->h) to.convergence = last->convergence;
-    follows = follows && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
-    to.known = follows ? tvi_galerkin_known(&w->predictor, &w->field, part) : 0;
-    if (to.known == 0) to.status = begin(w, origin, follows ? &part : NULL, stats);
-    if (to.status != TVI_OK) return to;
-    set_times(w, origin, w->field.h);
-    by(w, row, origin, now, &to, stats);
-    if (to.made < 1) return to;
-    remember(last, row->h, &to);
-    stats->residual = sqrt(to.moved);
-    stats->tail = to.tail;
-    return to;
+    galerkin_history *history = stepper->predictor.history;
+    galerkin_outcome outcome = {.last_ring_index = (int)history->ring_index, .largest_tail = stats->largest_tail};
+    double start_part;
+    if (stepper->field.step_size == history->step_size) outcome.convergence = history->convergence;
+    follows_last_step = follows_last_step && tvi_galerkin_can_predict_from_last_step(
+                                                 &stepper->predictor, &stepper->field, origin->t, &start_part);
+    outcome.equal_step_count =
+        follows_last_step ? tvi_galerkin_count_steps_of_same_size(&stepper->predictor, &stepper->field, start_part) : 0;
+    if (outcome.equal_step_count == 0)
+        outcome.status = predict_without_equal_steps(stepper, origin, follows_last_step ? &start_part : NULL, stats);
+    if (outcome.status != TVI_OK) return outcome;
+    set_node_times(stepper, origin, stepper->field.step_size);
+    make_steps(stepper, run, origin, state, &outcome, stats);
+    if (outcome.step_count < 1) return outcome;
+    update_history(history, run->h, &outcome);
+    stats->residual = sqrt(outcome.last_movement);
+    stats->tail = outcome.last_tail;
+    return outcome;
 }
 
-static bool iterates(const galerkin *w) { return w->rule.max_passes > 0; }
+static bool makes_passes(const galerkin_stepper *stepper) { return stepper->passes_rule.max_passes > 0; }
 
-/* Makes a step from a prediction by earlier steps, or from the state alone. */
-static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+/* Makes a step, predicted from earlier steps. If its passes do not converge, it makes the step again, predicted from
+ * the state alone. */
+static tvi_status make_single_step(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
+                                   tvi_stats *stats)
 {
-    galerkin *w = work;
-    const tvi_step_run row = {.h = h, .steps = 1, .increments = *by};
-    double part;
-    tvi_galerkin_set_size(w, h);
-    if (w->code && make(w, make_by_code, true, &row, origin, NULL, stats).made > 0) return TVI_OK;
-    const bool follows = iterates(w) && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
-    galerkin_outcome to = make(w, make_in_library, follows, &row, origin, NULL, stats);
-    if (to.made < 1 && follows) to = make(w, make_in_library, false, &row, origin, NULL, stats);
-    return to.made > 0 ? TVI_OK : to.status;
+    galerkin_stepper *stepper = work;
+    const tvi_step_run run = {.h = h, .steps = 1, .increments = *increments};
+    double start_part;
+    tvi_galerkin_set_step_size(stepper, h);
+    if (stepper->generated_code &&
+        predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats).step_count > 0)
+        return TVI_OK;
+    const bool follows_last_step =
+        makes_passes(stepper) &&
+        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &start_part);
+    galerkin_outcome outcome =
+        predict_and_make_steps(stepper, make_steps_in_library, follows_last_step, &run, origin, NULL, stats);
+    if (outcome.step_count < 1 && follows_last_step)
+        outcome = predict_and_make_steps(stepper, make_steps_in_library, false, &run, origin, NULL, stats);
+    return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }
 
-static long run(void *work, const tvi_step_run *row, const tvi_run_state *now, tvi_stats *stats)
+static long make_step_run(void *work, const tvi_step_run *run, const tvi_run_state *state, tvi_stats *stats)
 {
-    galerkin *w = work;
-    const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
+    galerkin_stepper *stepper = work;
+    const tvi_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
+                               state->p_low};
     tvi_stats counted = *stats;
-    if (!iterates(w) || w->field.system->uses_time) return 0;
-    tvi_galerkin_set_size(w, row->h);
-    row->increments.dq[w->n] = row->h;
-    const galerkin_outcome to = make(w, w->code ? make_by_code : make_in_library, true, row, &origin, now, &counted);
-    if (to.made < 1) return 0;
+    if (!makes_passes(stepper) || stepper->field.system->uses_time) return 0;
+    tvi_galerkin_set_step_size(stepper, run->h);
+    run->increments.dq[stepper->n] = run->h;
+    const galerkin_outcome outcome =
+        predict_and_make_steps(stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_in_library,
+                               true, run, &origin, state, &counted);
+    if (outcome.step_count < 1) return 0;
     *stats = counted;
-    stats->largest_tail = to.largest_tail;
-    return to.made;
+    stats->largest_tail = outcome.largest_tail;
+    return outcome.step_count;
 }
 
 /* ---- Generated code ---------------------------------------------------------------------------------------------- */
 
-static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options)
+static void emit_generated_steps(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
     tvi_arena arena = {0};
-    (void)take(&arena, system, options);
+    (void)allocate_stepper(&arena, system, options);
     void *memory = tvi_arena_allocate_memory(&arena);
-    galerkin *w = memory ? take(&arena, system, options) : NULL;
-    text->is_incomplete |= !w;
-    if (!w) return;
-    prepare(w);
-    tvi_galerkin_emit(text, &w->field, &w->rule);
+    galerkin_stepper *stepper = memory ? allocate_stepper(&arena, system, options) : NULL;
+    text->is_incomplete |= !stepper;
+    if (!stepper) return;
+    prepare_stepper(stepper);
+    tvi_galerkin_emit_steps(text, &stepper->field, &stepper->passes_rule);
     free(memory);
 }
 
-static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    const int lanes = lanes_for(options->degree), width = tvi_galerkin_batch.width(system, options);
+    const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
     tvi_used_tapes used = {.values = {.name = "tvi_values",
                                       .lanes = {lanes, of_batch},
                                       .may_move_pair_factors = system->form == TVI_SEPARABLE},
                            .code_member = "galerkin",
-                           .emit_loops = emit_loops};
+                           .emit_loops = emit_generated_steps};
     if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lanes = {lanes}};
     return used;
 }
 
-static bool is_sound(const void *work) { return galerkin_is_sound(((const galerkin *)work)->predictor.last); }
+static bool is_history_valid(const void *work)
+{
+    return galerkin_is_ring_index_valid(((const galerkin_stepper *)work)->predictor.history);
+}
 
-const tvi_stepper tvi_stepper_galerkin = {.take = take,
-                                          .prepare = prepare,
-                                          .step = step,
-                                          .run = run,
-                                          .dense = tvi_galerkin_dense,
-                                          .sample = tvi_galerkin_sample,
+const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,
+                                          .prepare = prepare_stepper,
+                                          .step = make_single_step,
+                                          .run = make_step_run,
+                                          .dense = tvi_galerkin_compute_dense_output,
+                                          .sample = tvi_galerkin_compute_samples,
                                           .is_superconvergent = true,
-                                          .is_sound = is_sound,
-                                          .uses = uses,
+                                          .is_sound = is_history_valid,
+                                          .uses = list_used_tapes,
                                           .batch = &tvi_galerkin_batch};

@@ -1,66 +1,72 @@
-/* generated_hamiltonian.h - Makes generated steps of a product (hamiltonian.c). */
+/* generated_hamiltonian.h - Makes steps in generated code, for a Hamiltonian whose passes use second derivatives
+ * (hamiltonian.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HAMILTONIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HAMILTONIAN_H
 
 #include "galerkin/generated_hessian.h"
 #include "galerkin/hamiltonian_passes.h"
 
-/* Makes a pass. The library measures the roundoff of passes that are stuck. */
-JET_INLINE tvi_status galerkin_pass_hamiltonian(void *work, const galerkin_nodes *nodes, double *moved,
-                                                double *roundoff)
+/* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
+JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_nodes *nodes, double *moved,
+                                                     double *roundoff)
 {
-    hamiltonian_passes *w = work;
+    hamiltonian_passes *passes = work;
     (void)nodes;
-    if (roundoff || !hamiltonian_pass(w, galerkin_generated_sweep)) return TVI_ENOCONV;
-    *moved = w->moved;
+    if (roundoff || !hamiltonian_make_pass(passes, galerkin_sweep_generated_tape)) return TVI_ENOCONV;
+    *moved = passes->last_movement;
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_hamiltonian(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void galerkin_predict_hamiltonian(void *work, const galerkin_nodes *nodes,
+                                             const galerkin_extrapolation *extrapolation)
 {
     (void)nodes;
-    hamiltonian_predict(work, by);
+    hamiltonian_predict_unknowns(work, extrapolation);
 }
 
-/* Makes steps. The rounds have GALERKIN_COLUMNS columns, and GALERKIN_ROWS rows, of which GALERKIN_ROUND move. */
-static void galerkin_steps(const galerkin_frame *given, const tvi_step_run *row, const tvi_origin *origin,
-                           const tvi_run_state *now, galerkin_outcome *to)
+/* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. The
+ * first GALERKIN_ROUND rows belong to unknowns that are also columns. */
+static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_step_run *run,
+                                          const tvi_origin *origin, const tvi_run_state *state,
+                                          galerkin_outcome *outcome)
 {
     enum { PACKED = GALERKIN_ROWS * GALERKIN_COLUMNS * GALERKIN_LANES, IS_PACKED = PACKED <= 2 * GALERKIN_MOST_OWN };
     enum { ROWS = IS_PACKED ? GALERKIN_ROWS : 1, ALL = IS_PACKED ? GALERKIN_ROWS * GALERKIN_LANES : 1 };
     galerkin_local_blocks own;
     _Alignas(64) float packed[IS_PACKED ? PACKED : 1], change[ALL], total[ALL], impulse[ALL], all[ALL];
     double size[ROWS], per_size[ROWS];
-    const galerkin_tail_inputs inputs = galerkin_sized_tail_inputs(given->tail_inputs);
-    galerkin_frame frame = *given;
-    galerkin_nodes nodes = galerkin_sized(given->nodes);
-    hamiltonian_passes w = *(const hamiltonian_passes *)given->own;
-    frame.tail_inputs = &inputs;
-    w.nodes = &nodes;
-    w.blocks = galerkin_own_blocks(&w.blocks, &nodes, &own);
-    if (GALERKIN_IS_OWN) galerkin_keep_rows(own.x, given->nodes->x, 0, to->known > 0 ? 0 : GALERKIN_UNKNOWNS);
-    w.rates = galerkin_sized(&w.rates);
-    w.rates.x = nodes.x + GALERKIN_UNKNOWNS * GALERKIN_LANES;
-    w.rate_row = galerkin_slot;
-    w.slot[false] = galerkin_value_slot;
-    w.slot[true] = galerkin_hessian_slot;
-    w.rounds.count = GALERKIN_COLUMNS;
-    w.rounds.moving = GALERKIN_ROUND;
-    w.rounds.rows = GALERKIN_ROWS;
-    w.rounds.unknown = galerkin_unknown;
-    w.rounds.index = galerkin_index_of;
-    w.rounds.hessian = w.blocks.hessian;
+    const galerkin_tail_inputs inputs = galerkin_tail_inputs_of_constant_size(given->tail_inputs);
+    galerkin_step_data step_data = *given;
+    galerkin_nodes nodes = galerkin_nodes_of_constant_size(given->nodes);
+    hamiltonian_passes passes = *(const hamiltonian_passes *)given->form_work;
+    step_data.tail_inputs = &inputs;
+    passes.nodes = &nodes;
+    passes.tape_blocks = galerkin_use_local_blocks(&passes.tape_blocks, &nodes, &own);
+    if (GALERKIN_IS_OWN)
+        galerkin_copy_rows(own.x, given->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
+    passes.rate_nodes = galerkin_nodes_of_constant_size(&passes.rate_nodes);
+    passes.rate_nodes.values = nodes.values + GALERKIN_UNKNOWNS * GALERKIN_LANES;
+    passes.rate_row = galerkin_slot;
+    passes.rate_slot[false] = galerkin_value_slot;
+    passes.rate_slot[true] = galerkin_hessian_slot;
+    passes.rounds.column_count = GALERKIN_COLUMNS;
+    passes.rounds.moving_row_count = GALERKIN_ROUND;
+    passes.rounds.row_count = GALERKIN_ROWS;
+    passes.rounds.unknown_of_row = galerkin_unknown;
+    passes.rounds.hessian_index = galerkin_index_of;
+    passes.rounds.hessian_block = passes.tape_blocks.hessian_block;
     if (IS_PACKED) {
-        w.rounds.packed = packed;
-        w.rounds.size = size;
-        w.rounds.per_size = per_size;
-        w.rounds.change = change;
-        w.rounds.total = total;
-        w.rounds.impulse = impulse;
-        w.rounds.all = all;
+        passes.rounds.packed_hessian = packed;
+        passes.rounds.unknown_size = size;
+        passes.rounds.inverse_unknown_size = per_size;
+        passes.rounds.round_change = change;
+        passes.rounds.total_change = total;
+        passes.rounds.round_impulse = impulse;
+        passes.rounds.total_impulse = all;
     }
-    const galerkin_solver solver = {galerkin_pass_hamiltonian, galerkin_predict_hamiltonian, NULL, &w};
-    galerkin_make_steps(&frame, &nodes, &solver, row, origin, now, to);
+    const galerkin_pass_functions pass_functions = {galerkin_make_hamiltonian_pass, galerkin_predict_hamiltonian, NULL,
+                                                    &passes};
+    galerkin_make_steps(&step_data, &nodes, &pass_functions, run, origin, state, outcome);
 }
 
 #endif

@@ -1,16 +1,17 @@
-/* generated_hessian.h - Defines the blocks of the tapes of generated passes that know second derivatives (blocks.h).
- * KEPT rows of a block are not set by the tape's operations. */
+/* generated_hessian.h - Defines the tape blocks of generated passes that use second derivatives (blocks.h). The
+ * tape's operations do not set the first GALERKIN_KEPT rows of values_block and the first GALERKIN_HESSIAN_KEPT rows
+ * of hessian_block. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 
 #include "galerkin/generated.h"
 
-JET_INLINE bool galerkin_generated_sweep(const galerkin_blocks *blocks, bool with_hessian)
+JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
 {
-    return with_hessian ? GALERKIN_HESSIAN_VALUES(blocks->hessian) : GALERKIN_VALUES(blocks->values);
+    return with_hessian ? GALERKIN_HESSIAN_VALUES(blocks->hessian_block) : GALERKIN_VALUES(blocks->values_block);
 }
 
-/* Small blocks are local to the step. */
+/* These are the lengths of the blocks that are local variables of a step. Large blocks are not local. */
 enum {
     GALERKIN_IS_OWN = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MOST_OWN,
     GALERKIN_OF_VALUES = GALERKIN_IS_OWN ? tvi_values_slots * GALERKIN_LANES : 1,
@@ -23,20 +24,20 @@ typedef struct {
     _Alignas(64) double x[GALERKIN_OF_ROWS];
 } galerkin_local_blocks;
 
-JET_INLINE galerkin_blocks galerkin_own_blocks(const galerkin_blocks *given, galerkin_nodes *nodes,
-                                               galerkin_local_blocks *own)
+JET_INLINE galerkin_tape_blocks galerkin_use_local_blocks(const galerkin_tape_blocks *given, galerkin_nodes *nodes,
+                                                          galerkin_local_blocks *own)
 {
-    galerkin_blocks blocks = *given;
+    galerkin_tape_blocks blocks = *given;
     blocks.n = GALERKIN_N;
     blocks.lanes = GALERKIN_LANES;
     blocks.inputs = GALERKIN_INPUTS;
     if (!GALERKIN_IS_OWN) return blocks;
-    galerkin_keep_rows(own->values, given->values, 2 * GALERKIN_N, GALERKIN_KEPT);
-    galerkin_keep_rows(own->hessian, given->hessian, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
-    galerkin_keep_rows(own->hessian, given->hessian, tvi_hessian_slots, tvi_hessian_slots + 1);
-    blocks.values = own->values;
-    blocks.hessian = own->hessian;
-    nodes->x = own->x;
+    galerkin_copy_rows(own->values, given->values_block, 2 * GALERKIN_N, GALERKIN_KEPT);
+    galerkin_copy_rows(own->hessian, given->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
+    galerkin_copy_rows(own->hessian, given->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
+    blocks.values_block = own->values;
+    blocks.hessian_block = own->hessian;
+    nodes->values = own->x;
     return blocks;
 }
 

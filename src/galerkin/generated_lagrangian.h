@@ -1,70 +1,75 @@
-/* generated_lagrangian.h - Makes generated steps of a Lagrangian (lagrangian.c). */
+/* generated_lagrangian.h - Makes steps of a Lagrangian's Galerkin curve in generated code (lagrangian.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_LAGRANGIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_LAGRANGIAN_H
 
 #include "galerkin/generated_hessian.h"
 #include "galerkin/lagrangian_passes.h"
 
-/* Makes a pass. The library measures the roundoff of passes that are stuck. */
-JET_INLINE tvi_status galerkin_pass_lagrangian(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
+/* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
+JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_nodes *nodes, double *moved,
+                                                    double *roundoff)
 {
-    lagrangian_passes *w = work;
+    lagrangian_passes *passes = work;
     (void)nodes;
-    if (roundoff || lagrangian_pass(w, galerkin_generated_sweep) != LAGRANGIAN_PASSED) return TVI_ENOCONV;
-    *moved = w->moved;
+    if (roundoff || lagrangian_make_pass(passes, galerkin_sweep_generated_tape) != LAGRANGIAN_PASSED)
+        return TVI_ENOCONV;
+    *moved = passes->last_movement;
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_lagrangian(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void galerkin_predict_lagrangian(void *work, const galerkin_nodes *nodes,
+                                            const galerkin_extrapolation *extrapolation)
 {
     (void)nodes;
-    lagrangian_predict(work, by);
+    lagrangian_predict_unknowns(work, extrapolation);
 }
 
-static void galerkin_steps(const galerkin_frame *given, const tvi_step_run *row, const tvi_origin *origin,
-                           const tvi_run_state *now, galerkin_outcome *to)
+static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_step_run *run,
+                                          const tvi_origin *origin, const tvi_run_state *state,
+                                          galerkin_outcome *outcome)
 {
     enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };
     galerkin_local_blocks own;
     _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], scale[2 * ALL], x[ALL];
     int pivot[ALL];
-    const galerkin_tail_inputs inputs = galerkin_sized_tail_inputs(given->tail_inputs);
-    galerkin_frame frame = *given;
-    galerkin_nodes nodes = galerkin_sized(given->nodes);
-    lagrangian_passes w = *(const lagrangian_passes *)given->own;
-    frame.tail_inputs = &inputs;
-    w.factors = 0;
-    w.nodes = &nodes;
-    w.blocks = galerkin_own_blocks(&w.blocks, &nodes, &own);
-    if (GALERKIN_IS_OWN) galerkin_keep_rows(own.x, given->nodes->x, 0, to->known > 0 ? 0 : 3 * N);
-    w.rates = galerkin_sized(&w.rates);
-    w.rates.x = nodes.x + 2 * N * GALERKIN_LANES;
-    w.slot = galerkin_slot;
-    w.output[false] = galerkin_value_slot;
-    w.output[true] = galerkin_hessian_slot;
-    w.model.n = w.mass.n = N;
-    w.model.lanes = GALERKIN_LANES;
-    w.model.hessian = w.blocks.hessian;
-    w.model.term = galerkin_term;
-    w.model.end = galerkin_end;
+    const galerkin_tail_inputs inputs = galerkin_tail_inputs_of_constant_size(given->tail_inputs);
+    galerkin_step_data step_data = *given;
+    galerkin_nodes nodes = galerkin_nodes_of_constant_size(given->nodes);
+    lagrangian_passes passes = *(const lagrangian_passes *)given->form_work;
+    step_data.tail_inputs = &inputs;
+    passes.inversion_count = 0;
+    passes.nodes = &nodes;
+    passes.tape_blocks = galerkin_use_local_blocks(&passes.tape_blocks, &nodes, &own);
+    if (GALERKIN_IS_OWN) galerkin_copy_rows(own.x, given->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
+    passes.rate_nodes = galerkin_nodes_of_constant_size(&passes.rate_nodes);
+    passes.rate_nodes.values = nodes.values + 2 * N * GALERKIN_LANES;
+    passes.rate_row = galerkin_slot;
+    passes.gradient_slot[false] = galerkin_value_slot;
+    passes.gradient_slot[true] = galerkin_hessian_slot;
+    passes.gradient_expansion.n = passes.mass_inverse.n = N;
+    passes.gradient_expansion.lanes = GALERKIN_LANES;
+    passes.gradient_expansion.hessian_block = passes.tape_blocks.hessian_block;
+    passes.gradient_expansion.hessian_element = galerkin_term;
+    passes.gradient_expansion.row_end = galerkin_end;
     if (GALERKIN_IS_OWN) {
-        galerkin_keep_rows(displacements, w.displacements, 0, to->known > 0 ? 0 : N);
-        w.displacements = displacements;
-        w.rise[0] = rise;
-        w.rise[1] = rise + ALL;
-        w.model.gradient = w.gradient = gradient;
-        w.model.moved = moved;
-        w.mass.lu = lu;
-        w.mass.inverse = inverse;
-        w.mass.row_scale = scale;
-        w.mass.column_scale = scale + ALL;
-        w.mass.pivot = pivot;
-        w.mass.x = x;
+        galerkin_copy_rows(displacements, passes.displacement, 0, outcome->equal_step_count > 0 ? 0 : N);
+        passes.displacement = displacements;
+        passes.point_offset[0] = rise;
+        passes.point_offset[1] = rise + ALL;
+        passes.gradient_expansion.centre_gradient = passes.gradient = gradient;
+        passes.gradient_expansion.displacement = moved;
+        passes.mass_inverse.lu = lu;
+        passes.mass_inverse.inverse = inverse;
+        passes.mass_inverse.row_scale = scale;
+        passes.mass_inverse.column_scale = scale + ALL;
+        passes.mass_inverse.pivot_row = pivot;
+        passes.mass_inverse.scratch_column = x;
     }
-    const galerkin_solver solver = {galerkin_pass_lagrangian, galerkin_predict_lagrangian, NULL, &w};
-    galerkin_make_steps(&frame, &nodes, &solver, row, origin, now, to);
-    to->factors = w.factors;
+    const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, galerkin_predict_lagrangian, NULL,
+                                                    &passes};
+    galerkin_make_steps(&step_data, &nodes, &pass_functions, run, origin, state, outcome);
+    outcome->hessian_pass_count = passes.inversion_count;
 }
 
 #endif

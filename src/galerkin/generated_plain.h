@@ -1,15 +1,16 @@
-/* generated_plain.h - Defines the generated step of a system whose passes evaluate the force alone, and no second
- * derivatives (field.c). */
+/* generated_plain.h - Makes steps in generated code, for a system whose passes evaluate the force alone, without
+ * second derivatives (field.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 #define TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 
 #include "galerkin/generated.h"
 
-/* A tape whose operations stand alone runs at the nodes of one register after the other. Only the impulses are kept. */
+/* If the tape is split into independent operations, it is evaluated for one register of nodes after the other, and
+ * only the impulses are stored. */
 enum { GALERKIN_WIDTH = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
 #define TAKE(V, blocks) BLOCK_AT(V, y, 0) = BLOCK_OF(V, x, 0);
-JET_INLINE void galerkin_take_rows(double *y, const double *x)
+JET_INLINE void galerkin_copy_input_rows(double *y, const double *x)
 {
     JET_UNROLL(256)
     for (int i = 0; i < GALERKIN_KEPT; i++, y += GALERKIN_WIDTH, x += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, TAKE)
@@ -17,63 +18,68 @@ JET_INLINE void galerkin_take_rows(double *y, const double *x)
 
 #define GIVE(V, blocks)                                                                                                \
     BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, y + galerkin_slot[u] * GALERKIN_WIDTH, 0);
-JET_INLINE void galerkin_give_impulses(double *impulse, const double *weight, const double *y)
+JET_INLINE void galerkin_store_impulses(double *impulse, const double *weight, const double *y)
 {
     JET_UNROLL(256)
     for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, GIVE)
 }
 
-/* Sets the impulses. Returns false outside the field's domain. */
-JET_INLINE bool galerkin_sweep_nodes(const galerkin_nodes *nodes)
+/* Evaluates the force at all nodes, and sets the impulses. Returns false if an operand is outside its domain. */
+JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
 {
     bool is_inside = true;
     if (!tvi_values_is_split) {
-        const galerkin_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
-        is_inside = GALERKIN_VALUES(nodes->x);
-        NAME(set_impulses)(nodes, nodes->x, galerkin_slot, s, 0);
+        const galerkin_array_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
+        is_inside = GALERKIN_VALUES(nodes->values);
+        NAME(set_impulses)(nodes, nodes->values, galerkin_slot, s, 0);
     }
     for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_WIDTH) {
         _Alignas(64) double y[tvi_values_slots * GALERKIN_WIDTH];
-        galerkin_take_rows(y, nodes->x + first);
+        galerkin_copy_input_rows(y, nodes->values + first);
         is_inside &= VALUES_OF(tvi_values, y, GALERKIN_WIDTH);
-        galerkin_give_impulses(nodes->impulse + first, nodes->weight + first, y);
+        galerkin_store_impulses(nodes->impulses + first, nodes->impulse_weight + first, y);
     }
     return is_inside;
 }
 
-/* Makes a pass. The library measures the roundoff of passes that are stuck. */
-JET_INLINE tvi_status galerkin_pass_plain(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
+/* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
+JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_nodes *nodes, double *moved,
+                                                     double *roundoff)
 {
-    const galerkin_frame *frame = work;
-    const galerkin_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
+    const galerkin_step_data *step_data = work;
+    const galerkin_array_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
-    if (!galerkin_sweep_nodes(nodes)) return TVI_EDOMAIN;
-    *moved = NAME(move_unknowns)(nodes, frame->matrix, NULL, s, 0);
+    if (!galerkin_sweep_force_tape(nodes)) return TVI_EDOMAIN;
+    *moved = NAME(move_unknowns)(nodes, step_data->impulse_matrix, NULL, s, 0);
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_plain(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void galerkin_predict_fixed_point(void *work, const galerkin_nodes *nodes,
+                                             const galerkin_extrapolation *extrapolation)
 {
     (void)work;
-    NAME(predict)(nodes, by);
+    NAME(predict)(nodes, extrapolation);
 }
 
-static void galerkin_steps(const galerkin_frame *given, const tvi_step_run *row, const tvi_origin *origin,
-                           const tvi_run_state *now, galerkin_outcome *to)
+static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_step_run *run,
+                                          const tvi_origin *origin, const tvi_run_state *state,
+                                          galerkin_outcome *outcome)
 {
     enum { IS_OWN = tvi_values_is_split && GALERKIN_KEPT * GALERKIN_LANES <= GALERKIN_MOST_OWN };
     _Alignas(64) double x[IS_OWN ? GALERKIN_KEPT * GALERKIN_LANES : 1];
-    const galerkin_tail_inputs inputs = galerkin_sized_tail_inputs(given->tail_inputs);
-    galerkin_frame frame = *given;
-    galerkin_nodes nodes = galerkin_sized(given->nodes);
-    frame.tail_inputs = &inputs;
-    frame.rule = &galerkin_rule;
+    const galerkin_tail_inputs inputs = galerkin_tail_inputs_of_constant_size(given->tail_inputs);
+    galerkin_step_data step_data = *given;
+    galerkin_nodes nodes = galerkin_nodes_of_constant_size(given->nodes);
+    step_data.tail_inputs = &inputs;
+    step_data.passes_rule = &galerkin_rule;
     if (IS_OWN) {
-        nodes.x = x;
-        galerkin_keep_rows(x, given->nodes->x, to->known > 0 ? GALERKIN_UNKNOWNS : 0, GALERKIN_KEPT);
+        nodes.values = x;
+        galerkin_copy_rows(x, given->nodes->values, outcome->equal_step_count > 0 ? GALERKIN_UNKNOWNS : 0,
+                           GALERKIN_KEPT);
     }
-    const galerkin_solver solver = {galerkin_pass_plain, galerkin_predict_plain, NULL, &frame};
-    galerkin_make_steps(&frame, &nodes, &solver, row, origin, now, to);
+    const galerkin_pass_functions pass_functions = {galerkin_make_fixed_point_pass, galerkin_predict_fixed_point, NULL,
+                                                    &step_data};
+    galerkin_make_steps(&step_data, &nodes, &pass_functions, run, origin, state, outcome);
 }
 
 #endif

@@ -13,170 +13,206 @@
 
 typedef struct {
     hamiltonian_passes passes;
-    galerkin_model model;
-    int *slot[2], *unknown, *index; /* as those of the passes */
-} hamiltonian;
+    galerkin_hessian_model hessian_model;
+    /* The arrays to which the members of `passes` with these names point. */
+    int *rate_slot[2], *unknown_of_row, *hessian_index;
+} hamiltonian_work;
 
-static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
+static void allocate_inner_rounds(lanes_inner_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
 {
-    rounds->matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *rounds->matrix);
-    rounds->packed = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *rounds->packed);
-    rounds->size = tvi_arena_doubles(arena, rows);
-    rounds->per_size = tvi_arena_doubles(arena, rows);
-    float **const vectors[] = {&rounds->change, &rounds->total, &rounds->impulse, &rounds->all};
+    rounds->impulse_matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *rounds->impulse_matrix);
+    rounds->packed_hessian = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *rounds->packed_hessian);
+    rounds->unknown_size = tvi_arena_doubles(arena, rows);
+    rounds->inverse_unknown_size = tvi_arena_doubles(arena, rows);
+    float **const vectors[] = {&rounds->round_change, &rounds->total_change, &rounds->round_impulse,
+                               &rounds->total_impulse};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, rows * lanes * sizeof(float));
 }
 
-static void take(galerkin_field *field, tvi_arena *arena)
+static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
-    hamiltonian *taken = field->own = tvi_arena_allocate(arena, sizeof *taken);
-    hamiltonian w = {.passes = {.loops = field->loops}};
-    field->rows = field->nodes.unknowns;
-    field->nodes.x = tvi_arena_doubles(arena, 2 * unknowns * lanes);
-    tvi_galerkin_model_take(&w.model, arena, field);
-    field->inputs = w.model.blocks.values;
-    field->ahead = tvi_arena_doubles(arena, lanes * lanes);
-    w.passes.rates = field->nodes;
-    w.passes.rates.x = field->nodes.x ? field->nodes.x + unknowns * lanes : NULL;
-    w.passes.rates.high = w.passes.rates.base = tvi_arena_doubles(arena, unknowns * lanes);
-    w.passes.rates.scale = tvi_arena_doubles(arena, unknowns);
-    w.passes.rounds.unknown = w.unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    w.passes.rounds.index = w.index = tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
-    take_rounds(&w.passes.rounds, arena, unknowns, lanes);
-    w.passes.changes = tvi_arena_doubles(arena, unknowns * lanes);
-    for (int i = 0; i < 2; i++) w.passes.slot[i] = w.slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    if (taken) *taken = w;
+    hamiltonian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
+    hamiltonian_work work = {.passes = {.kernels = field->kernels}};
+    field->saved_row_count = field->nodes.unknowns;
+    field->nodes.values = tvi_arena_doubles(arena, 2 * unknowns * lanes);
+    tvi_galerkin_allocate_hessian_model(&work.hessian_model, arena, field);
+    field->tape_block = work.hessian_model.blocks.values_block;
+    field->rate_to_unknown = tvi_arena_doubles(arena, lanes * lanes);
+    work.passes.rate_nodes = field->nodes;
+    work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
+    work.passes.rate_nodes.free_values = work.passes.rate_nodes.free_values_low =
+        tvi_arena_doubles(arena, unknowns * lanes);
+    work.passes.rate_nodes.impulse_scale = tvi_arena_doubles(arena, unknowns);
+    work.passes.rounds.unknown_of_row = work.unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work.passes.rounds.hessian_index = work.hessian_index =
+        tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
+    allocate_inner_rounds(&work.passes.rounds, arena, unknowns, lanes);
+    work.passes.impulse_changes = tvi_arena_doubles(arena, unknowns * lanes);
+    for (int i = 0; i < 2; i++)
+        work.passes.rate_slot[i] = work.rate_slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    if (taken) *taken = work;
 }
 
-/* The component of the gradient that is the rate of an unknown, up to the sign. */
-static int rate_component(const galerkin_field *field, int unknown)
+/* Returns the component of the gradient that is, up to its sign, the rate of an unknown. */
+static int gradient_component_of_rate(const galerkin_field *field, int unknown)
 {
     const int n = field->system->n;
     return unknown < n ? unknown + n : unknown - n;
 }
 
-static int begin_of(const galerkin_model *model, int row) { return row > 0 ? model->end[row - 1] : 0; }
-
-static bool depends(const galerkin_model *model, int row) { return begin_of(model, row) < model->end[row]; }
-
-/* Tells whether a moving rate depends on the unknown. A coordinate that H does not depend on (t of a rescaled system,
- * if its forces do not depend on it) is a quadrature, and its momentum does not move. */
-static bool takes_part(const galerkin_field *field, const galerkin_model *model, int unknown)
+static int find_row_begin(const galerkin_hessian_model *model, int row)
 {
-    return depends(model, unknown) && depends(model, rate_component(field, unknown));
+    return row > 0 ? model->row_end[row - 1] : 0;
 }
 
-/* The index of the second derivative in its block: zeros if there is none. */
-static int index_of(const galerkin_field *field, const galerkin_model *model, int row, int column)
+static bool has_row_entries(const galerkin_hessian_model *model, int row)
+{
+    return find_row_begin(model, row) < model->row_end[row];
+}
+
+/* Returns whether an unknown takes part in the inner rounds: it moves in them, and some rate depends on it. A cyclic
+ * coordinate, such as t of a rescaled system whose forces do not depend on t, follows from a quadrature, and its
+ * momentum is constant. */
+static bool is_unknown_in_rounds(const galerkin_field *field, const galerkin_hessian_model *model, int unknown)
+{
+    return has_row_entries(model, unknown) && has_row_entries(model, gradient_component_of_rate(field, unknown));
+}
+
+/* Returns the index of a second derivative in its block. If it is 0 by construction, this is the index of the zeros
+ * after the block. */
+static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_model *model, int row, int column)
 {
     int slot = field->system->hessian_values->slots;
-    for (int k = begin_of(model, row); k < model->end[row]; k++)
-        if (model->term[k].column == column) slot = model->term[k].slot;
+    for (int k = find_row_begin(model, row); k < model->row_end[row]; k++)
+        if (model->hessian_element[k].column == column) slot = model->hessian_element[k].slot;
     return slot * field->nodes.lanes;
 }
 
-/* Adds the unknowns whose rates change, with or without those that take part. Returns the number of all. */
-static int add_rows(const galerkin_field *field, const galerkin_model *model, bool part, int rows, int *unknown)
+/* Appends the unknowns whose rates depend on others to the list: those that take part in the rounds if `part` is
+ * set, otherwise those that do not. Returns the length of the list. */
+static int append_unknowns_of_rows(const galerkin_field *field, const galerkin_hessian_model *model, bool takes_part,
+                                   int rows, int *unknown)
 {
     for (int u = 0; u < field->nodes.unknowns; u++)
-        if (depends(model, rate_component(field, u)) && takes_part(field, model, u) == part) unknown[rows++] = u;
+        if (has_row_entries(model, gradient_component_of_rate(field, u)) &&
+            is_unknown_in_rounds(field, model, u) == takes_part)
+            unknown[rows++] = u;
     return rows;
 }
 
-/* Adds the indices for the groups of rows from `first` to `end`. Returns the end of the list. */
-static int *append_indices(const galerkin_field *field, const galerkin_model *model, const lanes_rounds *rounds,
-                           int first, int end, int *index)
+/* Appends the indices of the matrix elements of rows `first` .. `end` - 1, one group of rows after the other.
+ * Returns the end of the list. */
+static int *append_hessian_indices(const galerkin_field *field, const galerkin_hessian_model *model,
+                                   const lanes_inner_rounds *rounds, int first, int end, int *index)
 {
     for (int group; first < end; first += group) {
-        group = lanes_group(end - first);
-        for (int column = 0; column < rounds->count; column++)
+        group = lanes_row_group_size(end - first);
+        for (int column = 0; column < rounds->column_count; column++)
             for (int i = first; i < first + group; i++)
-                *index++ = index_of(field, model, rate_component(field, rounds->unknown[i]), rounds->unknown[column]);
+                *index++ =
+                    find_hessian_index(field, model, gradient_component_of_rate(field, rounds->unknown_of_row[i]),
+                                       rounds->unknown_of_row[column]);
     }
     return index;
 }
 
-static void set_rounds(const galerkin_field *field, const hamiltonian *w, lanes_rounds *rounds)
+static void prepare_inner_rounds(const galerkin_field *field, const hamiltonian_work *work, lanes_inner_rounds *rounds)
 {
-    const galerkin_model *model = &w->model;
-    for (int u = 0; u < field->nodes.unknowns; u++) rounds->count += takes_part(field, model, u);
-    rounds->moving = add_rows(field, model, true, 0, w->unknown);
-    rounds->rows = add_rows(field, model, false, rounds->moving, w->unknown);
-    rounds->hessian = model->blocks.hessian;
-    for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++) rounds->matrix[i] = (float)field->matrix[i];
-    int *index = append_indices(field, model, rounds, 0, rounds->moving, w->index);
-    (void)append_indices(field, model, rounds, rounds->moving, rounds->rows, index);
+    const galerkin_hessian_model *model = &work->hessian_model;
+    for (int u = 0; u < field->nodes.unknowns; u++) rounds->column_count += is_unknown_in_rounds(field, model, u);
+    rounds->moving_row_count = append_unknowns_of_rows(field, model, true, 0, work->unknown_of_row);
+    rounds->row_count = append_unknowns_of_rows(field, model, false, rounds->moving_row_count, work->unknown_of_row);
+    rounds->hessian_block = model->blocks.hessian_block;
+    for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++)
+        rounds->impulse_matrix[i] = (float)field->impulse_matrix[i];
+    int *index = append_hessian_indices(field, model, rounds, 0, rounds->moving_row_count, work->hessian_index);
+    (void)append_hessian_indices(field, model, rounds, rounds->moving_row_count, rounds->row_count, index);
 }
 
-static void prepare(galerkin_field *field)
+static void prepare_hamiltonian_field(galerkin_field *field)
 {
-    hamiltonian *w = field->own;
-    hamiltonian_passes *passes = &w->passes;
-    tvi_galerkin_model_prepare(&w->model, field);
-    set_rounds(field, w, &passes->rounds);
+    hamiltonian_work *work = field->form_work;
+    hamiltonian_passes *passes = &work->passes;
+    tvi_galerkin_prepare_hessian_model(&work->hessian_model, field);
+    prepare_inner_rounds(field, work, &passes->rounds);
     for (int u = 0; u < field->nodes.unknowns; u++) {
-        field->slot[u] = field->nodes.unknowns + u;
-        w->slot[false][u] = field->system->field_values->output[rate_component(field, u)];
-        w->slot[true][u] = field->system->hessian_values->output[rate_component(field, u)];
+        field->rate_row[u] = field->nodes.unknowns + u;
+        work->rate_slot[false][u] = field->system->field_values->output[gradient_component_of_rate(field, u)];
+        work->rate_slot[true][u] = field->system->hessian_values->output[gradient_component_of_rate(field, u)];
     }
     passes->nodes = &field->nodes;
-    passes->matrix = field->matrix;
-    passes->rate_row = field->slot;
-    passes->blocks = w->model.blocks;
+    passes->impulse_matrix = field->impulse_matrix;
+    passes->rate_row = field->rate_row;
+    passes->tape_blocks = work->hessian_model.blocks;
 }
 
-static tvi_status start(galerkin_field *field, const tvi_origin *origin)
+static tvi_status start_hamiltonian_unknowns(galerkin_field *field, const tvi_origin *origin)
 {
-    hamiltonian *w = field->own;
+    hamiltonian_work *work = field->form_work;
     const galerkin_nodes *nodes = &field->nodes;
-    const int lanes = nodes->lanes, *slot = w->slot[false];
+    const int lanes = nodes->lanes, *slot = work->rate_slot[false];
     (void)origin;
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int i = 0; i < lanes; i++) nodes->x[u * lanes + i] = nodes->start[u];
-    w->passes.moved = INFINITY;
-    const double *momenta = nodes->x + field->system->n * lanes;
-    const double *rates = galerkin_sweep_at(&w->passes.blocks, tvi_galerkin_sweep, false, nodes->x, momenta);
+        for (int i = 0; i < lanes; i++) nodes->values[u * lanes + i] = nodes->start_values[u];
+    work->passes.last_movement = INFINITY;
+    const double *momenta = nodes->values + field->system->n * lanes;
+    const double *rates =
+        galerkin_sweep_gradient_at(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false, nodes->values, momenta);
     if (!rates) return TVI_EDOMAIN;
     for (int u = 0; u < nodes->unknowns; u++)
-        memcpy(nodes->x + field->slot[u] * lanes, rates + slot[u] * lanes, (size_t)lanes * sizeof *rates);
-    (void)galerkin_move(field);
+        memcpy(nodes->values + field->rate_row[u] * lanes, rates + slot[u] * lanes, (size_t)lanes * sizeof *rates);
+    (void)galerkin_move_unknowns(field);
     return TVI_OK;
 }
 
-static void predict(galerkin_field *field, const galerkin_extrapolation *by)
+static void predict_hamiltonian_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
 {
-    hamiltonian *w = field->own;
-    hamiltonian_predict(&w->passes, by);
+    hamiltonian_work *work = field->form_work;
+    hamiltonian_predict_unknowns(&work->passes, extrapolation);
 }
 
-static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
+static tvi_status make_hamiltonian_pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
-    hamiltonian *w = field->own;
+    hamiltonian_work *work = field->form_work;
     (void)stats;
-    if (!hamiltonian_pass(&w->passes, tvi_galerkin_sweep)) return TVI_EDOMAIN;
-    *moved = w->passes.moved;
+    if (!hamiltonian_make_pass(&work->passes, tvi_galerkin_sweep_tape)) return TVI_EDOMAIN;
+    *moved = work->passes.last_movement;
     return TVI_OK;
 }
 
-static void emit(jet_text *text, const galerkin_field *field)
+static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
 {
-    const hamiltonian *w = field->own;
-    const lanes_rounds *rounds = &w->passes.rounds;
+    const hamiltonian_work *work = field->form_work;
+    const lanes_inner_rounds *rounds = &work->passes.rounds;
     const int unknowns = field->nodes.unknowns;
-    tvi_galerkin_model_emit(text, &w->model);
-    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n", rounds->count,
-                    rounds->moving, rounds->rows);
-    tvi_galerkin_emit_ints(text, "value_slot", unknowns, w->slot[false]);
-    tvi_galerkin_emit_ints(text, "hessian_slot", unknowns, w->slot[true]);
-    tvi_galerkin_emit_ints(text, "unknown", rounds->rows, rounds->unknown);
-    tvi_galerkin_emit_ints(text, "index_of", rounds->rows * rounds->count, rounds->index);
-    tvi_galerkin_emit_ints(text, "slot", unknowns, field->slot);
+    tvi_galerkin_emit_hessian_model(text, &work->hessian_model);
+    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n",
+                    rounds->column_count, rounds->moving_row_count, rounds->row_count);
+    tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);
+    tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->rate_slot[true]);
+    tvi_galerkin_emit_int_array(text, "unknown", rounds->row_count, rounds->unknown_of_row);
+    tvi_galerkin_emit_int_array(text, "index_of", rounds->row_count * rounds->column_count, rounds->hessian_index);
+    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
 }
 
-const galerkin_form tvi_galerkin_form_hamiltonian = {
-    -1, &tvi_galerkin_newton, take, prepare, start, predict, pass, emit, tvi_embedded_galerkin_hamiltonian};
-/* A pass leaves the part of a movement that h g'' would have made. This part does not shrink from one movement to the
- * next. */
-const galerkin_form tvi_galerkin_form_product = {
-    -1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass, emit, tvi_embedded_galerkin_hamiltonian};
+const galerkin_field_form tvi_galerkin_form_hamiltonian = {-1,
+                                                           &tvi_galerkin_newton,
+                                                           allocate_hamiltonian_field,
+                                                           prepare_hamiltonian_field,
+                                                           start_hamiltonian_unknowns,
+                                                           predict_hamiltonian_unknowns,
+                                                           make_hamiltonian_pass,
+                                                           emit_hamiltonian_field,
+                                                           tvi_embedded_galerkin_hamiltonian};
+/* The form of a product K = g h whose second derivatives leave out h g''. A pass therefore leaves a constant part of
+ * a movement, and its convergence is linear. */
+const galerkin_field_form tvi_galerkin_form_product = {-1,
+                                                       &tvi_galerkin_quasi_newton,
+                                                       allocate_hamiltonian_field,
+                                                       prepare_hamiltonian_field,
+                                                       start_hamiltonian_unknowns,
+                                                       predict_hamiltonian_unknowns,
+                                                       make_hamiltonian_pass,
+                                                       emit_hamiltonian_field,
+                                                       tvi_embedded_galerkin_hamiltonian};

@@ -1,5 +1,6 @@
-/* hamiltonian_passes.h - Makes the passes of a product's Galerkin curve (hamiltonian.c). The library runs them with the
- * loops of its tables, and generated code with its own, where all sizes are constants. */
+/* hamiltonian_passes.h - Makes the passes of the Galerkin curve of a Hamiltonian with second derivatives
+ * (hamiltonian.c). The library runs them with the kernels of its tables. Generated code has its own kernels, in
+ * which all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 #define TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 
@@ -9,60 +10,67 @@
 
 #include <math.h>
 
-/* The work of the passes. The rows of nodes->x are Q and P, n each, and their rates at a start or in a prediction. */
+/* The work of the passes. The rows of nodes->values are Q and P, n each, followed by their rates in a prediction. */
 typedef struct {
-    const galerkin_loops *loops;
+    const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    galerkin_nodes rates; /* as unknowns that begin at 0 */
-    const double *matrix; /* of a movement */
-    const int *rate_row;  /* [unknowns] the row of each unknown's rate in nodes->x */
-    galerkin_blocks blocks;
-    /* [unknowns] The row of each unknown's rate, in the block of values, and in that with second derivatives. */
-    const int *slot[2];
-    lanes_rounds rounds;
-    double *changes; /* [unknowns][lanes] of impulses */
-    /* Movement of the last pass, as `move` measures it; infinite before the first one of a step. */
-    double moved;
+    galerkin_nodes rate_nodes;    /* the rates as unknowns of the predictor, which start at 0 */
+    const double *impulse_matrix; /* the factors of impulses in movements (coefficients.h) */
+    /* [unknowns] The row of nodes->values that contains each unknown's rate. */
+    const int *rate_row;
+    galerkin_tape_blocks tape_blocks;
+    /* [unknowns] The slot of each unknown's rate, in values_block for index false and in hessian_block for index
+     * true. */
+    const int *rate_slot[2];
+    lanes_inner_rounds rounds;
+    /* [unknowns][lanes] The changes of the impulses by the inner rounds. */
+    double *impulse_changes;
+    /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
+    double last_movement;
 } hamiltonian_passes;
 
-/* Squares of relative movements. After a movement of 2^-25 the second derivatives serve once more, since the next pass
- * leaves its cube. */
+/* These are squares of relative movements. After a movement of at most 2^-25 the next pass reuses the second
+ * derivatives, since its error is the cube of that movement. */
 #define HAMILTONIAN_SERVES  0x1p-50
 #define HAMILTONIAN_NOTHING 0x1p-144
-/* The rounds of the first pass of a step end at this square: another pass follows, whose movement is no smaller. */
+/* In the first pass of a step the inner rounds end at this square of a movement: a second pass follows in any case. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
 
-static inline void hamiltonian_predict(hamiltonian_passes *w, const galerkin_extrapolation *by)
+static inline void hamiltonian_predict_unknowns(hamiltonian_passes *passes, const galerkin_extrapolation *extrapolation)
 {
     double moved;
-    const galerkin_nodes all = galerkin_all_moving(w->nodes);
-    galerkin_predict_rates(w->loops, &w->rates, by);
-    GALERKIN_LOOP(w->loops, move, &all, w->matrix, w->nodes->x, w->rate_row, &moved);
-    w->moved = INFINITY;
+    const galerkin_nodes all = galerkin_nodes_with_all_moving(passes->nodes);
+    galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);
+    GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values, passes->rate_row,
+                    &moved);
+    passes->last_movement = INFINITY;
 }
 
-static inline void hamiltonian_set_sizes(const hamiltonian_passes *w)
+static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passes)
 {
-    const lanes_rounds *rounds = &w->rounds;
-    for (int i = 0; i < rounds->rows; i++) {
-        rounds->per_size[i] = w->nodes->inverse_size[rounds->unknown[i]];
-        rounds->size[i] = 1 / rounds->per_size[i];
+    const lanes_inner_rounds *rounds = &passes->rounds;
+    for (int i = 0; i < rounds->row_count; i++) {
+        rounds->inverse_unknown_size[i] = passes->nodes->inverse_size[rounds->unknown_of_row[i]];
+        rounds->unknown_size[i] = 1 / rounds->inverse_unknown_size[i];
     }
 }
 
-/* Makes a pass. Returns false outside the field's domain. */
-static inline bool hamiltonian_pass(hamiltonian_passes *w, galerkin_sweep *sweep)
+/* Makes a pass. Returns false if an unknown is outside the field's domain. */
+static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sweep *sweep)
 {
-    const galerkin_nodes *nodes = w->nodes;
+    const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknowns * nodes->lanes;
-    const bool is_first = isinf(w->moved), serves = w->moved <= HAMILTONIAN_SERVES * numbers;
-    const int *slot = w->slot[!serves];
+    const bool is_first = isinf(passes->last_movement), serves = passes->last_movement <= HAMILTONIAN_SERVES * numbers;
+    const int *slot = passes->rate_slot[!serves];
     const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
-    const double *rates = galerkin_sweep_at(&w->blocks, sweep, !serves, nodes->x, nodes->x + numbers / 2);
+    const double *rates =
+        galerkin_sweep_gradient_at(&passes->tape_blocks, sweep, !serves, nodes->values, nodes->values + numbers / 2);
     if (!rates) return false;
-    if (is_first) hamiltonian_set_sizes(w);
-    GALERKIN_LOOP(w->loops, run_rounds, nodes, &w->rounds, rates, slot, !serves, w->moved, least, w->changes);
-    w->moved = GALERKIN_LOOP(w->loops, move_both, nodes, w->matrix, rates, w->changes, slot);
+    if (is_first) hamiltonian_set_unknown_sizes(passes);
+    GALERKIN_KERNEL(passes->kernels, run_rounds, nodes, &passes->rounds, rates, slot, !serves, passes->last_movement,
+                    least, passes->impulse_changes);
+    passes->last_movement = GALERKIN_KERNEL(passes->kernels, move_both, nodes, passes->impulse_matrix, rates,
+                                            passes->impulse_changes, slot);
     return true;
 }
 

@@ -4,12 +4,13 @@
 #ifndef TVI_SRC_GALERKIN_IN_GENERATED_H
 #define TVI_SRC_GALERKIN_IN_GENERATED_H
 
-/* The compiler fuses what it can: the header of all vector instructions would take longer than the rest. */
+/* Computes a b + c. The compiler fuses the two operations if it can; the header with vector intrinsics would take
+ * longer to compile than all the rest. */
 #define FUSED(V, a, b, c) ((a) * (b) + (c))
 
 #define OWN              JET_INLINE
 #define POINTS_OF(nodes) ((void)(nodes), GALERKIN_POINTS)
 
-#define GALERKIN_LOOP(loops, name, ...) ((void)(loops), NAME(name)(__VA_ARGS__))
+#define GALERKIN_KERNEL(kernels, name, ...) ((void)(kernels), NAME(name)(__VA_ARGS__))
 
 #endif

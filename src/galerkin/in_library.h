@@ -5,14 +5,14 @@
 
 #include "fused.h"
 
-/* a b + c: of members, and of nodes, rounded alike. */
+/* Computes a b + c with the same rounding for members and for nodes. */
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
-/* Each number of lanes has functions of its own, which spares the compiler the registers of the others. */
+/* Kernels are not inlined, so that each has the registers to itself. */
 #define OWN              JET_APART
-#define POINTS_OF(nodes) ((nodes)->points)
+#define POINTS_OF(nodes) ((nodes)->node_count)
 
-/* A loop of loops.h. */
-#define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
+/* Calls a kernel of loops.h through its table. */
+#define GALERKIN_KERNEL(kernels, name, ...) (kernels)->name(__VA_ARGS__)
 
 #endif

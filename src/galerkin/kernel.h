@@ -11,29 +11,29 @@
 #define COLUMN     jet_widest
 /* The vectors of a row, one of them, what they have of a table of the nodes, and the number of node j for all of them;
  * a number of each member. */
-#define VECTORS                 (s.points)
-#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(s.points * s.width) + here)
-#define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)s.width))
+#define VECTORS                 (s.node_count)
+#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(s.node_count * s.member_count) + here)
+#define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)s.member_count))
 #define OF_NODE(table, v)       ((table)[v] - (V){0})
 #define OF_TABLE(table, j, v)   OF_NODE((table)->number + (j)*s.lanes, v)
 #define NUMBER(row, j)          AT(row, j)
 #define MEMBER                  V
-#define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)s.width + here))
+#define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)s.member_count + here))
 #define MAGNITUDE(x)            JET_ABS(V, x)
 #define IF_ABOVE(a, b, yes, no) JET_CHOOSE(V, (a) > (b), yes, no)
-#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->is_moving + here), now, was)
-/* The call for each vector of members; usual sizes are constants. */
+#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->is_member_moving + here), now, was)
+/* Makes the call for each vector of members. The usual sizes are constants. */
 #define EACH_VECTOR_OF(P, L, W, call)                                                                                  \
     do {                                                                                                               \
-        const galerkin_shape s = {P, L, W};                                                                            \
-        for (size_t here = 0; here < (size_t)s.width; here += NUMBERS_OF(V)) call;                                     \
+        const galerkin_array_shape s = {P, L, W};                                                                      \
+        for (size_t here = 0; here < (size_t)s.member_count; here += NUMBERS_OF(V)) call;                              \
     } while (0)
 #define EACH_VECTOR(call)                                                                                              \
     do {                                                                                                               \
-        if (nodes->points == 8 && nodes->width == 8) EACH_VECTOR_OF(8, 8, 8, call);                                    \
-        else if (nodes->points == 8 && nodes->width == 16) EACH_VECTOR_OF(8, 8, 16, call);                             \
-        else if (nodes->points == 8 && nodes->width == 32) EACH_VECTOR_OF(8, 8, 32, call);                             \
-        else EACH_VECTOR_OF(nodes->points, nodes->lanes, nodes->width, call);                                          \
+        if (nodes->node_count == 8 && nodes->member_count == 8) EACH_VECTOR_OF(8, 8, 8, call);                         \
+        else if (nodes->node_count == 8 && nodes->member_count == 16) EACH_VECTOR_OF(8, 8, 16, call);                  \
+        else if (nodes->node_count == 8 && nodes->member_count == 32) EACH_VECTOR_OF(8, 8, 32, call);                  \
+        else EACH_VECTOR_OF(nodes->node_count, nodes->lanes, nodes->member_count, call);                               \
     } while (0)
 #else
 #define NAME(f) KERNEL_NAME(f, LANES)
@@ -70,10 +70,10 @@
 #define MAGNITUDE(x)            fabs(x)
 #define IF_ABOVE(a, b, yes, no) ((a) > (b) ? (yes) : (no))
 #define KEPT(now, was)          (now)
-#define SHAPE_OF(nodes)         ((galerkin_shape){POINTS_OF(nodes), LANES, 1})
+#define SHAPE_OF(nodes)         ((galerkin_array_shape){POINTS_OF(nodes), LANES, 1})
 #define EACH_VECTOR(call)                                                                                              \
     do {                                                                                                               \
-        const galerkin_shape s = SHAPE_OF(nodes);                                                                      \
+        const galerkin_array_shape s = SHAPE_OF(nodes);                                                                \
         const size_t here = 0;                                                                                         \
         call;                                                                                                          \
     } while (0)

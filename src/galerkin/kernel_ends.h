@@ -1,4 +1,5 @@
-/* kernel_ends.h - Defines the part of kernel.h with which passes and steps end. */
+/* kernel_ends.h - Defines the part of kernel.h that computes the sums at the end of a step, and decides when passes
+ * end. */
 
 /* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
 
@@ -9,7 +10,7 @@ typedef struct {
     COLUMN total[2], lost[2];
 } NAME(two_chains);
 
-/* *total += weight *term; *lost += the rounding error of that. */
+/* Adds weight *term to *total, and the rounding error of this addition to *lost. */
 JET_INLINE void NAME(add_two_sum)(COLUMN *total, COLUMN *lost, double weight, const COLUMN *term)
 {
     const COLUMN by = weight - (COLUMN){0}, next = FUSED(COLUMN, by, *term, *total), added = next - *total;
@@ -27,15 +28,16 @@ JET_INLINE void NAME(end_chains)(NAME(two_chains) *chains, double *whole, double
 
 /* Lists the rows of a column from unknown u on; after the last unknown its row is repeated. */
 enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
-JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_shape s, size_t here)
+JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape s,
+                               size_t here)
 {
     (void)here;
     for (int k = 0; k < NAME(rows); k++)
-        row[k] = ROW(nodes->impulse, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
+        row[k] = ROW(nodes->impulses, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
 }
 
-/* The impulses of node j. */
-JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_shape s)
+/* Returns the impulses of node j as a vector. */
+JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_shape s)
 {
     (void)s;
 #if MEMBERS
@@ -47,14 +49,14 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_shape 
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *given, const galerkin_weights *weights,
-                                    const galerkin_sums *sums, galerkin_shape s, size_t here)
+JET_INLINE void NAME(integrate_all)(const galerkin_nodes *given, const galerkin_end_weights *weights,
+                                    const galerkin_impulse_sums *sums, galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
-    const int count = MEMBERS ? s.points : s.lanes;
+    const int count = MEMBERS ? s.node_count : s.lanes;
     for (int u = 0; u < nodes->unknowns; u += NAME(rows)) {
-        const size_t at = (size_t)u * (size_t)s.width + here;
+        const size_t at = (size_t)u * (size_t)s.member_count + here;
         const COLUMN none = {0};
         const double *row[NAME(rows)];
         NAME(two_chains) once = {{none, none}, {none, none}}, twice = once;
@@ -63,15 +65,15 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *given, const galerkin_
         for (int j = 0; j < count; j++) {
             const COLUMN impulse = NAME(column)(row, j, s);
             NAME(add_two_sum)(&once.total[j % 2], &once.lost[j % 2], 1, &impulse);
-            NAME(add_two_sum)(&twice.total[j % 2], &twice.lost[j % 2], weights->late[j], &impulse);
-            last = FUSED(COLUMN, weights->last[j] - none, impulse, last);
+            NAME(add_two_sum)(&twice.total[j % 2], &twice.lost[j % 2], weights->one_minus_abscissa[j], &impulse);
+            last = FUSED(COLUMN, weights->last_term_weight[j] - none, impulse, last);
         }
         const COLUMN first = NAME(column)(row, 0, s);
-        const COLUMN final = NAME(column)(row, s.points - 1, s);
-        NAME(end_chains)(&once, sums->once + at, sums->once_low + at);
-        NAME(end_chains)(&twice, sums->twice + at, sums->twice_low + at);
-        *(COLUMN *)(sums->last + at) = JET_ABS(COLUMN, last);
-        *(COLUMN *)(sums->reach + at) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
+        const COLUMN final = NAME(column)(row, s.node_count - 1, s);
+        NAME(end_chains)(&once, sums->single_integral + at, sums->single_integral_low + at);
+        NAME(end_chains)(&twice, sums->double_integral + at, sums->double_integral_low + at);
+        *(COLUMN *)(sums->last_term + at) = JET_ABS(COLUMN, last);
+        *(COLUMN *)(sums->end_impulse_size + at) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
     }
 }
 

@@ -1,4 +1,5 @@
-/* kernel_loops.h - Defines the part of kernel.h that loops.h names. */
+/* kernel_loops.h - Defines the functions of the kernel table of loops.h, for one number of lanes. kernel.h includes
+ * it after the functions that these call. */
 
 OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin)
 {
@@ -9,11 +10,12 @@ OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_origin *origi
 OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
                               double *drift_low)
 {
-    const int width = MEMBERS ? nodes->width : 1;
+    const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
-            drift[at] = nodes->scale[u] * origin->p[at];
-            drift_low[at] = fma(nodes->scale[u], origin->p[at], -drift[at]) + nodes->scale[u] * origin->p_low[at];
+            drift[at] = nodes->impulse_scale[u] * origin->p[at];
+            drift_low[at] =
+                fma(nodes->impulse_scale[u], origin->p[at], -drift[at]) + nodes->impulse_scale[u] * origin->p_low[at];
         }
     for (int u = 0; u < nodes->unknowns; u++)
         EACH_VECTOR(NAME(start_drift)(nodes, u, c, origin, drift, drift_low, s, here));
@@ -26,7 +28,7 @@ OWN void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation
 
 OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
 {
-    const tvi_subsystems parts = nodes->parts;
+    const tvi_subsystems parts = nodes->subsystems;
     for (int k = 0, first = 0, end; k < parts.count; k++, first = end) {
         end = tvi_subsystems_end(&parts, k, n);
         EACH_VECTOR(NAME(set_sizes_of)(nodes, n, first, end, s, here));
@@ -39,33 +41,36 @@ OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const dou
     EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, moved, s, here));
 }
 
-OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums)
+OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
+                         const galerkin_impulse_sums *sums)
 {
     EACH_VECTOR(NAME(integrate_all)(nodes, weights, sums, s, here));
 }
 
-OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
+OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, const double *drift,
                             const double *drift_low, const tvi_increments *increments)
 {
-    const int width = MEMBERS ? nodes->width : 1;
+    const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
-            increments->dq[at] = galerkin_rise(drift[at], drift_low[at], nodes->scale[u], sums->twice[at],
-                                               sums->twice_low[at], &increments->dq_low[at]);
-            increments->dp[at] = sums->once[at];
-            increments->dp_low[at] = sums->once_low[at];
+            increments->dq[at] = galerkin_position_increment(drift[at], drift_low[at], nodes->impulse_scale[u],
+                                                             sums->double_integral[at], sums->double_integral_low[at],
+                                                             &increments->dq_low[at]);
+            increments->dp[at] = sums->single_integral[at];
+            increments->dp_low[at] = sums->single_integral_low[at];
         }
 }
 
-OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_sums *sums, int n, const tvi_increments *increments)
+OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
+                   const tvi_increments *increments)
 {
-    const int width = MEMBERS ? nodes->width : 1, half = n * width;
+    const int width = MEMBERS ? nodes->member_count : 1, half = n * width;
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            increments->dq[at] = nodes->scale[i] * sums->once[at];
-            increments->dq_low[at] = nodes->scale[i] * sums->once_low[at];
-            increments->dp[at] = nodes->scale[n + i] * sums->once[half + at];
-            increments->dp_low[at] = nodes->scale[n + i] * sums->once_low[half + at];
+            increments->dq[at] = nodes->impulse_scale[i] * sums->single_integral[at];
+            increments->dq_low[at] = nodes->impulse_scale[i] * sums->single_integral_low[at];
+            increments->dp[at] = nodes->impulse_scale[n + i] * sums->single_integral[half + at];
+            increments->dp_low[at] = nodes->impulse_scale[n + i] * sums->single_integral_low[half + at];
         }
 }
 
@@ -77,41 +82,42 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int members, double
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(inputs.is_separable ? at : at + inputs.n * width);
-            const tvi_tail_part part = galerkin_tail_part(&inputs, inputs.is_separable, inputs.scale[i],
-                                                          inputs.per_scale[i], (size_t)at, momentum);
+            const tvi_tail_part part =
+                galerkin_tail_part_of_component(&inputs, inputs.is_separable, inputs.impulse_scale[i],
+                                                inputs.inverse_impulse_scale[i], (size_t)at, momentum);
             share[at] = tvi_tail_share(&part, inputs.is_separable || inputs.has_masses);
             ratio[at] = tvi_tail_ratio(&part);
         }
-    tvi_tails_of_members(&inputs.parts, inputs.n, width, share, ratio, tail);
+    tvi_tails_of_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
 
 #if MEMBERS
-OWN int NAME(judge)(galerkin_verdicts *verdicts, const tvi_passes_rule *given, int width, int count)
+OWN int NAME(judge)(galerkin_batch_convergence *verdicts, const tvi_passes_rule *given, int width, int count)
 {
     const tvi_passes_rule rule = *given;
     long long left = 0;
     for (int m = 0; m < width; m += NUMBERS_OF(V)) {
         const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(verdicts->is_moving + m);
-        const V moved = *(const V *)(verdicts->moved + m), infinite = INFINITY - (V){0},
-                slowest = *(V *)(verdicts->slowest + m);
+        const V moved = *(const V *)(verdicts->movement + m), infinite = INFINITY - (V){0},
+                slowest = *(V *)(verdicts->slowest_contraction + m);
         members_passes passes = {.count = count - 1,
-                                 .size = *(V *)(verdicts->size + m),
-                                 .before = *(V *)(verdicts->before + m),
-                                 .part = *(V *)(verdicts->part + m),
+                                 .size = *(V *)(verdicts->correction + m),
+                                 .before = *(V *)(verdicts->correction_before + m),
+                                 .part = *(V *)(verdicts->contraction + m),
                                  .slowest = slowest,
-                                 .shown = *(V *)(verdicts->shown + m),
+                                 .shown = *(V *)(verdicts->correction_without_roundoff + m),
                                  .slack = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
         const JET_MASK(jet_widest) may_end = members_judge(&passes, &rule, moved, &is_stuck),
                                    is_finite = moved < infinite;
-        *(V *)(verdicts->size + m) = passes.size;
-        *(V *)(verdicts->before + m) = passes.before;
-        *(V *)(verdicts->part + m) = passes.part;
-        *(V *)(verdicts->shown + m) = passes.shown;
-        *(V *)(verdicts->slowest + m) = JET_CHOOSE(V, moves, passes.slowest, slowest);
-        if (count == 1) *(V *)(verdicts->first + m) = moved;
-        *(V *)(verdicts->count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(verdicts->count + m));
+        *(V *)(verdicts->correction + m) = passes.size;
+        *(V *)(verdicts->correction_before + m) = passes.before;
+        *(V *)(verdicts->contraction + m) = passes.part;
+        *(V *)(verdicts->correction_without_roundoff + m) = passes.shown;
+        *(V *)(verdicts->slowest_contraction + m) = JET_CHOOSE(V, moves, passes.slowest, slowest);
+        if (count == 1) *(V *)(verdicts->first_movement + m) = moved;
+        *(V *)(verdicts->pass_count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(verdicts->pass_count + m));
         *(JET_MASK(jet_widest) *)(verdicts->has_ended + m) |= moves & is_finite & may_end;
         *(JET_MASK(jet_widest) *)(verdicts->is_moving + m) = moves & is_finite & ~(may_end | is_stuck);
     }
@@ -132,14 +138,14 @@ OWN double NAME(move_both)(const galerkin_nodes *nodes, const double *matrix, co
                            const double *changes, const int slot[])
 {
     for (int u = 0; u < nodes->unknowns; u++)
-        set_impulses_with_changes(nodes->weight, rates + slot[u] * LANES, changes + u * LANES,
-                                  nodes->impulse + u * LANES, LANES);
+        set_impulses_with_changes(nodes->impulse_weight, rates + slot[u] * LANES, changes + u * LANES,
+                                  nodes->impulses + u * LANES, LANES);
     return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 
-OWN void NAME(evaluate)(const galerkin_evaluation *p, const double *table, const double *impulses, double *out)
+OWN void NAME(evaluate)(const galerkin_curve_evaluation *p, const double *table, const double *impulses, double *out)
 {
-    evaluate_lanes(p, table, impulses, out, LANES);
+    evaluate_curve_of_lanes(p, table, impulses, out, LANES);
 }
 #endif
 

@@ -1,10 +1,10 @@
-/* kernel_matrices.h - the part of kernel.h's text that solves the equations of a Lagrangian at the nodes: each lane has
- * a matrix of its own (lanes_inverse). */
+/* kernel_matrices.h - Defines the part of kernel.h that solves the equations of a Lagrangian at the nodes. Each lane
+ * has its own matrix (lanes_matrix_inverse). */
 
 /* The former element of the diagonal, as a part of the pivot, is between this and its inverse in a matrix that is
  * factored without exchanges: LINEAR_LEAST_INVERTED of linear_small.h, which this text does not include. */
 #define LEAST_PIVOT (1.0 / 16)
-/* Vector v of number i of an array that has LANES of each. */
+/* Accesses vector v of element i, in an array that stores LANES numbers for each element. */
 #define LANE_AT(x, i, v)        BLOCK_AT(V, (x) + (size_t)(i)*LANES, v)
 #define EACH_VECTOR_OF_LANES(v) for (int v = 0; v < LANES / NUMBERS_OF(V); v++)
 
@@ -17,12 +17,13 @@ JET_INLINE V NAME(larger)(V a, V b)
 #endif
 }
 
-/* |x|; 0 of what is no number. */
+/* Returns |x|, and 0 for a NaN. */
 JET_INLINE V NAME(size)(V x) { return NAME(larger)(NAME(larger)(x, -x), (V){0}); }
 
 /* ---- Factors ----------------------------------------------------------------------------------------------------- */
 
-/* x <- x / size(x), with what multiplied it in `scale`. count numbers, one every `apart`. */
+/* Divides `count` elements of x, which are `apart` elements from each other, by the largest of them. Sets `scale` to
+ * the reciprocal of the divisor. */
 JET_INLINE void NAME(set_scale)(int count, int apart, double *x, double *scale)
 {
     EACH_VECTOR_OF_LANES(v)
@@ -34,7 +35,7 @@ JET_INLINE void NAME(set_scale)(int count, int apart, double *x, double *scale)
     }
 }
 
-/* Exchanges numbers of one lane, LANES apart. */
+/* Exchanges `count` elements of x and y in one lane; elements are LANES numbers apart. */
 JET_INLINE void NAME(exchange)(int count, double *x, double *y)
 {
     for (int k = 0; k < count * LANES; k += LANES) {
@@ -44,8 +45,8 @@ JET_INLINE void NAME(exchange)(int count, double *x, double *y)
     }
 }
 
-/* Whether an element below the diagonal of column j is larger than it in any lane. */
-JET_INLINE bool NAME(wants_exchange)(const lanes_inverse *f, int j)
+/* Returns whether an element below the diagonal of column j is larger than the diagonal element, in any lane. */
+JET_INLINE bool NAME(wants_exchange)(const lanes_matrix_inverse *f, int j)
 {
     const double *diagonal = f->lu + (j * f->n + j) * LANES;
     int larger = 0;
@@ -57,15 +58,15 @@ JET_INLINE bool NAME(wants_exchange)(const lanes_inverse *f, int j)
     return larger;
 }
 
-/* The row of the largest element on or below the diagonal of column j comes to row j. */
-JET_INLINE void NAME(pivot)(lanes_inverse *f, int j)
+/* Exchanges row j with the row that has the largest element on or below the diagonal of column j, in each lane. */
+JET_INLINE void NAME(pivot)(lanes_matrix_inverse *f, int j)
 {
     const int row = f->n * LANES;
     const double *column = f->lu + j * LANES;
-    int *pivot = f->pivot + j * LANES;
+    int *pivot = f->pivot_row + j * LANES;
     for (int w = 0; w < LANES; w++) pivot[w] = j;
     if (!NAME(wants_exchange)(f, j)) return;
-    f->exchanges = true;
+    f->has_row_exchanges = true;
     for (int w = 0; w < LANES; w++) {
         for (int i = j + 1; i < f->n; i++)
             if (fabs(column[i * row + w]) > fabs(column[pivot[w] * row + w])) pivot[w] = i;
@@ -73,8 +74,9 @@ JET_INLINE void NAME(pivot)(lanes_inverse *f, int j)
     }
 }
 
-/* Column j of L and U: rows below the diagonal lose their part of row j, and 1 / U_jj comes to the diagonal. */
-JET_INLINE void NAME(eliminate)(lanes_inverse *f, int j, double *least)
+/* Computes column j of L and U: it subtracts multiples of row j from the rows below, and stores 1 / U_jj on the
+ * diagonal. */
+JET_INLINE void NAME(eliminate)(lanes_matrix_inverse *f, int j, double *least)
 {
     const int n = f->n;
     double *const upper = f->lu + j * n * LANES;
@@ -95,16 +97,16 @@ JET_INLINE void NAME(eliminate)(lanes_inverse *f, int j, double *least)
     }
 }
 
-/* R A C with rows, then columns, of size 1; then L and U in its place, with 1 / U_jj in the diagonal. Returns the
- * smallest pivot of all lanes. */
-JET_INLINE double NAME(factor)(lanes_inverse *f)
+/* Scales A to R A C, with rows and then columns of size 1, and replaces it by L and U, with 1 / U_jj on the
+ * diagonal. Returns the smallest pivot of all lanes. */
+JET_INLINE double NAME(factor)(lanes_matrix_inverse *f)
 {
     const int n = f->n;
     double least[LANES], smallest = 1;
     for (int w = 0; w < LANES; w++) least[w] = 1;
     for (int i = 0; i < n; i++) NAME(set_scale)(n, 1, f->lu + i * n * LANES, f->row_scale + i * LANES);
     for (int j = 0; j < n; j++) NAME(set_scale)(n, n, f->lu + j * LANES, f->column_scale + j * LANES);
-    f->exchanges = false;
+    f->has_row_exchanges = false;
     for (int j = 0; j < n; j++) {
         NAME(pivot)(f, j);
         NAME(eliminate)(f, j, least);
@@ -115,14 +117,15 @@ JET_INLINE double NAME(factor)(lanes_inverse *f)
 
 /* ---- The inverse: A^-1 = C (R A C)^-1 R -------------------------------------------------------------------------- */
 
-JET_INLINE void NAME(invert_column)(lanes_inverse *f, int column)
+JET_INLINE void NAME(invert_column)(lanes_matrix_inverse *f, int column)
 {
     const int n = f->n;
-    double *const x = f->x;
+    double *const x = f->scratch_column;
     memset(x, 0, (size_t)(n * LANES) * sizeof *x);
     memcpy(x + column * LANES, f->row_scale + column * LANES, LANES * sizeof *x);
-    for (int j = 0; j < (f->exchanges ? n : 0); j++)
-        for (int w = 0; w < LANES; w++) NAME(exchange)(1, x + j * LANES + w, x + f->pivot[j * LANES + w] * LANES + w);
+    for (int j = 0; j < (f->has_row_exchanges ? n : 0); j++)
+        for (int w = 0; w < LANES; w++)
+            NAME(exchange)(1, x + j * LANES + w, x + f->pivot_row[j * LANES + w] * LANES + w);
     EACH_VECTOR_OF_LANES(v)
     {
         for (int i = 0; i < n; i++) {
@@ -145,7 +148,7 @@ JET_INLINE void NAME(invert_column)(lanes_inverse *f, int column)
 /* Gauss and Jordan's, in the inverse's place; false: some pivot is not plain, and nothing stands there. The former
  * element of the diagonal is, as a part of the pivot, between LEAST_PIVOT and its inverse, as in
  * algebra/linear_small.h. */
-JET_INLINE bool NAME(invert_unpivoted)(lanes_inverse *f)
+JET_INLINE bool NAME(invert_unpivoted)(lanes_matrix_inverse *f)
 {
     const int n = f->n;
     double worst[LANES];
@@ -177,7 +180,7 @@ JET_INLINE bool NAME(invert_unpivoted)(lanes_inverse *f)
     return is_plain;
 }
 
-OWN double NAME(invert)(lanes_inverse *f)
+OWN double NAME(invert)(lanes_matrix_inverse *f)
 {
     if (NAME(invert_unpivoted)(f)) return 1;
     const double smallest = NAME(factor)(f);
@@ -187,11 +190,11 @@ OWN double NAME(invert)(lanes_inverse *f)
 
 /* ---- Corrections of velocities, and the gradient to first order -------------------------------------------------- */
 
-OWN void NAME(correct)(const lanes_inverse *f, const double *P, const double *p, const double *change,
+OWN void NAME(correct)(const lanes_matrix_inverse *f, const double *P, const double *p, const double *change,
                        const double *from, double *velocity)
 {
     const int n = f->n;
-    double *const x = f->x;
+    double *const x = f->scratch_column;
     for (int i = 0; i < n * LANES; i += NUMBERS_OF(V)) {
         const V missing = *(const V *)(P + i) - *(const V *)(p + i);
         *(V *)(x + i) = missing - *(const V *)(change + i);
@@ -204,16 +207,18 @@ OWN void NAME(correct)(const lanes_inverse *f, const double *P, const double *p,
         }
 }
 
-/* Small terms are added up first. Unrolled where the model is of constants; then the sums are, too. */
-OWN void NAME(linearise)(const lanes_model *m, double *out)
+/* Small terms are added first. The outer loop is unrolled: in generated code the model is constant, and the inner
+ * loops become constant, too. */
+OWN void NAME(linearise)(const lanes_gradient_expansion *m, double *out)
 {
     JET_UNROLL(8) for (int i = 0; i < 2 * m->n; i++) EACH_VECTOR_OF_LANES(v)
     {
         V sum = {0};
-        for (int k = i > 0 ? m->end[i - 1] : 0; k < m->end[i]; k++)
-            if (i < m->n || m->term[k].column < m->n)
-                sum += BLOCK_OF(V, m->hessian + m->term[k].slot * LANES, v) * LANE_AT(m->moved, m->term[k].column, v);
-        if (i < m->n) sum += BLOCK_OF(V, m->gradient + i * LANES, v);
+        for (int k = i > 0 ? m->row_end[i - 1] : 0; k < m->row_end[i]; k++)
+            if (i < m->n || m->hessian_element[k].column < m->n)
+                sum += BLOCK_OF(V, m->hessian_block + m->hessian_element[k].slot * LANES, v) *
+                       LANE_AT(m->displacement, m->hessian_element[k].column, v);
+        if (i < m->n) sum += BLOCK_OF(V, m->centre_gradient + i * LANES, v);
         LANE_AT(out, i, v) = sum;
     }
 }

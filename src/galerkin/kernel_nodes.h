@@ -1,18 +1,19 @@
-/* kernel_nodes.h - Defines the part of kernel.h that moves the unknowns at the nodes. */
+/* kernel_nodes.h - Defines the part of kernel.h that starts, predicts and moves the unknowns at the nodes, and that
+ * computes their sizes. */
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-/* Starts unknowns first .. first + count - 1 at q + q_low, where they would stay without rates. */
+/* Sets the free values of unknowns first .. first + count - 1 to q + q_low. Without impulses they keep these values. */
 JET_INLINE void NAME(start_half)(const galerkin_nodes *given, int first, int count, const double *q,
-                                 const double *q_low, galerkin_shape s, size_t here)
+                                 const double *q_low, galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < count; u++) {
-        double *high = ROW(nodes->high, first + u);
-        double *base = ROW(nodes->base, first + u);
+        double *high = ROW(nodes->free_values, first + u);
+        double *base = ROW(nodes->free_values_low, first + u);
         const V start = MEMBER_AT(q, u) - (V){0}, low = MEMBER_AT(q_low, u) - (V){0};
-        MEMBER_AT(nodes->start, first + u) = MEMBER_AT(q, u);
+        MEMBER_AT(nodes->start_values, first + u) = MEMBER_AT(q, u);
         for (int v = 0; v < VECTORS; v++) {
             AT(high, v) = start;
             AT(base, v) = low;
@@ -25,15 +26,15 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *given, int first, int cou
  * drift is exact. The sum of the impulses is rounded together with `base`, with far smaller bits. `base` is not added
  * to `high`: the sum would end on a grid, and its product with h near the same few points of another. */
 JET_INLINE void NAME(start_drift)(const galerkin_nodes *given, int u, const double *c, const tvi_origin *origin,
-                                  const double *drifts, const double *drifts_low, galerkin_shape s, size_t here)
+                                  const double *drifts, const double *drifts_low, galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
-    double *high = ROW(nodes->high, u);
-    double *base = ROW(nodes->base, u);
+    double *high = ROW(nodes->free_values, u);
+    double *base = ROW(nodes->free_values_low, u);
     const V start = MEMBER_AT(origin->q, u) - (V){0}, low = MEMBER_AT(origin->q_low, u) - (V){0};
     const V drift = MEMBER_AT(drifts, u) - (V){0}, drift_low = MEMBER_AT(drifts_low, u) - (V){0};
-    MEMBER_AT(nodes->start, u) = MEMBER_AT(origin->q, u);
+    MEMBER_AT(nodes->start_values, u) = MEMBER_AT(origin->q, u);
     for (int v = 0; v < VECTORS; v++) {
         const V part = OF_NODE(c, v), sum = FUSED(V, part, drift, start), added = sum - start;
         const V lost = (start - (sum - added)) + FUSED(V, part, drift, -added);
@@ -44,7 +45,7 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *given, int u, const doub
 
 /* ---- Sums over the nodes ----------------------------------------------------------------------------------------- */
 
-/* A table for the sums over the nodes, in registers if its rows are one vector. */
+/* A table of factors in sums over the nodes. It is kept in registers if its rows fit into one vector. */
 typedef struct {
 #if ONE_VECTOR
     V row[LANES];
@@ -64,19 +65,19 @@ JET_INLINE NAME(table) NAME(table_of)(const double *number)
 #endif
 }
 
-/* Adds sum_j (row j of the table) x_j, for vector v, in chains that do not wait for each other. */
-JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_shape s)
+/* Adds sum_j (row j of the table) x_j to the partial sums, for vector v. */
+JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_array_shape s)
 {
-    const int nodes = MEMBERS ? s.points : s.lanes;
+    const int nodes = MEMBERS ? s.node_count : s.lanes;
     (void)v;
     for (int j = 0; j < nodes; j++) sum[j % CHAINS] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % CHAINS]);
 }
 
-/* The numbers of a row; those of members are in registers. */
+/* Defines `name` as the numbers of a row; for several members it loads them into registers. */
 #if MEMBERS
 #define NUMBERS_IN(name, row)                                                                                          \
     V name[LANES];                                                                                                     \
-    for (int j = 0; j < s.points; j++) name[j] = AT(row, j);
+    for (int j = 0; j < s.node_count; j++) name[j] = AT(row, j);
 #else
 #define NUMBERS_IN(name, row) const double *const name = row;
 #endif
@@ -89,13 +90,13 @@ JET_INLINE void NAME(clear)(V *x, int count)
 }
 
 /* The sum over the lanes of one member, by fours, then by halves. Lanes after the nodes repeat the last one. */
-JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_shape s)
+JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape s)
 {
 #if MEMBERS
     enum { GROUPS = 4 };
     V sum[GROUPS];
     NAME(clear)(sum, GROUPS);
-    for (int i = 0; i < s.lanes; i++) sum[i % GROUPS] += x[i < s.points ? i : s.points - 1];
+    for (int i = 0; i < s.lanes; i++) sum[i % GROUPS] += x[i < s.node_count ? i : s.node_count - 1];
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 #else
     enum { GROUPS = NUMBERS_OF(V) < 4 && LANES >= 4 ? 4 / NUMBERS_OF(V) : 1 };
@@ -104,44 +105,44 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_shape s)
     for (int v = 0; v < VECTORS; v++) sum[v % GROUPS] += x[v];
     for (int half = GROUPS / 2; half > 0; half /= 2)
         for (int k = 0; k < half; k++) sum[k] += sum[k + half];
-    return KERNEL_NAME(sum_of, V)(sum[0]);
+    return KERNEL_NAME(add_lanes_of, V)(sum[0]);
 #endif
 }
 
 /* ---- Movements --------------------------------------------------------------------------------------------------- */
 
 /* Sets the impulses L_j = weight_j F_j. */
-JET_INLINE void NAME(set_impulses)(const galerkin_nodes *given, const double *rates, const int slot[], galerkin_shape s,
-                                   size_t here)
+JET_INLINE void NAME(set_impulses)(const galerkin_nodes *given, const double *rates, const int slot[],
+                                   galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *rate = ROW(rates, slot[u]);
-        double *impulse = ROW(nodes->impulse, u);
+        double *impulse = ROW(nodes->impulses, u);
         for (int v = 0; v < VECTORS; v++)
-            AT(impulse, v) = KEPT(OF_NODE(nodes->weight, v) * AT(rate, v), AT(impulse, v));
+            AT(impulse, v) = KEPT(OF_NODE(nodes->impulse_weight, v) * AT(rate, v), AT(impulse, v));
     }
 }
 
 /* Sets x = high + (base + scale sum_j matrix_ji L_j), from the impulses of all nodes. displacements [unknowns][lanes]
  * gets x - high, if it is not NULL. Returns the sum of the squares of (change of x) inverse_size. */
 JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *given, const double *matrix, double *displacements,
-                                      galerkin_shape s, size_t here)
+                                      galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
-    const int moving = nodes->moving, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
+    const int moving = nodes->moving_unknowns, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
     const NAME(table) table = NAME(table_of)(matrix);
     V squares[LANES];
     NAME(clear)(squares, VECTORS);
     for (int k = 0; k < all; k++) {
-        const int u = k < moving ? k : k - moving + nodes->half;
-        const double *high = ROW(nodes->high, u);
-        const double *base = ROW(nodes->base, u);
-        const V scale = nodes->scale[u] - (V){0}, inverse_size = MEMBER_AT(nodes->inverse_size, u) - (V){0};
-        double *x = ROW(nodes->x, u);
-        NUMBERS_IN(impulse, ROW(nodes->impulse, u))
+        const int u = k < moving ? k : k - moving + nodes->half_unknowns;
+        const double *high = ROW(nodes->free_values, u);
+        const double *base = ROW(nodes->free_values_low, u);
+        const V scale = nodes->impulse_scale[u] - (V){0}, inverse_size = MEMBER_AT(nodes->inverse_size, u) - (V){0};
+        double *x = ROW(nodes->values, u);
+        NUMBERS_IN(impulse, ROW(nodes->impulses, u))
         for (int v = 0; v < VECTORS; v++) {
             V sum[CHAINS];
             NAME(clear)(sum, CHAINS);
@@ -157,69 +158,70 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *given, const double 
 }
 
 JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                               double moved[], galerkin_shape s, size_t here)
+                               double moved[], galerkin_array_shape s, size_t here)
 {
     NAME(set_impulses)(nodes, rates, slot, s, here);
     MEMBER_AT(moved, 0) = NAME(move_unknowns)(nodes, matrix, NULL, s, here);
 }
 
 #if MEMBERS
-/* Adds the extrapolation of each member by its tables. */
-JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int u, int v, galerkin_shape s,
+/* Adds the extrapolation from earlier steps for each member, by the tables that suit it. */
+JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int u, int v, galerkin_array_shape s,
                                   size_t here)
 {
-    const double *last = ROW(by->last, u);
-    const double *before = ROW(by->before, u);
-    const double *of_before = by->from_two + s.lanes * s.lanes;
+    const double *last = ROW(by->last_impulses, u);
+    const double *before = ROW(by->impulses_before, u);
+    const double *of_before = by->two_step_table + s.lanes * s.lanes;
     const JET_MASK(jet_widest) is_rough = *(const JET_MASK(jet_widest) *)(by->is_rough + here);
     const V none = {0};
-    for (int j = 0; j < s.points; j++)
+    for (int j = 0; j < s.node_count; j++)
         sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, is_rough, none, OF_NODE(of_before + j * s.lanes, v)), AT(before, j),
                                 sum[j % CHAINS]);
-    for (int j = 0; j < s.points; j++)
-        sum[j % CHAINS] = FUSED(
-            V, JET_CHOOSE(V, is_rough, OF_NODE(by->from_last + j * s.lanes, v), OF_NODE(by->from_two + j * s.lanes, v)),
-            AT(last, j), sum[j % CHAINS]);
+    for (int j = 0; j < s.node_count; j++)
+        sum[j % CHAINS] = FUSED(V,
+                                JET_CHOOSE(V, is_rough, OF_NODE(by->last_step_table + j * s.lanes, v),
+                                           OF_NODE(by->two_step_table + j * s.lanes, v)),
+                                AT(last, j), sum[j % CHAINS]);
 }
 #endif
 
-/* Predicts the unknowns. The latest step is added last. */
-JET_INLINE void NAME(predict_all)(const galerkin_nodes *given, const galerkin_extrapolation *steps, galerkin_shape s,
-                                  size_t here)
+/* Predicts the unknowns of all nodes from the impulses of earlier steps. The latest step is added last. */
+JET_INLINE void NAME(predict_all)(const galerkin_nodes *given, const galerkin_extrapolation *steps,
+                                  galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     const galerkin_extrapolation by = *steps;
 #if !MEMBERS
     const bool is_rough = *by.is_rough;
-    const NAME(table) of_last = NAME(table_of)(is_rough ? by.from_last : by.from_two);
+    const NAME(table) of_last = NAME(table_of)(is_rough ? by.last_step_table : by.two_step_table);
     /* A rough extrapolation has one table, and this one is not used. */
-    const NAME(table) of_before = NAME(table_of)(by.from_two + (is_rough ? 0 : LANES * LANES));
+    const NAME(table) of_before = NAME(table_of)(by.two_step_table + (is_rough ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknowns; u++) {
-        const double *high = ROW(nodes->high, u);
-        const double *base = ROW(nodes->base, u);
-        const V scale = nodes->scale[u] - (V){0};
-        double *x = ROW(nodes->x, u);
+        const double *high = ROW(nodes->free_values, u);
+        const double *base = ROW(nodes->free_values_low, u);
+        const V scale = nodes->impulse_scale[u] - (V){0};
+        double *x = ROW(nodes->values, u);
         for (int v = 0; v < VECTORS; v++) {
             V sum[CHAINS];
             NAME(clear)(sum, CHAINS);
 #if MEMBERS
             NAME(extrapolate)(sum, &by, u, v, s, here);
 #else
-            if (!is_rough) NAME(add_product)(sum, &of_before, ROW(by.before, u), v, s);
-            NAME(add_product)(sum, &of_last, ROW(by.last, u), v, s);
+            if (!is_rough) NAME(add_product)(sum, &of_before, ROW(by.impulses_before, u), v, s);
+            NAME(add_product)(sum, &of_last, ROW(by.last_impulses, u), v, s);
 #endif
             AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v));
         }
     }
 }
 
-/* |start| + |x at the last node - start| */
-JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_shape s, size_t here)
+/* Returns the size of an unknown, |start| + |value at the last node - start|. */
+JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_array_shape s, size_t here)
 {
-    const MEMBER start = MEMBER_AT(nodes->start, u);
-    const MEMBER way = NUMBER(ROW(nodes->x, u), MEMBERS ? s.points - 1 : s.lanes - 1) - start;
+    const MEMBER start = MEMBER_AT(nodes->start_values, u);
+    const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? s.node_count - 1 : s.lanes - 1) - start;
     (void)here;
     return MAGNITUDE(start) + MAGNITUDE(way);
 }
@@ -230,17 +232,17 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
     return IF_ABOVE(largest, none, TVI_GALERKIN_LEAST_SHARE * largest, 1 - none);
 }
 
-/* Sets 1 / size of the unknowns of a subsystem with these components. With masses, the momentum of a light body is not
- * small beside the others: it is measured by the movement of its coordinate. There are no branches, since the larger
- * number changes from step to step. */
-JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first, int end, galerkin_shape s,
+/* Sets the reciprocal sizes of the unknowns of one subsystem. A small unknown is measured by the largest of its
+ * subsystem. With masses, the momentum of a light body is measured by the movement of its coordinate. There are no
+ * branches, since the larger of two numbers changes from step to step. */
+JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first, int end, galerkin_array_shape s,
                                    size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;
     const bool has_momenta = nodes->unknowns > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {
-        const int i = tvi_subsystems_component(&nodes->parts, k);
+        const int i = tvi_subsystems_component(&nodes->subsystems, k);
         const MEMBER size = NAME(size_of)(nodes, i, s, here);
         MEMBER_AT(nodes->inverse_size, i) = size;
         largest_q = IF_ABOVE(size, largest_q, size, largest_q);
@@ -251,10 +253,10 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first
     }
     const MEMBER least_q = NAME(least_of)(largest_q), least_p = NAME(least_of)(largest_p);
     for (int k = first; k < end; k++) {
-        const int i = tvi_subsystems_component(&nodes->parts, k);
+        const int i = tvi_subsystems_component(&nodes->subsystems, k);
         MEMBER_AT(nodes->inverse_size, i) = 1 / (MEMBER_AT(nodes->inverse_size, i) + least_q);
         if (!has_momenta) continue;
-        const MEMBER own = nodes->per_movement[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);
+        const MEMBER own = nodes->momentum_per_movement[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);
         MEMBER_AT(nodes->inverse_size, n + i) = 1 / (MEMBER_AT(nodes->inverse_size, n + i) + least);
     }
 }

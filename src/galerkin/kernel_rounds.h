@@ -23,20 +23,22 @@ enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(
 
 /* Packs the groups of so many rows from `first` on that end by `end`; returns the first row that is left. The scale of
  * an unknown is a sign, which the movements of the rounds have in their unit. */
-JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_rounds *rounds, int first, int end, int group)
+JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, int first, int end,
+                                 int group)
 {
-    const int count = rounds->count;
+    const int count = rounds->column_count;
     for (; first + group <= end; first += group) {
-        const int *index = rounds->index + first * count;
-        float *packed = rounds->packed + first * count * LANES;
+        const int *index = rounds->hessian_index + first * count;
+        float *packed = rounds->packed_hessian + first * count * LANES;
         for (int column = 0; column < count; column++, index += group, packed += group * LANES)
             for (int v = 0; v < NAME(vectors); v++) {
                 const V by_column =
-                    (nodes->scale[rounds->unknown[column]] * rounds->size[column]) * BLOCK_OF(V, nodes->weight, v);
+                    (nodes->impulse_scale[rounds->unknown_of_row[column]] * rounds->unknown_size[column]) *
+                    BLOCK_OF(V, nodes->impulse_weight, v);
                 for (int i = 0; i < group; i++) {
-                    const V factor = rounds->per_size[first + i] * by_column;
+                    const V factor = rounds->inverse_unknown_size[first + i] * by_column;
                     SINGLE_AT(packed + i * LANES, v) =
-                        KERNEL_NAME(NARROW, V)(factor * BLOCK_OF(V, rounds->hessian + index[i], v));
+                        KERNEL_NAME(NARROW, V)(factor * BLOCK_OF(V, rounds->hessian_block + index[i], v));
                 }
             }
     }
@@ -44,11 +46,11 @@ JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_rounds
 }
 
 /* Packs the rate of a row by the movement of a column, from the second derivatives, group by group. */
-JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_rounds *rounds)
+JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds)
 {
     int first = 0;
     for (int which = 0; which < 2; which++) {
-        const int end = which == 0 ? rounds->moving : rounds->rows;
+        const int end = which == 0 ? rounds->moving_row_count : rounds->row_count;
         first = NAME(pack_groups)(nodes, rounds, first, end, LANES_ROWS);
         first = NAME(pack_groups)(nodes, rounds, first, end, 2);
         first = NAME(pack_groups)(nodes, rounds, first, end, 1);
@@ -56,12 +58,12 @@ JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_rounds *roun
 }
 
 /* out = the impulses of such groups by a change; returns the first row that is left. */
-JET_INLINE int NAME(drive_groups)(const lanes_rounds *rounds, const float *change, float *out, int first, int end,
+JET_INLINE int NAME(drive_groups)(const lanes_inner_rounds *rounds, const float *change, float *out, int first, int end,
                                   int group)
 {
-    const int count = rounds->count;
+    const int count = rounds->column_count;
     for (; first + group <= end; first += group) {
-        const float *packed = rounds->packed + first * count * LANES;
+        const float *packed = rounds->packed_hessian + first * count * LANES;
         ROW_VECTOR sum[LANES_ROWS][NAME(parts)];
         for (int i = 0; i < group; i++)
             for (int b = 0; b < NAME(parts); b++) sum[i][b] = (ROW_VECTOR){0};
@@ -76,11 +78,11 @@ JET_INLINE int NAME(drive_groups)(const lanes_rounds *rounds, const float *chang
 }
 
 /* The impulses by a change, of all rows or of those that move. */
-JET_INLINE void NAME(compute_impulses)(const lanes_rounds *rounds, const float *change, bool all, float *out)
+JET_INLINE void NAME(compute_impulses)(const lanes_inner_rounds *rounds, const float *change, bool all, float *out)
 {
     int first = 0;
     for (int which = 0; which < (all ? 2 : 1); which++) {
-        const int end = which == 0 ? rounds->moving : rounds->rows;
+        const int end = which == 0 ? rounds->moving_row_count : rounds->row_count;
         first = NAME(drive_groups)(rounds, change, out, first, end, LANES_ROWS);
         first = NAME(drive_groups)(rounds, change, out, first, end, 2);
         first = NAME(drive_groups)(rounds, change, out, first, end, 1);
@@ -90,16 +92,16 @@ JET_INLINE void NAME(compute_impulses)(const lanes_rounds *rounds, const float *
 /* ---- What they move ---------------------------------------------------------------------------------------------- */
 
 /* The change by the impulses, and `total` += it; the sum of its squares. */
-JET_INLINE double NAME(change_by_impulses)(const lanes_rounds *rounds)
+JET_INLINE double NAME(change_by_impulses)(const lanes_inner_rounds *rounds)
 {
     enum { IS_ONE = NAME(parts) == 1 };
-    const float *impulse = rounds->impulse, *matrix = rounds->matrix;
-    float *change = rounds->change, *total = rounds->total;
+    const float *impulse = rounds->round_impulse, *matrix = rounds->impulse_matrix;
+    float *change = rounds->round_change, *total = rounds->total_change;
     ROW_VECTOR squares = {0}, column[LANES];
     float parts[sizeof squares / sizeof(float)];
     JET_LEAVE_REGISTERS(impulse);
     for (int j = 0; j < (IS_ONE ? LANES : 0); j++) column[j] = PART_AT(matrix + j * LANES, 0) + (ROW_VECTOR){0};
-    for (int i = 0; i < rounds->count; i++, impulse += LANES, change += LANES, total += LANES)
+    for (int i = 0; i < rounds->column_count; i++, impulse += LANES, change += LANES, total += LANES)
         for (int b = 0; b < NAME(parts); b++) {
             ROW_VECTOR sum[CHAINS] = {0};
             for (int j = 0; j < LANES; j++)
@@ -116,32 +118,33 @@ JET_INLINE double NAME(change_by_impulses)(const lanes_rounds *rounds)
 }
 
 /* The impulses by the drives less those of the last movement, in the unit of the rounds. */
-JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *rates,
+JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
                                    const int slot[])
 {
-    for (int i = 0; i < rounds->count; i++) {
-        const int u = rounds->unknown[i];
-        const double *solver = rates + slot[u] * LANES, *old = nodes->impulse + u * LANES;
-        const double factor = rounds->per_size[i] / ROUNDS_UNIT;
+    for (int i = 0; i < rounds->column_count; i++) {
+        const int u = rounds->unknown_of_row[i];
+        const double *solver = rates + slot[u] * LANES, *old = nodes->impulses + u * LANES;
+        const double factor = rounds->inverse_unknown_size[i] / ROUNDS_UNIT;
         for (int v = 0; v < NAME(vectors); v++) {
-            const V impulse = BLOCK_OF(V, nodes->weight, v) * BLOCK_OF(V, solver, v);
-            SINGLE_AT(rounds->impulse + i * LANES, v) =
+            const V impulse = BLOCK_OF(V, nodes->impulse_weight, v) * BLOCK_OF(V, solver, v);
+            SINGLE_AT(rounds->round_impulse + i * LANES, v) =
                 KERNEL_NAME(NARROW, V)(factor * (impulse - BLOCK_OF(V, old, v)));
-            SINGLE_AT(rounds->total + i * LANES, v) = (SINGLE){0};
+            SINGLE_AT(rounds->total_change + i * LANES, v) = (SINGLE){0};
         }
     }
 }
 
 /* The changes of the impulses that the rounds have found, in units of the unknowns. */
-JET_INLINE void NAME(end_rounds)(const lanes_rounds *rounds, double *changes)
+JET_INLINE void NAME(end_rounds)(const lanes_inner_rounds *rounds, double *changes)
 {
-    for (int i = 0; i < rounds->rows; i++)
+    for (int i = 0; i < rounds->row_count; i++)
         for (int v = 0; v < NAME(vectors); v++)
-            BLOCK_AT(V, changes + rounds->unknown[i] * LANES, v) =
-                ROUNDS_UNIT * rounds->size[i] * KERNEL_NAME(WIDEN, V)(SINGLE_AT(rounds->all + i * LANES, v));
+            BLOCK_AT(V, changes + rounds->unknown_of_row[i] * LANES, v) =
+                ROUNDS_UNIT * rounds->unknown_size[i] *
+                KERNEL_NAME(WIDEN, V)(SINGLE_AT(rounds->total_impulse + i * LANES, v));
 }
 
-OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *rates,
+OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
                           const int slot[], bool is_new, double moved, double least, double *changes)
 {
     double before = INFINITY, earlier;
@@ -155,11 +158,11 @@ OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_rounds *round
     do {
         earlier = before;
         before = now;
-        NAME(compute_impulses)(rounds, rounds->change, false, rounds->impulse);
+        NAME(compute_impulses)(rounds, rounds->round_change, false, rounds->round_impulse);
         now = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
     } while (++count < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
              (now < before || now < earlier));
-    NAME(compute_impulses)(rounds, rounds->total, true, rounds->all);
+    NAME(compute_impulses)(rounds, rounds->total_change, true, rounds->total_impulse);
     if (now <= first) NAME(end_rounds)(rounds, changes);
     else memset(changes, 0, (size_t)(nodes->unknowns * LANES) * sizeof *changes);
 }

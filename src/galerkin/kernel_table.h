@@ -1,5 +1,5 @@
 /* kernel_table.h - gives the table of the functions that kernel.h has just defined, for loops.c. */
-static const galerkin_loops NAME(loops) = {
+static const galerkin_kernels NAME(kernels) = {
     .start = NAME(start),
     .start_drifting = NAME(start_drifting),
     .predict = NAME(predict),

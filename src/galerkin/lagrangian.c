@@ -11,132 +11,140 @@
 
 typedef struct {
     lagrangian_passes passes;
-    galerkin_model model;
-    tvi_legendre legendre;
-    double *velocity; /* [n] at the start */
-} lagrangian;
+    galerkin_hessian_model hessian_model;
+    tvi_legendre legendre_transform;
+    double *start_velocity; /* [n] the velocity at the start of the step */
+} lagrangian_work;
 
-static void take_inverse(lanes_inverse *matrix, tvi_arena *arena, int n, int lanes)
+static void allocate_mass_inverse(lanes_matrix_inverse *inverse, tvi_arena *arena, int n, int lanes)
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
-    *matrix = (lanes_inverse){.n = n};
-    matrix->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
-    matrix->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
-    matrix->row_scale = tvi_arena_doubles(arena, numbers);
-    matrix->column_scale = tvi_arena_doubles(arena, numbers);
-    matrix->pivot = tvi_arena_allocate(arena, numbers * sizeof(int));
-    matrix->x = tvi_arena_doubles(arena, numbers);
+    *inverse = (lanes_matrix_inverse){.n = n};
+    inverse->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
+    inverse->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
+    inverse->row_scale = tvi_arena_doubles(arena, numbers);
+    inverse->column_scale = tvi_arena_doubles(arena, numbers);
+    inverse->pivot_row = tvi_arena_allocate(arena, numbers * sizeof(int));
+    inverse->scratch_column = tvi_arena_doubles(arena, numbers);
 }
 
-static void take(galerkin_field *field, tvi_arena *arena)
+static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
 {
     const tvi_system *system = field->system;
     const int n = system->n, unknowns = 2 * n;
     const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
-    lagrangian *taken = field->own = tvi_arena_allocate(arena, sizeof *taken);
-    lagrangian w = {.passes = {.loops = field->loops}};
-    field->rows = 3 * n;
-    field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
-    tvi_galerkin_model_take(&w.model, arena, field);
-    field->inputs = w.model.blocks.values;
-    field->ahead = tvi_arena_doubles(arena, lanes * lanes);
-    double **const rows[] = {&w.passes.displacements, &w.passes.rise[0], &w.passes.rise[1]};
+    lagrangian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
+    lagrangian_work work = {.passes = {.kernels = field->kernels}};
+    field->saved_row_count = 3 * n;
+    field->nodes.values = tvi_arena_doubles(arena, 5 * half_size);
+    tvi_galerkin_allocate_hessian_model(&work.hessian_model, arena, field);
+    field->tape_block = work.hessian_model.blocks.values_block;
+    field->rate_to_unknown = tvi_arena_doubles(arena, lanes * lanes);
+    double **const rows[] = {&work.passes.displacement, &work.passes.point_offset[0], &work.passes.point_offset[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
-    w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
-    w.velocity = tvi_arena_doubles(arena, (size_t)n);
-    tvi_legendre_allocate(&w.legendre, arena, system);
-    take_inverse(&w.passes.mass, arena, n, field->nodes.lanes);
-    w.passes.rates = field->nodes;
-    w.passes.rates.x = field->nodes.x ? lagrangian_row(&field->nodes, unknowns) : NULL;
-    w.passes.rates.high = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
-    w.passes.rates.scale = tvi_arena_doubles(arena, (size_t)unknowns);
-    if (taken) *taken = w;
+    work.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
+    work.start_velocity = tvi_arena_doubles(arena, (size_t)n);
+    tvi_legendre_allocate(&work.legendre_transform, arena, system);
+    allocate_mass_inverse(&work.passes.mass_inverse, arena, n, field->nodes.lanes);
+    work.passes.rate_nodes = field->nodes;
+    work.passes.rate_nodes.values = field->nodes.values ? lagrangian_values_row(&field->nodes, unknowns) : NULL;
+    work.passes.rate_nodes.free_values = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
+    work.passes.rate_nodes.impulse_scale = tvi_arena_doubles(arena, (size_t)unknowns);
+    if (taken) *taken = work;
 }
 
-static void prepare_passes(lagrangian_passes *w, const galerkin_field *field, const galerkin_model *model)
+static void prepare_lagrangian_passes(lagrangian_passes *work, const galerkin_field *field,
+                                      const galerkin_hessian_model *model)
 {
     const tvi_system *system = field->system;
-    w->nodes = &field->nodes;
-    w->matrix = field->matrix;
-    w->slot = field->slot;
-    w->blocks = model->blocks;
-    w->output[false] = system->field_values->output;
-    w->output[true] = system->hessian_values->output;
-    w->model = model->lanes;
-    w->model.gradient = w->gradient;
+    work->nodes = &field->nodes;
+    work->impulse_matrix = field->impulse_matrix;
+    work->rate_row = field->rate_row;
+    work->tape_blocks = model->blocks;
+    work->gradient_slot[false] = system->field_values->output;
+    work->gradient_slot[true] = system->hessian_values->output;
+    work->gradient_expansion = model->expansion;
+    work->gradient_expansion.centre_gradient = work->gradient;
 }
 
-static void prepare(galerkin_field *field)
+static void prepare_lagrangian_field(galerkin_field *field)
 {
-    lagrangian *w = field->own;
-    tvi_galerkin_model_prepare(&w->model, field);
-    tvi_legendre_prepare(&w->legendre);
-    prepare_passes(&w->passes, field, &w->model);
-    for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = field->nodes.unknowns + u;
+    lagrangian_work *work = field->form_work;
+    tvi_galerkin_prepare_hessian_model(&work->hessian_model, field);
+    tvi_legendre_prepare(&work->legendre_transform);
+    prepare_lagrangian_passes(&work->passes, field, &work->hessian_model);
+    for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
-static void fill(const galerkin_nodes *nodes, int n, int first, const double value[])
+static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first, const double value[])
 {
     for (int i = 0; i < n; i++)
-        for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_row(nodes, first + i)[lane] = value[i];
+        for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_values_row(nodes, first + i)[lane] = value[i];
 }
 
 /* Sets V by the Legendre transform, from rest. */
-static tvi_status start(galerkin_field *field, const tvi_origin *origin)
+static tvi_status start_lagrangian_unknowns(galerkin_field *field, const tvi_origin *origin)
 {
-    lagrangian *w = field->own;
+    lagrangian_work *work = field->form_work;
     const tvi_system *system = field->system;
     const galerkin_nodes *nodes = &field->nodes;
-    const int n = system->n, lanes = nodes->lanes, *output = w->passes.output[false];
-    double *velocity = w->velocity;
+    const int n = system->n, lanes = nodes->lanes, *output = work->passes.gradient_slot[false];
+    double *velocity = work->start_velocity;
     memset(velocity, 0, (size_t)n * sizeof *velocity);
-    const tvi_status status = tvi_legendre_solve(&w->legendre, origin->t, origin->q, origin->p, velocity);
+    const tvi_status status = tvi_legendre_solve(&work->legendre_transform, origin->t, origin->q, origin->p, velocity);
     if (status != TVI_OK) return status;
-    fill(nodes, n, 0, origin->q);
-    fill(nodes, n, n, origin->p);
-    fill(nodes, n, 2 * n, velocity);
-    const double *gradient =
-        galerkin_sweep_at(&w->passes.blocks, tvi_galerkin_sweep, false, nodes->x, lagrangian_row(nodes, 2 * n));
+    fill_rows_with_vector(nodes, n, 0, origin->q);
+    fill_rows_with_vector(nodes, n, n, origin->p);
+    fill_rows_with_vector(nodes, n, 2 * n, velocity);
+    const double *gradient = galerkin_sweep_gradient_at(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false,
+                                                        nodes->values, lagrangian_values_row(nodes, 2 * n));
     if (!gradient) return TVI_EDOMAIN;
     for (int i = 0; i < 2 * n; i++)
-        memcpy(lagrangian_row(nodes, 3 * n + i), gradient + output[i] * lanes, (size_t)lanes * sizeof *gradient);
-    lagrangian_place(&w->passes);
+        memcpy(lagrangian_values_row(nodes, 3 * n + i), gradient + output[i] * lanes, (size_t)lanes * sizeof *gradient);
+    lagrangian_move_all_unknowns(&work->passes);
     return TVI_OK;
 }
 
-static void predict(galerkin_field *field, const galerkin_extrapolation *by)
+static void predict_lagrangian_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
 {
-    lagrangian *w = field->own;
-    lagrangian_predict(&w->passes, by);
+    lagrangian_work *work = field->form_work;
+    lagrangian_predict_unknowns(&work->passes, extrapolation);
 }
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
-static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
+static tvi_status make_lagrangian_pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     static const tvi_status status[] = {[LAGRANGIAN_PASSED] = TVI_OK,
                                         [LAGRANGIAN_OUTSIDE] = TVI_EDOMAIN,
                                         [LAGRANGIAN_NO_NUMBER] = TVI_ENONFINITE,
                                         [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
-    lagrangian *w = field->own;
-    const int factors = w->passes.factors;
-    const lagrangian_passed passed = lagrangian_pass(&w->passes, tvi_galerkin_sweep);
-    stats->factorisations += (w->passes.factors - factors) * field->points;
-    *moved = w->passes.moved;
+    lagrangian_work *work = field->form_work;
+    const int factors = work->passes.inversion_count;
+    const lagrangian_pass_result passed = lagrangian_make_pass(&work->passes, tvi_galerkin_sweep_tape);
+    stats->factorisations += (work->passes.inversion_count - factors) * field->node_count;
+    *moved = work->passes.last_movement;
     return status[passed];
 }
 
-static void emit(jet_text *text, const galerkin_field *field)
+static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
 {
-    const lagrangian *w = field->own;
+    const lagrangian_work *work = field->form_work;
     const int unknowns = field->nodes.unknowns;
-    tvi_galerkin_model_emit(text, &w->model);
-    tvi_galerkin_emit_ints(text, "value_slot", unknowns, w->passes.output[false]);
-    tvi_galerkin_emit_ints(text, "hessian_slot", unknowns, w->passes.output[true]);
-    tvi_galerkin_emit_ints(text, "slot", unknowns, field->slot);
+    tvi_galerkin_emit_hessian_model(text, &work->hessian_model);
+    tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->passes.gradient_slot[false]);
+    tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->passes.gradient_slot[true]);
+    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
 }
 
-const galerkin_form tvi_galerkin_form_lagrangian = {
-    1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass, emit, tvi_embedded_galerkin_lagrangian};
+const galerkin_field_form tvi_galerkin_form_lagrangian = {1,
+                                                          &tvi_galerkin_quasi_newton,
+                                                          allocate_lagrangian_field,
+                                                          prepare_lagrangian_field,
+                                                          start_lagrangian_unknowns,
+                                                          predict_lagrangian_unknowns,
+                                                          make_lagrangian_pass,
+                                                          emit_lagrangian_field,
+                                                          tvi_embedded_galerkin_lagrangian};

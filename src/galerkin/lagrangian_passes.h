@@ -1,5 +1,5 @@
 /* lagrangian_passes.h - Makes the passes of a Lagrangian's Galerkin curve (lagrangian.c). The library runs them with
- * the loops of its tables, and generated code with its own, where all sizes are constants. */
+ * the kernels of its tables. Generated code has its own kernels, in which all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 #define TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 
@@ -11,81 +11,94 @@
 #include <math.h>
 #include <string.h>
 
-/* The work of the passes. The rows of nodes->x, n each, are Q, P, V, F, and L_v after F. */
+/* The work of the passes. The rows of nodes->values, n each, are Q, P, V, F and L_v. */
 typedef struct {
-    const galerkin_loops *loops;
+    const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    galerkin_nodes rates; /* V and F as unknowns that begin at 0 */
-    const double *matrix; /* of a movement */
-    const int *slot;
-    galerkin_blocks blocks;
-    const int *output[2];  /* [2n] slots of the gradient */
-    double *displacements; /* [n][lanes] Q less the nodes' high */
-    /* [n][lanes] The nodes' high less the points where the gradient was evaluated, in two parts. */
-    double *rise[2];
-    double *gradient;   /* [2n][lanes] as evaluated */
-    lanes_model model;  /* of the gradient */
-    lanes_inverse mass; /* of L_vv */
-    int factors;        /* number of inversions */
-    /* Movement of the last pass, as `move` measures it; infinite before the first one of a step. */
-    double moved;
+    galerkin_nodes rate_nodes;    /* V and F as unknowns of the predictor, which start at 0 */
+    const double *impulse_matrix; /* the factors of impulses in movements (coefficients.h) */
+    const int *rate_row;
+    galerkin_tape_blocks tape_blocks;
+    /* [2n] The slots of the gradient in values_block (index false) and in hessian_block (index true). */
+    const int *gradient_slot[2];
+    double *displacement; /* [n][lanes] Q minus the free values of the nodes */
+    /* [n][lanes] The free values minus the points where the gradient was evaluated, as a number and its low-order
+     * part. */
+    double *point_offset[2];
+    double *gradient; /* [2n][lanes] the gradient at the points where it was evaluated */
+    /* The expansion of the gradient to first order. */
+    lanes_gradient_expansion gradient_expansion;
+    lanes_matrix_inverse mass_inverse; /* the inverse of L_vv at each node */
+    int inversion_count;               /* how often L_vv was inverted */
+    /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
+    double last_movement;
 } lagrangian_passes;
 
-typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGRANGIAN_SINGULAR } lagrangian_passed;
+typedef enum {
+    LAGRANGIAN_PASSED,
+    LAGRANGIAN_OUTSIDE,
+    LAGRANGIAN_NO_NUMBER,
+    LAGRANGIAN_SINGULAR
+} lagrangian_pass_result;
 
-/* The iterations of a pass. More would save less than they cost, as measured. After a single one F would not follow V,
- * and the energy would drift by the error that the pass before has left in V. */
+/* The most and the fewest iterations of a pass. More would cost more than they save, as measured. After a single
+ * iteration F would not follow V, and the energy would drift by the error of the last pass in V. */
 enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
-/* The square of a relative movement after which second derivatives serve again. */
+/* If the square of the last relative movement is at most this, the next pass reuses the second derivatives. */
 #define LAGRANGIAN_SERVES 1e-8
-/* The square of a relative movement that is roundoff: no other one follows from it. */
+/* The square of a relative movement that is roundoff. No other movement follows from it. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
-static inline double *lagrangian_row(const galerkin_nodes *nodes, int i) { return nodes->x + i * nodes->lanes; }
+static inline double *lagrangian_values_row(const galerkin_nodes *nodes, int i)
+{
+    return nodes->values + i * nodes->lanes;
+}
 
-static inline galerkin_nodes lagrangian_half(const galerkin_nodes *given, int first)
+static inline galerkin_nodes lagrangian_half_of_nodes(const galerkin_nodes *given, int first)
 {
     galerkin_nodes nodes = *given;
     const int offset = first * nodes.lanes;
     nodes.unknowns /= 2;
-    nodes.moving = nodes.unknowns;
-    nodes.x += offset;
-    nodes.high += offset;
-    nodes.base += offset;
-    nodes.impulse += offset;
-    nodes.start += first;
-    nodes.scale += first;
+    nodes.moving_unknowns = nodes.unknowns;
+    nodes.values += offset;
+    nodes.free_values += offset;
+    nodes.free_values_low += offset;
+    nodes.impulses += offset;
+    nodes.start_values += first;
+    nodes.impulse_scale += first;
     nodes.inverse_size += first;
     return nodes;
 }
 
-static inline double lagrangian_move_momenta(const lagrangian_passes *w)
+static inline double lagrangian_move_momenta(const lagrangian_passes *passes)
 {
-    const int n = w->nodes->unknowns / 2;
-    const galerkin_nodes momenta = lagrangian_half(w->nodes, n);
+    const int n = passes->nodes->unknowns / 2;
+    const galerkin_nodes momenta = lagrangian_half_of_nodes(passes->nodes, n);
     double moved;
-    GALERKIN_LOOP(w->loops, move, &momenta, w->matrix, w->nodes->x, w->slot + n, &moved);
+    GALERKIN_KERNEL(passes->kernels, move, &momenta, passes->impulse_matrix, passes->nodes->values,
+                    passes->rate_row + n, &moved);
     return moved;
 }
 
-static inline double lagrangian_move_positions(const lagrangian_passes *w)
+static inline double lagrangian_move_positions(const lagrangian_passes *passes)
 {
-    const galerkin_nodes positions = lagrangian_half(w->nodes, 0);
-    return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->displacements);
+    const galerkin_nodes positions = lagrangian_half_of_nodes(passes->nodes, 0);
+    return GALERKIN_KERNEL(passes->kernels, move_in_parts, &positions, passes->impulse_matrix, passes->nodes->values,
+                           passes->rate_row, passes->displacement);
 }
 
-/* Sets the unknowns by the V and F that are there. */
-static inline void lagrangian_place(lagrangian_passes *w)
+/* Moves Q and P by the current V and F. */
+static inline void lagrangian_move_all_unknowns(lagrangian_passes *passes)
 {
-    (void)lagrangian_move_momenta(w);
-    (void)lagrangian_move_positions(w);
-    w->moved = INFINITY;
+    (void)lagrangian_move_momenta(passes);
+    (void)lagrangian_move_positions(passes);
+    passes->last_movement = INFINITY;
 }
 
-static inline void lagrangian_predict(lagrangian_passes *w, const galerkin_extrapolation *by)
+static inline void lagrangian_predict_unknowns(lagrangian_passes *passes, const galerkin_extrapolation *extrapolation)
 {
-    galerkin_predict_rates(w->loops, &w->rates, by);
-    lagrangian_place(w);
+    galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);
+    lagrangian_move_all_unknowns(passes);
 }
 
 /* Rounds the points where the gradient is evaluated by their last bits. The last passes of a step then use the same
@@ -93,102 +106,107 @@ static inline void lagrangian_predict(lagrangian_passes *w, const galerkin_extra
  * change with their last bits. The nodes would rest where that roundoff happens to be small, first on the side that
  * they come from, and the energy would drift. */
 enum { LAGRANGIAN_LAST_BITS = 6 };
-static inline void lagrangian_set_places(int count, const double *nodes, double *places)
+static inline void lagrangian_round_last_bits(int count, const double *nodes, double *rounded_values)
 {
     const uint64_t unit = UINT64_C(1) << LAGRANGIAN_LAST_BITS;
     for (int i = 0; i < count; i++) {
         const uint64_t bits = (tvi_double_bits(nodes[i]) + unit / 2) & ~(unit - 1);
-        memcpy(&places[i], &bits, sizeof bits);
+        memcpy(&rounded_values[i], &bits, sizeof bits);
     }
 }
 
-static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_hessian)
+static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galerkin_sweep *sweep, bool with_hessian)
 {
-    const galerkin_nodes *nodes = w->nodes;
-    const int lanes = nodes->lanes, half = nodes->unknowns / 2 * lanes, *output = w->output[with_hessian];
-    lagrangian_set_places(half, nodes->x, w->blocks.values);
-    lagrangian_set_places(half, lagrangian_row(nodes, nodes->unknowns), w->blocks.values + half);
-    const double *x = galerkin_sweep_there(&w->blocks, sweep, with_hessian);
+    const galerkin_nodes *nodes = passes->nodes;
+    const int lanes = nodes->lanes, half = nodes->unknowns / 2 * lanes, *output = passes->gradient_slot[with_hessian];
+    lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.values_block);
+    lagrangian_round_last_bits(half, lagrangian_values_row(nodes, nodes->unknowns),
+                               passes->tape_blocks.values_block + half);
+    const double *x = galerkin_sweep_gradient(&passes->tape_blocks, sweep, with_hessian);
     if (!x) return false;
     for (int i = 0; i < nodes->unknowns; i++)
-        memcpy(w->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
+        memcpy(passes->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
 }
 
-/* Inverts L_vv from the block of second derivatives. */
-static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
+/* Inverts L_vv at each node, from the second derivatives in hessian_block. */
+static inline lagrangian_pass_result lagrangian_invert_mass_matrix(lagrangian_passes *passes)
 {
-    const lanes_model *model = &w->model;
+    const lanes_gradient_expansion *model = &passes->gradient_expansion;
     const int n = model->n, lanes = model->lanes;
-    double *a = w->mass.lu;
+    double *a = passes->mass_inverse.lu;
     memset(a, 0, (size_t)(n * n * lanes) * sizeof *a);
     for (int i = n; i < 2 * n; i++)
-        for (int k = model->end[i - 1]; k < model->end[i]; k++) {
-            const lanes_term *term = &model->term[k];
+        for (int k = model->row_end[i - 1]; k < model->row_end[i]; k++) {
+            const lanes_hessian_element *term = &model->hessian_element[k];
             double *element = a + ((i - n) * n + term->column - n) * lanes;
-            if (term->column >= n) memcpy(element, w->blocks.hessian + term->slot * lanes, (size_t)lanes * sizeof *a);
+            if (term->column >= n)
+                memcpy(element, passes->tape_blocks.hessian_block + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
-    w->factors++;
-    if (GALERKIN_LOOP(w->loops, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
-    for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
-        if (!tvi_all_finite(lanes, w->blocks.hessian + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
+    passes->inversion_count++;
+    if (GALERKIN_KERNEL(passes->kernels, invert, &passes->mass_inverse) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
+    for (int k = model->row_end[n - 1]; k < model->row_end[2 * n - 1]; k++)
+        if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + model->hessian_element[k].slot * lanes))
+            return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
 }
 
-/* Moves the unknowns by the current gradient. */
-static inline double lagrangian_iterate(lagrangian_passes *w)
+/* Makes one iteration: it moves P, V and Q by the current gradient. Returns the movement. */
+static inline double lagrangian_iterate_once(lagrangian_passes *passes)
 {
-    const galerkin_nodes *nodes = w->nodes;
+    const galerkin_nodes *nodes = passes->nodes;
     const int n = nodes->unknowns / 2, half = n * nodes->lanes;
-    const double moved = lagrangian_move_momenta(w);
-    GALERKIN_LOOP(w->loops, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
-                  lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
-    return moved + lagrangian_move_positions(w);
+    const double moved = lagrangian_move_momenta(passes);
+    GALERKIN_KERNEL(passes->kernels, correct, &passes->mass_inverse, lagrangian_values_row(nodes, n),
+                    passes->gradient + half, lagrangian_values_row(nodes, 4 * n),
+                    passes->tape_blocks.values_block + half, lagrangian_values_row(nodes, 2 * n));
+    return moved + lagrangian_move_positions(passes);
 }
 
-/* Sets `rise` to the nodes' high less the points where the gradient was evaluated. */
-static inline void lagrangian_set_rise(lagrangian_passes *w)
+/* Sets point_offset to the free values minus the points where the gradient was evaluated, in two parts. */
+static inline void lagrangian_set_point_offsets(lagrangian_passes *passes)
 {
-    const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
-    const double *high = w->nodes->high, *from = w->blocks.values;
+    const int half = passes->nodes->unknowns / 2 * passes->nodes->lanes;
+    const double *high = passes->nodes->free_values, *from = passes->tape_blocks.values_block;
     for (int i = 0; i < half; i++) {
         const double rise = high[i] - from[i], less = high[i] - rise;
-        w->rise[0][i] = rise;
-        w->rise[1][i] = (high[i] - (rise + less)) + (less - from[i]);
+        passes->point_offset[0][i] = rise;
+        passes->point_offset[1][i] = (high[i] - (rise + less)) + (less - from[i]);
     }
 }
 
 /* Computes the gradient to first order at Q and V, which have moved from the points where it was evaluated. The
  * movement of Q is known before it is rounded. */
-static inline void lagrangian_linearise(lagrangian_passes *w)
+static inline void lagrangian_expand_gradient(lagrangian_passes *passes)
 {
-    const galerkin_nodes *nodes = w->nodes;
+    const galerkin_nodes *nodes = passes->nodes;
     const int half = nodes->unknowns / 2 * nodes->lanes;
-    const double *V = nodes->x + 2 * half, *from = w->blocks.values;
-    double *moved = w->model.moved;
-    for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->displacements[i]) + w->rise[1][i];
+    const double *V = nodes->values + 2 * half, *from = passes->tape_blocks.values_block;
+    double *moved = passes->gradient_expansion.displacement;
+    for (int i = 0; i < half; i++)
+        moved[i] = (passes->point_offset[0][i] + passes->displacement[i]) + passes->point_offset[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
-    GALERKIN_LOOP(w->loops, linearise, &w->model, nodes->x + 3 * half);
+    GALERKIN_KERNEL(passes->kernels, linearise, &passes->gradient_expansion, nodes->values + 3 * half);
 }
 
-/* Makes a pass. It evaluates new second derivatives if the last ones do not serve. */
-static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, galerkin_sweep *sweep)
+/* Makes a pass. It evaluates new second derivatives unless the last movement was small enough to reuse the old ones. */
+static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *passes, galerkin_sweep *sweep)
 {
-    const galerkin_nodes *nodes = w->nodes;
+    const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknowns * nodes->lanes;
-    if (w->moved <= LAGRANGIAN_SERVES * numbers) {
-        if (!lagrangian_evaluate(w, sweep, false)) return LAGRANGIAN_OUTSIDE;
+    if (passes->last_movement <= LAGRANGIAN_SERVES * numbers) {
+        if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE;
     } else {
-        if (!lagrangian_evaluate(w, sweep, true)) return LAGRANGIAN_OUTSIDE;
-        const lagrangian_passed inverted = lagrangian_invert(w);
+        if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE;
+        const lagrangian_pass_result inverted = lagrangian_invert_mass_matrix(passes);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
-    double moved = w->moved = 0;
-    lagrangian_set_rise(w);
+    double moved = passes->last_movement = 0;
+    lagrangian_set_point_offsets(passes);
     for (int i = 0; i < LAGRANGIAN_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
-        lagrangian_linearise(w);
-        w->moved += moved = lagrangian_iterate(w);
+        lagrangian_expand_gradient(passes);
+        passes->last_movement += moved = lagrangian_iterate_once(passes);
     }
     return LAGRANGIAN_PASSED;
 }

@@ -18,19 +18,23 @@ enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
     else if (lanes % 2 == 0) BODY(jet_v2, (lanes / 2))                                                                 \
     else BODY(jet_v1, lanes)
 
-/* The number of sums that do not wait for each other. */
+/* A sum is split into this many partial sums, which the processor computes in parallel. */
 enum { CHAINS = 4 };
 
-/* The sum of a block in halves, which wait less for each other. */
-JET_INLINE double sum_of_jet_v1(jet_v1 x) { return x; }
-JET_INLINE double sum_of_jet_v2(jet_v2 x) { return x[0] + x[1]; }
-JET_INLINE double sum_of_jet_v4(jet_v4 x) { return sum_of_jet_v2((jet_v2){x[0], x[1]} + (jet_v2){x[2], x[3]}); }
-JET_INLINE double sum_of_jet_v8(jet_v8 x)
+/* These functions return the sum of a vector's elements, by adding its halves. */
+JET_INLINE double add_lanes_of_jet_v1(jet_v1 vector) { return vector; }
+JET_INLINE double add_lanes_of_jet_v2(jet_v2 vector) { return vector[0] + vector[1]; }
+JET_INLINE double add_lanes_of_jet_v4(jet_v4 vector)
 {
-    return sum_of_jet_v4((jet_v4){x[0], x[1], x[2], x[3]} + (jet_v4){x[4], x[5], x[6], x[7]});
+    return add_lanes_of_jet_v2((jet_v2){vector[0], vector[1]} + (jet_v2){vector[2], vector[3]});
+}
+JET_INLINE double add_lanes_of_jet_v8(jet_v8 vector)
+{
+    return add_lanes_of_jet_v4((jet_v4){vector[0], vector[1], vector[2], vector[3]} +
+                               (jet_v4){vector[4], vector[5], vector[6], vector[7]});
 }
 
-/* Block k of an array. */
+/* These macros access vector k of an array, to write and to read. */
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 

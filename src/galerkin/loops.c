@@ -33,6 +33,6 @@
 #include "galerkin/kernel.h"
 #include "galerkin/kernel_table.h"
 
-const galerkin_loops *const JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {&loops_1, &loops_2, &loops_4, &loops_8,
-                                                                               &loops_12};
-const galerkin_loops *const JET_FOR_ISA(tvi_galerkin_members) = &loops_members;
+const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_kernels)[GALERKIN_KERNEL_TABLES] = {
+    &kernels_1, &kernels_2, &kernels_4, &kernels_8, &kernels_12};
+const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_batch_kernels) = &kernels_members;

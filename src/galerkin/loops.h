@@ -12,242 +12,288 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
-enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
-/* The number of steps whose impulses are kept: the last two, and the current one. */
+/* A table of kernels is compiled for each number of lanes: 1, 2, 4, 8 and TVI_GALERKIN_MAX_LANES. */
+enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_KERNEL_TABLES = 5 };
+/* The number of steps whose impulses are stored: the last two steps and the current step. */
 enum { GALERKIN_RING = 3 };
 
-/* The shape of arrays. Unknown u of node i stands at x[u][i] for one member, where further lanes repeat the last node
- * with weight 0; for several members that of member m is x[u][i][m]. */
+/* The shape of arrays of unknowns. For one member, unknown u of node i is x[u][i]; lanes after the last node repeat
+ * that node with weight 0. For several members, unknown u of node i of member m is x[u][i][m]. */
 typedef struct {
-    /* The number of nodes, the numbers in a row of the tables, and the members. */
-    int points, lanes, width;
-} galerkin_shape;
+    /* The number of nodes, the length of a row of the coefficient tables, and the number of members. */
+    int node_count, lanes, member_count;
+} galerkin_array_shape;
 
-/* The convergence of the passes of a step, which predicts that of the next one. Sizes are as the passes measure them;
- * 0: not known. */
+/* The convergence of the passes of a step, from which that of the next step is estimated. Movements are sums of
+ * squares, as the kernel `move` measures them. A value of 0 is not known. */
 typedef struct {
-    double slowest; /* the slowest contraction */
-    double first;   /* the first movement: the error of the prediction */
+    double slowest_contraction; /* the largest ratio of two successive movements of a pass */
+    /* The movement of the first pass, which shows the error of the prediction. */
+    double first_movement;
 } galerkin_convergence;
 
-/* The convergence of the passes of several members (algebra/passes.h). */
+/* The state of the iteration of each member of a batch, as tvi_passes of algebra/passes.h has it for one member. */
 enum { GALERKIN_MOST_WIDTH = 32 };
 typedef struct {
-    double moved[GALERKIN_MOST_WIDTH]; /* by the last pass, as `move` measures it */
-    double size[GALERKIN_MOST_WIDTH], before[GALERKIN_MOST_WIDTH], part[GALERKIN_MOST_WIDTH],
-        slowest[GALERKIN_MOST_WIDTH], shown[GALERKIN_MOST_WIDTH];  /* as in tvi_passes */
-    double first[GALERKIN_MOST_WIDTH], count[GALERKIN_MOST_WIDTH]; /* the first movement; number of passes */
-    /* All bits, or none: the member is at its goal, or at roundoff; and it makes passes. */
+    double movement[GALERKIN_MOST_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
+    /* The members of tvi_passes. */
+    double correction[GALERKIN_MOST_WIDTH], correction_before[GALERKIN_MOST_WIDTH], contraction[GALERKIN_MOST_WIDTH];
+    double slowest_contraction[GALERKIN_MOST_WIDTH], correction_without_roundoff[GALERKIN_MOST_WIDTH];
+    double first_movement[GALERKIN_MOST_WIDTH]; /* the movement of the first pass */
+    double pass_count[GALERKIN_MOST_WIDTH];     /* the number of passes that were made */
+    /* Masks, with all bits set or none: has_ended if the member has converged, is_moving if it still makes passes. */
     long long has_ended[GALERKIN_MOST_WIDTH], is_moving[GALERKIN_MOST_WIDTH];
-} galerkin_verdicts;
+} galerkin_batch_convergence;
 
-/* The impulses that predict a step: those of the last two steps, or of the last one for members whose predictions are
- * rough, or that have one step only. Tables are [2][j][i], the second for the step before. */
+/* The impulses from which a step is predicted. Usually both of the last two steps are used, with the factors of
+ * two_step_table [2][j][i], whose second half belongs to the earlier step. A member whose prediction is rough, or
+ * that has made a single step, uses last_step_table and the last step alone. */
 typedef struct {
-    double h;
-    const double *from_two, *from_last, *last, *before;
-    const long long *is_rough; /* [width] all bits, or none */
+    double step_size;
+    const double *two_step_table, *last_step_table, *last_impulses, *impulses_before;
+    /* [member_count] Mask, with all bits set if the member uses the last step alone. */
+    const long long *is_rough;
 } galerkin_extrapolation;
 
-/* The weights of impulses in sums over the nodes, apart from 1: [lanes] 1 - c_j, and that of the curve's last term. */
+/* The weights of the impulses in the sums at the end of a step, [lanes] each: 1 - c_j of node j, and the weight that
+ * gives the last term of the rate's Legendre series. */
 typedef struct {
-    int points;
-    double *late, *last;
-} galerkin_weights;
+    int node_count;
+    double *one_minus_abscissa, *last_term_weight;
+} galerkin_end_weights;
 
-/* Sums of impulses, [unknowns][width] each, with room for seven more: with weights 1 and 1 - c_j; the last term,
- * without its sign; |L| at the first and the last node together; and the low-order parts of the first two sums. */
+/* The sums of a step's impulses L_j, [unknowns][member_count] each, with room for seven more numbers:
+ * single_integral = sum_j L_j; double_integral = sum_j (1 - c_j) L_j; the last term of the rate's Legendre series
+ * without its sign; the sum of |L_j| at the first and the last node; and the low-order parts of the first two sums. */
 typedef struct {
-    double *once, *twice, *last, *reach, *once_low, *twice_low;
-} galerkin_sums;
+    double *single_integral, *double_integral, *last_term, *end_impulse_size, *single_integral_low,
+        *double_integral_low;
+} galerkin_impulse_sums;
 
-/* The inputs of a step's tail (algebra/tail.h). */
+/* The quantities from which the tail of a step is computed (algebra/tail.h). */
 typedef struct {
     int n;
     bool is_separable, has_masses; /* has_masses is also set for a driven system (system/system.h) */
-    tvi_subsystems parts;
-    galerkin_sums sums;
-    double per_weight;         /* 1 / b of the first and the last node */
-    double *scale, *per_scale; /* [n] of the nodes, and 1 / |scale| */
-    const double *q, *p, *dp;  /* [n][width] at the start, and the increment */
+    tvi_subsystems subsystems;
+    galerkin_impulse_sums impulse_sums;
+    /* The reciprocal of the quadrature weight b of the first and the last node. */
+    double inverse_end_weight;
+    /* [n] galerkin_nodes.impulse_scale, and the reciprocal of its magnitude. */
+    double *impulse_scale, *inverse_impulse_scale;
+    /* [n][member_count] q and p at the start of the step, and the increment of p. */
+    const double *start_q, *start_p, *momentum_increment;
 } galerkin_tail_inputs;
 
-/* |p| and its change, for a component; and the movement of Q in a system that is not separable. */
-static inline double galerkin_momentum(const galerkin_tail_inputs *inputs, size_t at, size_t momentum_at)
+/* Returns |p| and the sizes of its changes in the step, for one component. galerkin_movement_size returns how far a
+ * coordinate moves in a system that is not separable. */
+static inline double galerkin_momentum_size(const galerkin_tail_inputs *inputs, size_t coordinate_at,
+                                            size_t momentum_at)
 {
-    return fabs(inputs->p[at]) + (fabs(inputs->dp[at]) + inputs->sums.reach[momentum_at] * inputs->per_weight);
+    return fabs(inputs->start_p[coordinate_at]) +
+           (fabs(inputs->momentum_increment[coordinate_at]) +
+            inputs->impulse_sums.end_impulse_size[momentum_at] * inputs->inverse_end_weight);
 }
 
-static inline double galerkin_movement(const galerkin_tail_inputs *inputs, size_t at)
+static inline double galerkin_movement_size(const galerkin_tail_inputs *inputs, size_t coordinate_at)
 {
-    return inputs->sums.reach[at] * inputs->per_weight;
+    return inputs->impulse_sums.end_impulse_size[coordinate_at] * inputs->inverse_end_weight;
 }
 
-/* The tail's part for a component, with the indices of its coordinate and of its momentum in the arrays. */
-static inline tvi_tail_part galerkin_tail_part(const galerkin_tail_inputs *inputs, bool is_separable, double scale,
-                                               double per_scale, size_t at, size_t momentum_at)
+/* Returns the contribution of one component to the tail. `coordinate_at` is the index of its coordinate in the
+ * arrays, and `momentum_at` that of its momentum. */
+static inline tvi_tail_part galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, bool is_separable,
+                                                            double scale, double inverse_scale, size_t coordinate_at,
+                                                            size_t momentum_at)
 {
-    const double *last = inputs->sums.last;
-    tvi_tail_part part = {.momentum = galerkin_momentum(inputs, at, momentum_at),
+    const double *last = inputs->impulse_sums.last_term;
+    tvi_tail_part part = {.momentum = galerkin_momentum_size(inputs, coordinate_at, momentum_at),
                           .last_p = last[momentum_at],
-                          .last_q = is_separable ? 0 : last[at],
-                          .position = fabs(inputs->q[at])};
+                          .last_q = is_separable ? 0 : last[coordinate_at],
+                          .position = fabs(inputs->start_q[coordinate_at])};
     part.per_momentum = 1 / part.momentum;
-    part.movement = is_separable ? fabs(scale) * part.momentum : galerkin_movement(inputs, at);
-    part.per_movement = is_separable ? per_scale * part.per_momentum : 1 / part.movement;
+    part.movement = is_separable ? fabs(scale) * part.momentum : galerkin_movement_size(inputs, coordinate_at);
+    part.per_movement = is_separable ? inverse_scale * part.per_momentum : 1 / part.movement;
     return part;
 }
 
-/* The rise of a coordinate with a mass, in two parts: drift + drift_low + scale (twice + twice_low). */
-static inline double galerkin_rise(double drift, double drift_low, double scale, double twice, double twice_low,
-                                   double *low)
+/* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (double_integral +
+ * double_integral_low), and sets *low to the low-order part of the result. */
+static inline double galerkin_position_increment(double drift, double drift_low, double scale, double double_integral,
+                                                 double double_integral_low, double *low)
 {
-    const double rise = scale * twice;
+    const double rise = scale * double_integral;
     double rest;
     const double sum = tvi_two_sum(drift, rise, &rest);
-    *low = rest + (fma(scale, twice, -rise) + fma(scale, twice_low, drift_low));
+    *low = rest + (fma(scale, double_integral, -rise) + fma(scale, double_integral_low, drift_low));
     return sum;
 }
 
-/* A component that is small beside the others of its group has no less roundoff than these. */
+/* A component that is smaller than this part of the largest component of its subsystem is measured by that part: its
+ * roundoff is no smaller than that of the others. */
 #define TVI_GALERKIN_LEAST_SHARE 1e-3
 
-/* The nodes of a step. The rate of an unknown, F_j = rates[slot[u]][j], acts by its impulses L_j = weight_j F_j. These
- * are rounded once and enter all sums alike: what these sums conserve does not depend on the rounding of L_j. */
+/* The unknowns of a step at its nodes. The rate F_j of an unknown at node j acts by its impulse L_j =
+ * impulse_weight_j F_j. Impulses are rounded once and enter all sums alike, so that conservation laws of these sums
+ * do not depend on the rounding of L_j. Unless noted otherwise, arrays have the shape of galerkin_array_shape. */
 typedef struct {
     int lanes, unknowns;
-    /* Movements are of all unknowns if moving = unknowns, otherwise of `moving` unknowns of each half. */
-    int half, moving;
-    int points, width;
-    double *x;
-    double *start;        /* [unknowns][width] the unknowns at the start of the step */
-    double *high, *base;  /* as x, without F, in two parts */
-    double *weight;       /* [lanes] h b_j */
-    double *impulse;      /* as x, L of the last movement, in the history */
-    double *scale;        /* [unknowns] factor of the sums of L */
-    double *inverse_size; /* [unknowns][width] */
-    /* [n] The momentum that moves a coordinate by 1 in the step; infinite: not known. */
-    double *per_movement;
-    tvi_subsystems parts;
-    /* [width] All bits, or none: the impulses of members that do not move stay as they are. */
-    const long long *is_moving;
+    /* A pass moves all unknowns if moving_unknowns = unknowns. Otherwise it moves the first moving_unknowns of the
+     * coordinates and of the momenta, each of which has half_unknowns unknowns. */
+    int half_unknowns, moving_unknowns;
+    int node_count, member_count;
+    double *values;
+    double *start_values; /* [unknowns][member_count] the unknowns at the start of the step */
+    /* The values that the unknowns would have without impulses, and their low-order parts. */
+    double *free_values, *free_values_low;
+    double *impulse_weight; /* [lanes] the step times the quadrature weight, h b_j */
+    double *impulses;       /* the impulses L_j of the last movement, stored in the history */
+    double *impulse_scale;  /* [unknowns] the factor of each unknown's sums of impulses */
+    /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
+    double *inverse_size;
+    /* [n] The momentum that moves a coordinate by 1 in this step, or infinity if the mass is not known. */
+    double *momentum_per_movement;
+    tvi_subsystems subsystems;
+    /* [member_count] Mask, with all bits set if the member still makes passes. The impulses of all other members
+     * stay unchanged. */
+    const long long *is_member_moving;
 } galerkin_nodes;
 
-/* A copy of the nodes with all unknowns moving. */
-static inline galerkin_nodes galerkin_all_moving(const galerkin_nodes *nodes)
+/* Returns a copy of the nodes in which passes move all unknowns. */
+static inline galerkin_nodes galerkin_nodes_with_all_moving(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
-    all.moving = all.unknowns;
+    all.moving_unknowns = all.unknowns;
     return all;
 }
 
-/* Evaluates out[u][k] = start[u] + (theta[k] drift[u] + scale[u] sum_j table_jk impulses[u][j]), u < count, k < places.
- * places is 1, the number of lanes or TVI_SAMPLES; table [lanes][places]. */
+/* The inputs of the kernel `evaluate`, which computes components of the curve at several points: out[u][k] =
+ * start_values[u] + (theta[k] drift[u] + impulse_scale[u] sum_j table_jk impulses[u][j]) with u < component_count
+ * and k < point_count. point_count is 1, the number of lanes or TVI_SAMPLES. The table is [lanes][point_count]. */
 typedef struct {
-    int lanes, places, count;
-    const double *theta, *start, *drift, *scale;
-} galerkin_evaluation;
+    int lanes, point_count, component_count;
+    const double *theta, *start_values, *drift, *impulse_scale;
+} galerkin_curve_evaluation;
 
-/* A matrix A of n rows at each node. */
+/* An n x n matrix A at each node, whose inverse the kernel `invert` computes. */
 typedef struct {
     int n;
-    double *lu;                       /* [n][n][lanes] A: fill it, then invert, which may leave its factors there */
-    double *inverse;                  /* [n][n][lanes] */
+    /* [n][n][lanes] The matrix A before the inversion, which may replace A by its LU factors. */
+    double *lu;
+    double *inverse;                  /* [n][n][lanes] the inverse of A */
     double *row_scale, *column_scale; /* [n][lanes] */
-    int *pivot;                       /* [n][lanes] */
-    bool exchanges;                   /* there is a row that is not its own pivot */
-    double *x;                        /* [n][lanes] scratch */
-} lanes_inverse;
+    int *pivot_row;                   /* [n][lanes] */
+    bool has_row_exchanges;           /* whether partial pivoting exchanged any rows */
+    double *scratch_column;           /* [n][lanes] scratch space for one column */
+} lanes_matrix_inverse;
 
-/* Element (i, column) of a matrix, in a slot of a block. */
+/* A nonzero element of a row of the Hessian: its column, and the slot of the tape's block that contains it. */
 typedef struct {
     int column, slot;
-} lanes_term;
+} lanes_hessian_element;
 
-/* The gradient of L(q, v) to first order about where it was evaluated, at each node. */
+/* The Taylor expansion to first order of the gradient of L(q, v), at each node, about the point where the gradient
+ * was evaluated (the centre). */
 typedef struct {
     int n, lanes;
-    double *moved;          /* [2n][lanes] how far from where it was evaluated; */
-    const double *gradient; /* [2n][lanes] there */
-    const double *hessian;  /* the block of the second derivatives, */
-    const lanes_term *term; /* those that are not 0, row after row, */
-    const int *end;         /* [2n] and where the row ends */
-} lanes_model;
+    double *displacement;          /* [2n][lanes] the displacement of (q, v) from the centre */
+    const double *centre_gradient; /* [2n][lanes] the gradient at the centre */
+    const double *hessian_block;   /* the tape's block that contains the second derivatives */
+    /* The elements of the Hessian that are not 0, row after row. */
+    const lanes_hessian_element *hessian_element;
+    const int *row_end; /* [2n] the index in hessian_element at which each row ends */
+} lanes_gradient_expansion;
 
-/* Second derivatives at each node: what drives unknowns, the rows, by the movement of those that move and that
- * something else depends on, the columns. The rows are those of the columns, then those that nothing depends on: both
- * in groups of LANES_ROWS, whose sums do not wait for each other, then of half as many, and so on. */
+/* The data of the inner rounds of a Newton pass (kernel_rounds.h), for a matrix of second derivatives at each node.
+ * Its rows are the unknowns whose rates depend on others. Its columns are the unknowns that move and that enter some
+ * rate. The rows that are also columns come first. Rows are stored in groups of LANES_ROWS, whose sums are
+ * independent of each other; the rest is in groups of half as many, and so on. */
 enum { LANES_ROWS = 4 };
-static inline int lanes_group(int rows) { return rows >= LANES_ROWS ? LANES_ROWS : rows >= 2 ? 2 : 1; }
+static inline int lanes_row_group_size(int rows) { return rows >= LANES_ROWS ? LANES_ROWS : rows >= 2 ? 2 : 1; }
 typedef struct {
-    int count, moving, rows; /* columns, their rows, all rows */
-    const int *unknown;      /* [rows] */
-    const int *index;        /* group by group [count][group] in the block of the second derivatives: */
-    const double *hessian;   /* it has zeros, too */
-    float *matrix;           /* of a movement, [lanes][lanes] */
-    float *packed;           /* the same, [count][group][lanes] */
-    double *size, *per_size; /* [rows] of the unknowns, in this step */
-    float *change, *total;   /* [rows][lanes] the last round's, and all with the movement, */
-    float *impulse, *all;    /* [rows][lanes] and the impulses by both */
-} lanes_rounds;
+    /* The numbers of columns, of rows that are also columns, and of all rows. */
+    int column_count, moving_row_count, row_count;
+    const int *unknown_of_row; /* [rows] */
+    /* The index of each matrix element in the block of second derivatives, for one group of rows after the other,
+     * [column_count][group]. */
+    const int *hessian_index;
+    /* The block of second derivatives, which also contains zeros for missing elements. */
+    const double *hessian_block;
+    /* [lanes][lanes] The factors of impulses in movements, in single precision. */
+    float *impulse_matrix;
+    /* The matrix elements in single precision, for one group of rows after the other, [column_count][group][lanes]. */
+    float *packed_hessian;
+    /* [row_count] The size of each unknown in this step, and its reciprocal. */
+    double *unknown_size, *inverse_unknown_size;
+    /* [row_count][lanes] The change of the unknowns in the last round, and the sum of the changes of all rounds. */
+    float *round_change, *total_change;
+    /* [row_count][lanes] The impulses that follow from round_change, and those that follow from total_change. */
+    float *round_impulse, *total_impulse;
+} lanes_inner_rounds;
 
-/* The loops for one member, or for several: see kernel.h. */
-typedef struct galerkin_loops {
-    /* Set the unknowns at the start: both halves for equations of first order; and those of a separable system, whose
-     * drift + drift_low = scale (p + p_low) is also set. */
+/* The kernels of a step, for one member or for several; kernel.h defines them. */
+typedef struct galerkin_kernels {
+    /* `start` sets the unknowns to the state at the start of the step, for equations of first order.
+     * `start_drifting` does so for a separable system, and also sets drift + drift_low = scale (p + p_low). */
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
                            double *drift_low);
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *by);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
-    /* Moves x = high + (base + scale sum_j matrix_ji L_j), with the matrix of coefficients.h. moved [width] are the
-     * sums of the squares of (change of x) inverse_size, a NaN if there is one. */
+    /* Sets the impulses L_j from the rates, and moves the unknowns x to free_values + (free_values_low + scale sum_j
+     * matrix_ji L_j), with the matrix of coefficients.h. moved [member_count] is the sum of the squares of (change
+     * of x) inverse_size; it is a NaN if any change is a NaN. */
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                  double moved[]);
-    /* Sums the impulses of the last movement. */
-    void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
-    /* Compute the increments from the results of `integrate`: dq = drift + drift_low + scale twice, dp = once for a
-     * separable system; otherwise scale once. */
-    void (*end_drifting)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
+    /* Computes the sums of the impulses of the last movement that the end of the step needs. */
+    void (*integrate)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
+                      const galerkin_impulse_sums *sums);
+    /* `end_drifting` and `end` compute the increments of the state from the sums of `integrate`: dq = drift +
+     * drift_low + scale double_integral and dp = single_integral for a separable system, and scale single_integral
+     * for any other. */
+    void (*end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, const double *drift,
                          const double *drift_low, const tvi_increments *by);
-    void (*end)(const galerkin_nodes *nodes, const galerkin_sums *sums, int n, const tvi_increments *by);
-    /* Computes tail [width]; share, ratio [n][width] are scratch. */
+    void (*end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n, const tvi_increments *by);
+    /* Computes the tail of each member, [member_count]. share and ratio [n][member_count] are scratch space. */
     void (*tail)(const galerkin_tail_inputs *inputs, int width, double *share, double *ratio, double tail[]);
 
-    /* Only for several members: does what tvi_passes_add_and_judge does, for pass number `count` of the members that
-     * move. Returns how many go on. */
-    int (*judge)(galerkin_verdicts *verdicts, const tvi_passes_rule *rule, int width, int count);
+    /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which members
+     * have converged in pass number `count`. It returns how many members still make passes. */
+    int (*judge)(galerkin_batch_convergence *verdicts, const tvi_passes_rule *rule, int width, int count);
 
-    /* Only for one member: does what `move` does, and sets displacements [unknowns][lanes], so that x is high +
-     * displacements, rounded. */
+    /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
+     * displacements [unknowns][lanes]: the moved values are free_values + displacements, rounded. */
     double (*move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                             double *displacements);
-    /* Does what `move` does, with L_j = weight_j F_j + changes[u][j], rounded once. */
+    /* Does what `move` does, with the impulses L_j = impulse_weight_j F_j + changes[u][j], which are rounded once. */
     double (*move_both)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const double *changes,
                         const int slot[]);
     /* Computes the changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it
      * (kernel_rounds.h). The rounds end when the square of the next movement is expected to be at most `least`, or the
      * error of the first order. The changes are 0 if the movements do not shrink. `moved` belongs to the pass whose
      * second derivatives serve again, unless they are new. */
-    void (*run_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *rates, const int slot[],
-                       bool is_new, double moved, double least, double *changes);
-    void (*evaluate)(const galerkin_evaluation *places, const double *table, const double *impulses, double *out);
+    void (*run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
+                       const int slot[], bool is_new, double moved, double least, double *changes);
+    void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);
 
-    /* For a Lagrangian: inverts the matrix of each lane. Returns the smallest pivot, relative to rows and columns of
-     * size 1, or 1 where all pivots are as large as what stood on the diagonal, or nearly; 0 where there is a NaN. */
-    double (*invert)(lanes_inverse *of);
-    /* V = from + A^-1 ((P - p) - change), [n][lanes] each. */
-    void (*correct)(const lanes_inverse *of, const double *P, const double *p, const double *change, const double *from,
-                    double *V);
-    /* out = L_q after the movement, [n][lanes], and what that of q alone changes in L_v. */
-    void (*linearise)(const lanes_model *model, double *out);
-} galerkin_loops;
+    /* Inverts the matrix of each lane, for a Lagrangian. It returns the smallest pivot, relative to rows and columns
+     * that are scaled to size 1. It returns 1 if no pivot is much smaller than the diagonal element that it came
+     * from, and 0 if there is a NaN. */
+    double (*invert)(lanes_matrix_inverse *of);
+    /* Computes the corrected velocities V = from + A^-1 ((P - p) - change), [n][lanes] each, with the inverse of A =
+     * L_vv. */
+    void (*correct)(const lanes_matrix_inverse *of, const double *P, const double *p, const double *change,
+                    const double *from, double *V);
+    /* Sets `out` [2n][lanes] to the expansion of L_q after the displacement, and to the change of L_v by the
+     * displacement of q alone. */
+    void (*linearise)(const lanes_gradient_expansion *model, double *out);
+} galerkin_kernels;
 
-/* The loops for one member with each number of lanes, and for several members. */
-extern const galerkin_loops *const tvi_galerkin_loops_base[GALERKIN_LOOPS],
-    *const tvi_galerkin_loops_avx2[GALERKIN_LOOPS], *const tvi_galerkin_loops_avx512[GALERKIN_LOOPS];
-extern const galerkin_loops *const tvi_galerkin_members_base, *const tvi_galerkin_members_avx2,
-                                                                  *const tvi_galerkin_members_avx512;
+/* The kernels for one member, one table for each number of lanes, and the kernels for several members. Each
+ * instruction set has its own. */
+extern const galerkin_kernels *const tvi_galerkin_kernels_base[GALERKIN_KERNEL_TABLES],
+    *const tvi_galerkin_kernels_avx2[GALERKIN_KERNEL_TABLES],
+        *const tvi_galerkin_kernels_avx512[GALERKIN_KERNEL_TABLES];
+extern const galerkin_kernels *const tvi_galerkin_batch_kernels_base, *const tvi_galerkin_batch_kernels_avx2,
+                                                                          *const tvi_galerkin_batch_kernels_avx512;
 
 #endif

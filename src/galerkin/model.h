@@ -1,5 +1,6 @@
-/* model.h - Prepares the gradient of L or K and its derivatives at the nodes. Passes that know these solve the
- * equations to first order about the points where the gradient was evaluated (docs/method.md section 5). */
+/* model.h - Declares the tape blocks and tables of passes that use second derivatives: the gradient of L or of K and
+ * its derivatives at the nodes. These passes solve the equations to first order about the points where the gradient
+ * was evaluated (docs/method.md section 5). */
 #ifndef TVI_SRC_GALERKIN_MODEL_H
 #define TVI_SRC_GALERKIN_MODEL_H
 
@@ -7,20 +8,21 @@
 #include "galerkin/field.h"
 
 typedef struct {
-    galerkin_blocks blocks;
-    lanes_model lanes;
-    lanes_term *term; /* [2 hessian_entries] terms of the gradient */
-    int *end;         /* [2n] ends of its rows */
-} galerkin_model;
+    galerkin_tape_blocks blocks;
+    lanes_gradient_expansion expansion;
+    /* [2 hessian_entries] The elements of the Hessian, row after row. */
+    lanes_hessian_element *hessian_element;
+    int *row_end; /* [2n] the index in hessian_element at which each row ends */
+} galerkin_hessian_model;
 
-void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field);
-/* Sets the tables for `predict`, also those of the rates. */
-void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field);
+void tvi_galerkin_allocate_hessian_model(galerkin_hessian_model *model, tvi_arena *arena, const galerkin_field *field);
+/* Fills the tables of second derivatives, and the factors from impulses to rates that the predictor uses. */
+void tvi_galerkin_prepare_hessian_model(galerkin_hessian_model *model, const galerkin_field *field);
 
-/* Runs the tapes of the field in the blocks, with its noise. */
-galerkin_sweep tvi_galerkin_sweep;
+/* Evaluates a tape of the field in its block, and adds the displacements of value_noise. */
+galerkin_sweep tvi_galerkin_sweep_tape;
 
-/* Writes the constants of the model in generated code. */
-void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model);
+/* Writes the tables of second derivatives into generated code, as constants. */
+void tvi_galerkin_emit_hessian_model(jet_text *text, const galerkin_hessian_model *model);
 
 #endif

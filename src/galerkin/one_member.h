@@ -1,5 +1,5 @@
-/* one_member.h - Defines the loops that only a single member has: impulses in two parts, and the curve at other
- * points. */
+/* one_member.h - Defines the loops that exist only for a single member: impulses with small changes, and the curve
+ * at points between the nodes. */
 #ifndef TVI_SRC_GALERKIN_ONE_MEMBER_H
 #define TVI_SRC_GALERKIN_ONE_MEMBER_H
 
@@ -8,8 +8,8 @@
 
 #include <math.h>
 
-/* a b + c, rounded once if c is small beside a b; without fused operations by Dekker's product. */
-JET_INLINE double product_and(double a, double b, double c)
+/* Returns a b + c, rounded once if c is small compared with a b. Without a fused operation it uses Dekker's product. */
+JET_INLINE double multiply_add_rounded_once(double a, double b, double c)
 {
 #ifdef __FMA__
     return JET_FMA_OF_NUMBERS(a, b, c);
@@ -20,42 +20,43 @@ JET_INLINE double product_and(double a, double b, double c)
 #endif
 }
 
-/* Sets the impulses L = weight F + change. If rates and changes were added first, a change of less than a unit of the
- * rate would be rounded in the same way from step to step (docs/method.md section 6). */
+/* Sets the impulses L = weight F + change. Were rates and changes added first, a change of less than a unit roundoff
+ * of the rate would be rounded in the same way from step to step (docs/method.md section 6). */
 JET_INLINE void set_impulses_with_changes(const double *weight, const double *rate, const double *change,
                                           double *restrict impulse, int lanes)
 {
     JET_IN_VECTORS
-    for (int i = 0; i < lanes; i++) impulse[i] = product_and(weight[i], rate[i], change[i]);
+    for (int i = 0; i < lanes; i++) impulse[i] = multiply_add_rounded_once(weight[i], rate[i], change[i]);
 }
 
 #define EVALUATE(V, S)                                                                                                 \
     {                                                                                                                  \
-        const V theta = *(const V *)(p->theta + here);                                                                 \
+        const V theta = *(const V *)(evaluation->theta + here);                                                        \
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
-        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + here);                              \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * point_count + here);                         \
         for (int u = 0; u < count; u++) {                                                                              \
             V sums[CHAINS] = {0};                                                                                      \
             for (int j = 0; j < lanes; j++)                                                                            \
                 sums[j % CHAINS] += row[j] * impulses[(size_t)u * (size_t)lanes + (size_t)j];                          \
-            *(V *)(out + u * places + here) =                                                                          \
+            *(V *)(out + u * point_count + here) =                                                                     \
                 start[u] + (theta * drift[u] + scale[u] * ((sums[0] + sums[1]) + (sums[2] + sums[3])));                \
         }                                                                                                              \
     }
 
-JET_INLINE void evaluate_count(const galerkin_evaluation *p, const double *table, const double *impulses,
-                               double *restrict out, int lanes, int places)
+JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evaluation, const double *table,
+                                         const double *impulses, double *restrict out, int lanes, int point_count)
 {
-    const double *start = p->start, *drift = p->drift, *scale = p->scale;
-    const int count = p->count;
-    JET_BLOCKS(places, EVALUATE, );
+    const double *start = evaluation->start_values, *drift = evaluation->drift, *scale = evaluation->impulse_scale;
+    const int count = evaluation->component_count;
+    JET_BLOCKS(point_count, EVALUATE, );
 }
 
-JET_INLINE void evaluate_lanes(const galerkin_evaluation *p, const double *table, const double *impulses, double *out,
-                               int lanes)
+JET_INLINE void evaluate_curve_of_lanes(const galerkin_curve_evaluation *evaluation, const double *table,
+                                        const double *impulses, double *out, int lanes)
 {
-    if (p->places == TVI_SAMPLES) evaluate_count(p, table, impulses, out, lanes, TVI_SAMPLES);
-    else evaluate_count(p, table, impulses, out, lanes, p->places);
+    if (evaluation->point_count == TVI_SAMPLES)
+        evaluate_curve_at_points(evaluation, table, impulses, out, lanes, TVI_SAMPLES);
+    else evaluate_curve_at_points(evaluation, table, impulses, out, lanes, evaluation->point_count);
 }
 
 #endif

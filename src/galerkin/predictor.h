@@ -5,57 +5,66 @@
 #include "galerkin/coefficients.h"
 #include "galerkin/field.h"
 
-/* The last two steps, in the arena's history. */
+/* The last two steps: the arena's history stores this structure and their impulses. */
 typedef struct {
-    double h, h_before; /* 0: none */
-    double t;           /* the time where the last one began */
-    /* The convergence of its passes, or of those before it if its passes do not show it. */
+    /* The sizes of the last step and of the step before it; 0 if there is none. */
+    double step_size, previous_step_size;
+    double start_time; /* the time at which the last step began */
+    /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
     galerkin_convergence convergence;
-    long ring_index; /* of its impulses in the ring */
+    long ring_index; /* the index of the last step's impulses in the ring */
 } galerkin_history;
 
-/* Tells whether the index of a loaded history is within the ring. */
-static inline bool galerkin_is_sound(const galerkin_history *last)
+/* Returns whether the ring index of a loaded history is within the ring. */
+static inline bool galerkin_is_ring_index_valid(const galerkin_history *last)
 {
     return last->ring_index >= 0 && last->ring_index < GALERKIN_RING;
 }
 
 typedef struct {
-    galerkin_history *last;
-    /* The ring of impulses in the history: [unknowns][lanes] of a step. */
-    double *impulses[GALERKIN_RING];
-    /* Tables of galerkin_extrapolation, for earlier steps of the size of this one. */
-    double *from_two, *from_last;
-    /* A first movement of this size, of all unknowns together, makes predictions rough: if these are off by a
-     * hundredth, the last step alone predicts better. */
-    double rough_limit;
-    /* [j][lanes] The table from a step of size h / ratio to one that begins after `part` of it. */
-    double *from_one;
-    double ratio, part;   /* ratio 0: none yet */
-    double *extrapolated; /* [unknowns][lanes] the extrapolated rates */
-    double *none, *one;   /* [unknowns + lanes] 0 and 1 */
+    galerkin_history *history;
+    /* The impulses of the last steps, [unknowns][lanes] each, stored in the history as a ring buffer. */
+    double *impulse_ring[GALERKIN_RING];
+    /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
+    double *two_step_table, *last_step_table;
+    /* If the first movement of a step is larger than this, its prediction was off by more than a hundredth. The next
+     * step is then predicted from the last step alone. */
+    double rough_prediction_limit;
+    /* [j][lanes] The factors of the last step's impulses in a step that is table_step_ratio times as large, and that
+     * begins after the part table_start_part of the last step. */
+    double *resized_step_table;
+    /* The ratio is 0 before the table is first computed. */
+    double table_step_ratio, table_start_part;
+    /* [unknowns][lanes] The rates that were extrapolated from the last step. */
+    double *extrapolated_rates;
+    double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */
 } galerkin_predictor;
 
-void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const galerkin_field *field);
-void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field);
-/* Tells whether a step of size h from t begins where the last one ended. */
-static inline bool galerkin_is_next(const galerkin_history *last, double h, double t)
+void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena, const galerkin_field *field);
+void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                    const galerkin_field *field);
+/* Returns whether a step of size h from time t begins where the last step ended. */
+static inline bool galerkin_follows_last_step(const galerkin_history *last, double h, double t)
 {
-    return fabs(t - (last->t + last->h)) < 0.25 * fabs(h);
+    return fabs(t - (last->start_time + last->step_size)) < 0.25 * fabs(h);
 }
 
-/* Tells whether the step of the field's size from t begins after `part` of the last one, which it sets, and its nodes
- * are near those of that step. */
-bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part);
-/* How many of the last two steps have the size of this one, which begins where the last one ended. */
-int tvi_galerkin_known(const galerkin_predictor *w, const galerkin_field *field, double part);
-/* Sets the field's unknowns by the last step, if no step of the same size precedes. */
-void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
-                              galerkin_field *field, double part);
-/* The impulses of the last step, of steps before it, and of the next one: after_last <= 1. */
-static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int after_last)
+/* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those
+ * of the last step. *start_part is the part of the last step after which the new step begins. */
+bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
+                                             double *start_part);
+/* Returns how many of the last two steps have the size of this step, which begins where the last step ended if part
+ * is 1. */
+int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
+                                          double start_part);
+/* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */
+void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                         const galerkin_dense_output *dense, galerkin_field *field, double start_part);
+/* Returns the impulses of the last step if steps_after_last is 0, of an earlier step if it is negative, and of the next
+ * step if it is 1. */
+static inline double *tvi_galerkin_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
 {
-    return w->impulses[(w->last->ring_index + after_last + GALERKIN_RING) % GALERKIN_RING];
+    return predictor->impulse_ring[(predictor->history->ring_index + steps_after_last + GALERKIN_RING) % GALERKIN_RING];
 }
 
 #endif

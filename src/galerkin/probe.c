@@ -1,6 +1,6 @@
-/* probe.c - Defines when the passes of a Galerkin step may end (algebra/passes.h), and measures the roundoff of a pass,
- * which passes cannot go below. For a small motion about a position of size 1 that is more than the roundoff of its
- * momenta: they have no more digits than the force at this position. */
+/* probe.c - Defines when the passes of a Galerkin step may end (algebra/passes.h), and measures the roundoff of a
+ * pass, below which movements cannot fall. For a small motion about a position of size 1 this roundoff exceeds that
+ * of the momenta, since they have no more digits than the force at this position. */
 #include "galerkin/probe.h"
 #include "method/passes_rule.h"
 
@@ -26,13 +26,14 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
 
-tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_of_one, int numbers,
+                                               const tvi_options *options)
 {
-    tvi_passes_rule rule = *of_one;
+    tvi_passes_rule rule = *rule_of_one;
     rule.correction_goal *= numbers;
     rule.roundoff_level *= numbers;
-    rule = tvi_passes_rule_with_options(&rule, o, SQUARE(o->tolerance));
-    if (o->passes == TVI_PREDICT_ONLY) rule.max_passes = 0;
+    rule = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
+    if (options->passes == TVI_PREDICT_ONLY) rule.max_passes = 0;
     return rule;
 }
 
@@ -42,82 +43,90 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
  * them as far. */
 enum { UNITS = 16 };
 
-static size_t numbers(const galerkin_field *field, int rows) { return (size_t)rows * (size_t)field->nodes.lanes; }
-
-void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field)
+static size_t count_numbers_in_rows(const galerkin_field *field, int row_count)
 {
-    tvi_roundoff_allocate(&probe->of_field, arena, field->system);
-    probe->before = tvi_arena_doubles(arena, numbers(field, field->rows));
-    probe->displaced = tvi_arena_doubles(arena, numbers(field, field->rows));
-    probe->base = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
-    probe->impulse = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
+    return (size_t)row_count * (size_t)field->nodes.lanes;
 }
 
-/* Displaces the unknowns, and the values that passes bring them back to, by some units of the roundoff of a pass, up or
- * down by the bits of a sequence. */
-static void displace(galerkin_nodes *nodes)
+void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field)
+{
+    tvi_roundoff_allocate(&probe->field_roundoff, arena, field->system);
+    probe->values_before_pass = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
+    probe->values_of_displaced_pass = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
+    probe->saved_free_values_low = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
+    probe->saved_impulses = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
+}
+
+/* Displaces the unknowns, and the free values from which passes compute them, by UNITS units of roundoff. The signs
+ * are the bits of a pseudorandom sequence. */
+static void displace_unknowns(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes && u % nodes->half < nodes->moving; k++) {
-            const double size = UNITS * DBL_EPSILON * (fabs(nodes->start[u]) + fabs(nodes->x[k] - nodes->start[u]));
+        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes && u % nodes->half_unknowns < nodes->moving_unknowns;
+             k++) {
+            const double size =
+                UNITS * DBL_EPSILON * (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-            nodes->x[k] += bits >> 63 ? size : -size;
-            nodes->base[k] += bits >> 63 ? size : -size;
+            nodes->values[k] += bits >> 63 ? size : -size;
+            nodes->free_values_low[k] += bits >> 63 ? size : -size;
         }
 }
 
-/* The square of the relative distance from x to the unknowns. */
-static double distance(const galerkin_nodes *nodes, const double *x)
+/* Returns the sum of the squares of the relative differences between x and the unknowns. */
+static double squared_distance_to_unknowns(const galerkin_nodes *nodes, const double *x)
 {
     double sum = 0;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes; k++) {
-            const double part = (nodes->x[k] - x[k]) * nodes->inverse_size[u];
+            const double part = (nodes->values[k] - x[k]) * nodes->inverse_size[u];
             sum += part * part;
         }
     return sum;
 }
 
-/* Makes a pass from displaced unknowns, and restores everything. */
-static tvi_status pass_displaced(galerkin_field *field, galerkin_probe *probe, double *moved, tvi_stats *stats)
+/* Makes a pass from displaced unknowns, stores its result in the probe, and restores the nodes. */
+static tvi_status make_displaced_pass(galerkin_field *field, galerkin_roundoff_probe *probe, double *movement,
+                                      tvi_stats *stats)
 {
     galerkin_nodes *nodes = &field->nodes;
-    const size_t bytes = numbers(field, field->rows) * sizeof(double);
-    const size_t base_bytes = numbers(field, nodes->unknowns) * sizeof(double);
-    memcpy(probe->base, nodes->base, base_bytes);
-    memcpy(probe->impulse, nodes->impulse, base_bytes);
-    displace(nodes);
-    field->noise = &probe->of_field;
-    const tvi_status status = tvi_galerkin_pass(field, moved, stats);
-    field->noise = NULL;
-    memcpy(probe->displaced, nodes->x, bytes);
-    memcpy(nodes->x, probe->before, bytes);
-    memcpy(nodes->base, probe->base, base_bytes);
-    memcpy(nodes->impulse, probe->impulse, base_bytes);
+    const size_t bytes = count_numbers_in_rows(field, field->saved_row_count) * sizeof(double);
+    const size_t base_bytes = count_numbers_in_rows(field, nodes->unknowns) * sizeof(double);
+    memcpy(probe->saved_free_values_low, nodes->free_values_low, base_bytes);
+    memcpy(probe->saved_impulses, nodes->impulses, base_bytes);
+    displace_unknowns(nodes);
+    field->value_noise = &probe->field_roundoff;
+    const tvi_status status = tvi_galerkin_make_pass(field, movement, stats);
+    field->value_noise = NULL;
+    memcpy(probe->values_of_displaced_pass, nodes->values, bytes);
+    memcpy(nodes->values, probe->values_before_pass, bytes);
+    memcpy(nodes->free_values_low, probe->saved_free_values_low, base_bytes);
+    memcpy(nodes->impulses, probe->saved_impulses, base_bytes);
     return status;
 }
 
 /* Measures a pass and its roundoff. The rounds of a pass may move the unknowns back and forth, so that only the
  * distance from their old to their new values counts. */
-tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, double *moved, double *roundoff,
-                                tvi_stats *stats)
+tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundoff_probe *probe, double *movement,
+                                         double *roundoff, tvi_stats *stats)
 {
     const galerkin_nodes *nodes = &field->nodes;
-    memcpy(probe->before, nodes->x, numbers(field, field->rows) * sizeof(double));
-    stats->force_evaluations +=
-        tvi_roundoff_estimate_of_field(&probe->of_field, field->system, field->inputs, nodes->lanes, field->points);
-    for (int i = 0; i < tvi_system_output_count(field->system); i++) probe->of_field.change[i] *= UNITS;
-    tvi_status status = pass_displaced(field, probe, moved, stats);
-    if (status == TVI_OK) status = tvi_galerkin_pass(field, moved, stats);
-    *roundoff = distance(nodes, probe->displaced);
-    *moved = distance(nodes, probe->before);
+    memcpy(probe->values_before_pass, nodes->values,
+           count_numbers_in_rows(field, field->saved_row_count) * sizeof(double));
+    stats->force_evaluations += tvi_roundoff_estimate_of_field(&probe->field_roundoff, field->system, field->tape_block,
+                                                               nodes->lanes, field->node_count);
+    for (int i = 0; i < tvi_system_output_count(field->system); i++) probe->field_roundoff.change[i] *= UNITS;
+    tvi_status status = make_displaced_pass(field, probe, movement, stats);
+    if (status == TVI_OK) status = tvi_galerkin_make_pass(field, movement, stats);
+    *roundoff = squared_distance_to_unknowns(nodes, probe->values_of_displaced_pass);
+    *movement = squared_distance_to_unknowns(nodes, probe->values_before_pass);
     return status;
 }
 
-bool tvi_galerkin_is_near(const galerkin_field *field, const tvi_origin *origin)
+bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
-    return tvi_roundoff_is_motion_small(field->system, field->h, origin->q, origin->p, nodes->x,
-                                        nodes->x + field->system->n * nodes->lanes, nodes->lanes, field->points);
+    return tvi_roundoff_is_motion_small(field->system, field->step_size, origin->q, origin->p, nodes->values,
+                                        nodes->values + field->system->n * nodes->lanes, nodes->lanes,
+                                        field->node_count);
 }

@@ -1,29 +1,35 @@
-/* probe.h - Declares the rules of the passes of a Galerkin step, and measures the roundoff of a pass (docs/method.md
- * section 5). */
+/* probe.h - Declares the rules that end the passes of a Galerkin step, and the function that measures the roundoff
+ * of a pass (docs/method.md section 5). */
 #ifndef TVI_SRC_GALERKIN_PROBE_H
 #define TVI_SRC_GALERKIN_PROBE_H
 
 #include "galerkin/field.h"
 #include "system/roundoff.h"
 
-/* The work for measuring the roundoff of a pass. */
+/* The memory for measuring the roundoff of a pass. */
 typedef struct {
-    tvi_roundoff of_field;
-    double *before, *displaced; /* [rows][lanes] */
-    double *base, *impulse;     /* [unknowns][lanes] */
-} galerkin_probe;
+    tvi_roundoff field_roundoff;
+    /* [rows][lanes] The values before a pass, and after a pass from displaced values. */
+    double *values_before_pass, *values_of_displaced_pass;
+    /* [unknowns][lanes] Copies of the nodes' arrays of these names. */
+    double *saved_free_values_low, *saved_impulses;
+} galerkin_roundoff_probe;
 
-void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field);
+void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
-/* The rule for all numbers of a step, from that for one unknown at one node, with the options. */
-tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *options);
+/* Returns the rule for all `numbers` unknowns at all nodes of a step, from the rule for a single one and from the
+ * user's options. */
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_of_one, int numbers,
+                                               const tvi_options *options);
 
-/* Tells whether the nodes have not run off (roundoff.h). */
-bool tvi_galerkin_is_near(const galerkin_field *field, const tvi_origin *origin);
+/* Returns whether the nodes are still near the start of the step (tvi_roundoff_is_motion_small of roundoff.h), and have not
+ * diverged. */
+bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_origin *origin);
 
-/* Makes the next pass, which moves the unknowns by *moved, and measures its roundoff: the difference to a pass from
- * displaced unknowns, with displaced values of the field. Both results are squares as the passes have them. */
-TVI_NODISCARD tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, double *moved,
-                                              double *roundoff, tvi_stats *stats);
+/* Makes the next pass, which moves the unknowns by *movement, and measures its roundoff: the difference from a pass
+ * with displaced unknowns and displaced values of the field. Both results are sums of squares, as the passes measure
+ * movements. */
+TVI_NODISCARD tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundoff_probe *probe,
+                                                       double *movement, double *roundoff, tvi_stats *stats);
 
 #endif

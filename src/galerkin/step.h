@@ -1,4 +1,4 @@
-/* step.h - Declares the work of a step of the Galerkin curve (galerkin.c), which the steps of several members share
+/* step.h - Declares the stepper of the Galerkin curve (galerkin.c). The stepper of several members uses it, too
  * (batch.c). */
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
@@ -13,26 +13,29 @@ typedef struct {
     galerkin_field field;
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
-    galerkin_probe probe;
-    tvi_passes_rule rule;
-    galerkin_dense dense;
-    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; otherwise 0 */
-    double *share, *ratio;     /* [n] of the tail */
-    double *rise;              /* [2n] factors of the integrals of the impulses in q and p */
+    galerkin_roundoff_probe probe;
+    tvi_passes_rule passes_rule;
+    galerkin_dense_output dense_output;
+    /* [unknowns] h M^-1 p0 of a separable system, and its low-order part; 0 for any other system. */
+    double *drift, *drift_low;
+    double *tail_share, *tail_ratio; /* [n] scratch space of the tail */
+    /* [2n] The factors of integrals of the impulses in the changes of q and p. */
+    double *change_scale;
     galerkin_tail_inputs tail_inputs;
-    galerkin_frame frame;      /* refers to the members above */
-    const galerkin_code *code; /* also makes steps; NULL: the library alone does */
-} galerkin;
+    galerkin_step_data step_data; /* points to the members above */
+    /* The functions of the system's generated code; NULL if there is none. */
+    const galerkin_code *generated_code;
+} galerkin_stepper;
 
-/* Sets the weights and scales of the nodes, which depend on the size of the step alone. */
-void tvi_galerkin_set_size(galerkin *w, double h);
+/* Computes the weights and scales of the nodes for the step h, if it differs from the last one. */
+void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 
-/* Define tvi_stepper.dense and .sample. */
-void tvi_galerkin_dense(void *work, double theta, double dq[], double dp[]);
-void tvi_galerkin_sample(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
-                         double *q, double *p);
+/* These functions are tvi_stepper.dense and tvi_stepper.sample of the Galerkin curve. */
+void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[]);
+void tvi_galerkin_compute_samples(void *work, const tvi_component_range used[2], const double q_start[],
+                                  const double p_start[], double *q, double *p);
 
-/* Tells whether the system's passes know no second derivatives. */
-bool tvi_galerkin_is_plain(const tvi_system *system);
+/* Returns whether the passes of this system use no second derivatives. */
+bool tvi_galerkin_needs_no_hessian(const tvi_system *system);
 
 #endif

@@ -9,225 +9,248 @@
 #include "tvi.h"
 #include "vector.h"
 
-/* The data that all steps share. */
-typedef struct galerkin_frame {
-    const galerkin_loops *loops;
+/* The data of a stepper that its steps use: the kernels, the nodes, the coefficient tables and the memory. */
+typedef struct galerkin_step_data {
+    const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
     const galerkin_tail_inputs *tail_inputs;
-    const galerkin_weights *weights;
-    const tvi_passes_rule *rule;
-    const double *matrix, *c;
-    const double *from_two, *from_last; /* of galerkin_extrapolation */
-    /* The size of a first movement beyond which the last step alone predicts better. */
-    double rough_limit;
-    double *drift, *drift_low; /* [unknowns][width] h M^-1 p0 of a separable system, in two parts */
-    double *share, *ratio;     /* [n][width] of the tail */
-    double *const *impulses;   /* [GALERKIN_RING] of steps; in the history */
-    void *own;                 /* of the form of the field: lagrangian_passes, hamiltonian_passes */
-    const double *h;           /* the size of the step */
-} galerkin_frame;
+    const galerkin_end_weights *end_weights;
+    const tvi_passes_rule *passes_rule;
+    const double *impulse_matrix, *node_abscissa;
+    const double *two_step_table, *last_step_table; /* the tables of galerkin_extrapolation */
+    /* If the first movement of a step is larger than this, the next step is predicted from the last step alone. */
+    double rough_prediction_limit;
+    /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
+    double *drift, *drift_low;
+    double *tail_share, *tail_ratio; /* [n][member_count] scratch space of the tail */
+    /* [GALERKIN_RING] The impulses of the last steps, stored in the history. */
+    double *const *impulse_ring;
+    /* lagrangian_passes or hamiltonian_passes, or NULL if passes use no second derivatives. */
+    void *form_work;
+    const double *step_size; /* points to the size h of the step */
+} galerkin_step_data;
 
-/* The functions that evaluate the field for the passes of a step. */
+/* The functions that make the passes of a step and predict its unknowns. The library and generated code supply
+ * different ones. */
 typedef struct {
-    /* Makes the next pass from the current unknowns. moved [width] is measured as in loops.h. A roundoff that is not
-     * NULL asks, for passes that no longer shrink, for the movement by the roundoff of a pass, if it can be
-     * measured; `moved` then has the movement of the pass before. */
+    /* Makes the next pass from the current unknowns. moved [member_count] is the movement, as the kernel `move`
+     * measures it. If passes no longer shrink, the caller passes a roundoff that is not NULL: the function then also
+     * measures how far the roundoff of a pass moves the unknowns, if it can. */
     tvi_status (*pass)(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff);
     void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by);
-    void (*made)(void *work); /* called after each step of a run; NULL: nothing */
+    void (*made)(void *work); /* called after each step of a run, unless it is NULL */
     void *work;
-} galerkin_solver;
+} galerkin_pass_functions;
 
-/* The passes of one member in a step. */
+/* The state of the iteration that solves the equations of one member's step. */
 typedef struct {
-    tvi_status status; /* TVI_ENOCONV if they are stuck, or too many */
-    int count;
+    tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
+    int pass_count;
     tvi_passes passes;
-    galerkin_convergence convergence; /* of an earlier step of the same size, then of this one */
-} galerkin_trial;
+    /* The convergence of an earlier step of the same size, and then of this step. */
+    galerkin_convergence convergence;
+} galerkin_member_iteration;
 
-/* The results of several steps, apart from the increments of the state. */
+/* The results of several steps in a row, apart from the increments of the state. */
 typedef struct galerkin_outcome {
-    tvi_status status; /* of the step after them, if fewer were made than asked for */
-    /* Passes of the step that ended the run, which is made in another way. */
-    int tried;
-    long made, count; /* steps, and passes of all of them */
-    /* How many of the passes evaluated second derivatives at the nodes, in generated code. */
-    long factors;
-    /* The index of the impulses of the last step in the ring, and how many of the last two steps have this size. */
-    int ring_index, known;
-    galerkin_convergence convergence; /* of the last step */
-    double t;                         /* where the last step began */
-    /* The last movement of the last step, a square as passes have it, and its tail. */
-    double moved, tail;
-    double largest_tail; /* of these steps, and of those before */
+    /* The status of the step that ended the run, if fewer steps were made than requested. */
+    tvi_status status;
+    /* The number of passes of the step that ended the run. The caller makes this step again in another way. */
+    int failed_pass_count;
+    /* The number of steps that were made, and of all their passes. */
+    long step_count, pass_count;
+    /* The number of passes that evaluated second derivatives at the nodes; generated code alone sets it. */
+    long hessian_pass_count;
+    /* The index of the last step's impulses in the ring, and how many of the last two steps have the size of this
+     * step. */
+    int last_ring_index, equal_step_count;
+    galerkin_convergence convergence; /* the convergence of the last step */
+    double last_start_time;           /* the time at which the last step began */
+    /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
+    double last_movement, last_tail;
+    double largest_tail; /* the largest tail of these steps and of all earlier ones */
 } galerkin_outcome;
 
 /* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
 
-JET_INLINE void galerkin_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const tvi_origin *origin)
+JET_INLINE void galerkin_start_unknowns(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                        const tvi_origin *origin)
 {
-    if (frame->tail_inputs->is_separable)
-        GALERKIN_LOOP(frame->loops, start_drifting, nodes, frame->c, origin, frame->drift, frame->drift_low);
-    else GALERKIN_LOOP(frame->loops, start, nodes, frame->tail_inputs->n, origin);
+    if (step_data->tail_inputs->is_separable)
+        GALERKIN_KERNEL(step_data->kernels, start_drifting, nodes, step_data->node_abscissa, origin, step_data->drift,
+                        step_data->drift_low);
+    else GALERKIN_KERNEL(step_data->kernels, start, nodes, step_data->tail_inputs->n, origin);
 }
 
-JET_INLINE double *galerkin_ring_buffer(const galerkin_frame *frame, int ring_index)
+JET_INLINE double *galerkin_impulses_in_ring(const galerkin_step_data *step_data, int ring_index)
 {
-    return frame->impulses[ring_index < 0               ? ring_index + GALERKIN_RING
-                           : ring_index < GALERKIN_RING ? ring_index
-                                                        : ring_index - GALERKIN_RING];
+    return step_data->impulse_ring[ring_index < 0               ? ring_index + GALERKIN_RING
+                                   : ring_index < GALERKIN_RING ? ring_index
+                                                                : ring_index - GALERKIN_RING];
 }
 
-/* Tells whether the last step alone predicts the unknowns of a member, as a mask: all bits, or none. */
-JET_INLINE long long galerkin_is_rough(const galerkin_frame *frame, int known, double first)
+/* Returns a mask with all bits set if the last step alone predicts the unknowns of a member, and 0 otherwise. */
+JET_INLINE long long galerkin_is_prediction_rough(const galerkin_step_data *step_data, int known, double first)
 {
-    return known < 2 || first > frame->rough_limit ? -1 : 0;
+    return known < 2 || first > step_data->rough_prediction_limit ? -1 : 0;
 }
 
-JET_INLINE galerkin_extrapolation galerkin_from_steps(const galerkin_frame *frame, int ring_index,
-                                                      const long long *is_rough)
+JET_INLINE galerkin_extrapolation galerkin_extrapolate_last_steps(const galerkin_step_data *step_data, int ring_index,
+                                                                  const long long *is_rough)
 {
-    return (galerkin_extrapolation){*frame->h,
-                                    frame->from_two,
-                                    frame->from_last,
-                                    galerkin_ring_buffer(frame, ring_index),
-                                    galerkin_ring_buffer(frame, ring_index - 1),
+    return (galerkin_extrapolation){*step_data->step_size,
+                                    step_data->two_step_table,
+                                    step_data->last_step_table,
+                                    galerkin_impulses_in_ring(step_data, ring_index),
+                                    galerkin_impulses_in_ring(step_data, ring_index - 1),
                                     is_rough};
 }
 
-/* Adds a pass of a member, with its movement. */
-JET_INLINE tvi_passes_verdict galerkin_judge(const tvi_passes_rule *rule, galerkin_trial *trial, double moved)
+/* Records a pass of a member with this movement, and decides whether the iteration may end. */
+JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, galerkin_member_iteration *iteration,
+                                                  double moved)
 {
-    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&trial->passes, rule, moved);
-    if (trial->count++ == 0) trial->convergence.first = moved;
-    trial->convergence.slowest = trial->passes.slowest;
-    trial->status = !(moved < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
-    return trial->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
+    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&iteration->passes, rule, moved);
+    if (iteration->pass_count++ == 0) iteration->convergence.first_movement = moved;
+    iteration->convergence.slowest_contraction = iteration->passes.slowest;
+    iteration->status = !(moved < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
+    return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
-/* Makes passes of the members that move, until the rule lets them end. A member whose passes are stuck moves no
- * more. */
-JET_INLINE void galerkin_solve_members(const galerkin_frame *frame, const galerkin_nodes *nodes,
-                                       const galerkin_solver *solver, galerkin_verdicts *verdicts)
+/* Makes passes of all members that have not converged, until each has converged. A member whose passes are stuck
+ * moves no more. */
+JET_INLINE void galerkin_iterate_members(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                         const galerkin_pass_functions *pass_functions,
+                                         galerkin_batch_convergence *verdicts)
 {
     int left = 0;
-    for (int m = 0; m < nodes->width; m++) {
-        verdicts->size[m] = verdicts->before[m] = INFINITY;
-        verdicts->part[m] = verdicts->shown[m] = verdicts->count[m] = 0;
+    for (int m = 0; m < nodes->member_count; m++) {
+        verdicts->correction[m] = verdicts->correction_before[m] = INFINITY;
+        verdicts->contraction[m] = verdicts->correction_without_roundoff[m] = verdicts->pass_count[m] = 0;
         verdicts->has_ended[m] = 0;
         left -= (int)verdicts->is_moving[m];
     }
-    for (int count = 1; left > 0 && count <= frame->rule->max_passes; count++) {
-        (void)solver->pass(solver->work, nodes, verdicts->moved, NULL);
-        left = frame->loops->judge(verdicts, frame->rule, nodes->width, count);
+    for (int count = 1; left > 0 && count <= step_data->passes_rule->max_passes; count++) {
+        (void)pass_functions->pass(pass_functions->work, nodes, verdicts->movement, NULL);
+        left = step_data->kernels->judge(verdicts, step_data->passes_rule, nodes->member_count, count);
     }
 }
 
-/* Makes the passes of one member. Their roundoff is measured if they are stuck. */
-JET_INLINE void galerkin_solve(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_solver *solver,
-                               galerkin_trial *trial, double *moved)
+/* Makes the passes of one member until they converge. If they are stuck, their roundoff is measured. */
+JET_INLINE void galerkin_iterate_member(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                        const galerkin_pass_functions *pass_functions,
+                                        galerkin_member_iteration *iteration, double *moved)
 {
-    const int most = frame->rule->max_passes;
+    const int most = step_data->passes_rule->max_passes;
     bool is_stuck = false;
-    tvi_passes_begin(&trial->passes, trial->convergence.slowest);
-    trial->count = 0;
-    trial->status = most > 0 ? TVI_ENOCONV : TVI_OK;
+    tvi_passes_begin(&iteration->passes, iteration->convergence.slowest_contraction);
+    iteration->pass_count = 0;
+    iteration->status = most > 0 ? TVI_ENOCONV : TVI_OK;
     *moved = 0;
-    while (trial->count < most) {
-        const bool suspects = is_stuck && trial->passes.roundoff == 0 && trial->count + 1 < most;
-        const tvi_status status = solver->pass(solver->work, nodes, moved, suspects ? &trial->passes.roundoff : NULL);
+    while (iteration->pass_count < most) {
+        const bool suspects = is_stuck && iteration->passes.roundoff == 0 && iteration->pass_count + 1 < most;
+        const tvi_status status =
+            pass_functions->pass(pass_functions->work, nodes, moved, suspects ? &iteration->passes.roundoff : NULL);
         if (status != TVI_OK) {
-            trial->status = status;
+            iteration->status = status;
             return;
         }
-        trial->count += suspects && trial->passes.roundoff > 0;
-        const tvi_passes_verdict verdict = galerkin_judge(frame->rule, trial, *moved);
+        iteration->pass_count += suspects && iteration->passes.roundoff > 0;
+        const tvi_passes_verdict verdict = galerkin_judge_pass(step_data->passes_rule, iteration, *moved);
         if (verdict == TVI_PASSES_MAY_END) return;
         is_stuck |= verdict == TVI_PASSES_STUCK;
     }
 }
 
-/* Computes the increments of a step from its impulses, and its tail, [width]. */
-JET_INLINE void galerkin_end_step(const galerkin_frame *frame, const galerkin_nodes *nodes, const tvi_origin *origin,
-                                  const tvi_increments *by, double tail[])
+/* Computes the increments of a step from its impulses, and the tail of each member, [member_count]. */
+JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                            const tvi_origin *origin, const tvi_increments *by, double tail[])
 {
-    galerkin_tail_inputs inputs = *frame->tail_inputs;
-    inputs.q = origin->q;
-    inputs.p = origin->p;
-    inputs.dp = by->dp;
-    GALERKIN_LOOP(frame->loops, integrate, nodes, frame->weights, &inputs.sums);
+    galerkin_tail_inputs inputs = *step_data->tail_inputs;
+    inputs.start_q = origin->q;
+    inputs.start_p = origin->p;
+    inputs.momentum_increment = by->dp;
+    GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->end_weights, &inputs.impulse_sums);
     if (inputs.is_separable)
-        GALERKIN_LOOP(frame->loops, end_drifting, nodes, &inputs.sums, frame->drift, frame->drift_low, by);
-    else GALERKIN_LOOP(frame->loops, end, nodes, &inputs.sums, inputs.n, by);
-    for (int m = 0; m < nodes->width; m++) tail[m] = 0;
-    if (nodes->points > 1) GALERKIN_LOOP(frame->loops, tail, &inputs, nodes->width, frame->share, frame->ratio, tail);
+        GALERKIN_KERNEL(step_data->kernels, end_drifting, nodes, &inputs.impulse_sums, step_data->drift,
+                        step_data->drift_low, by);
+    else GALERKIN_KERNEL(step_data->kernels, end, nodes, &inputs.impulse_sums, inputs.n, by);
+    for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
+    if (nodes->node_count > 1)
+        GALERKIN_KERNEL(step_data->kernels, tail, &inputs, nodes->member_count, step_data->tail_share,
+                        step_data->tail_ratio, tail);
 }
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
-JET_INLINE bool galerkin_sums_are_finite(int count, const double *x, const double *dx)
+JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const double *dx)
 {
     uint64_t any = 0;
     for (int i = 0; i < count; i++) any |= tvi_nonfinite_bits(x[i] + dx[i]);
     return any == 0;
 }
 
-/* Adds the step to the state. Returns false if its energy has to be checked, or if it is not finite. */
-JET_INLINE bool galerkin_advance(int n, const tvi_step_run *row, const tvi_run_state *now, double tail, int passes)
+/* Adds the increments of a step to the state. Returns false, and adds nothing, if the energy has to be checked
+ * first, or if the result would not be finite. */
+JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_step_run *run, const tvi_run_state *state, double tail,
+                                           int passes)
 {
-    if (!(tail <= row->skip_limits.tail && passes <= row->skip_limits.passes)) return false;
-    if (!tvi_step_ends_before_limit(row, now->q)) return false;
-    if (!galerkin_sums_are_finite(n + 1, now->q, row->increments.dq)) return false;
-    if (!galerkin_sums_are_finite(n, now->p, row->increments.dp)) return false;
-    (void)tvi_add_all_compensated(n + 1, now->q, now->q_low, row->increments.dq, row->increments.dq_low);
-    (void)tvi_add_all_compensated(n, now->p, now->p_low, row->increments.dp, row->increments.dp_low);
+    if (!(tail <= run->skip_limits.tail && passes <= run->skip_limits.passes)) return false;
+    if (!tvi_step_ends_before_limit(run, state->q)) return false;
+    if (!galerkin_are_sums_finite(n + 1, state->q, run->increments.dq)) return false;
+    if (!galerkin_are_sums_finite(n, state->p, run->increments.dp)) return false;
+    (void)tvi_add_all_compensated(n + 1, state->q, state->q_low, run->increments.dq, run->increments.dq_low);
+    (void)tvi_add_all_compensated(n, state->p, state->p_low, run->increments.dp, run->increments.dp_low);
     return true;
 }
 
-/* Makes steps of one member from the origin, which is `now` and is updated. If `now` is NULL, it makes one step, which
- * is not added. If no step precedes the first one, `begin` of galerkin.c has set its unknowns. */
-JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_solver *solver,
-                                    const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
-                                    galerkin_outcome *to)
+/* Makes steps of one member in a row from the origin, and adds them to `state`. If `state` is NULL, it makes a
+ * single step and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first
+ * step. */
+JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerkin_nodes *nodes,
+                                    const galerkin_pass_functions *pass_functions, const tvi_step_run *run,
+                                    const tvi_origin *origin, const tvi_run_state *state, galerkin_outcome *outcome)
 {
-    const int n = frame->tail_inputs->n;
-    while (to->made < row->steps) {
-        const double t = now ? now->q[n] : origin->t;
-        galerkin_trial trial = {.convergence = to->convergence};
+    const int n = step_data->tail_inputs->n;
+    while (outcome->step_count < run->steps) {
+        const double t = state ? state->q[n] : origin->t;
+        galerkin_member_iteration iteration = {.convergence = outcome->convergence};
         double moved, tail;
-        nodes->impulse = galerkin_ring_buffer(frame, to->ring_index + 1);
-        galerkin_start(frame, nodes, origin);
-        if (to->known > 0) {
-            const long long is_rough = galerkin_is_rough(frame, to->known, to->convergence.first);
-            const galerkin_extrapolation by = galerkin_from_steps(frame, to->ring_index, &is_rough);
-            solver->predict(solver->work, nodes, &by);
+        nodes->impulses = galerkin_impulses_in_ring(step_data, outcome->last_ring_index + 1);
+        galerkin_start_unknowns(step_data, nodes, origin);
+        if (outcome->equal_step_count > 0) {
+            const long long is_rough =
+                galerkin_is_prediction_rough(step_data, outcome->equal_step_count, outcome->convergence.first_movement);
+            const galerkin_extrapolation by =
+                galerkin_extrapolate_last_steps(step_data, outcome->last_ring_index, &is_rough);
+            pass_functions->predict(pass_functions->work, nodes, &by);
         }
-        GALERKIN_LOOP(frame->loops, set_sizes, nodes, n);
-        galerkin_solve(frame, nodes, solver, &trial, &moved);
-        to->status = trial.status;
-        if (trial.status == TVI_OK) galerkin_end_step(frame, nodes, origin, &row->increments, &tail);
-        if (trial.status != TVI_OK || (now && !galerkin_advance(n, row, now, tail, trial.count))) {
-            to->tried = trial.count;
+        GALERKIN_KERNEL(step_data->kernels, set_sizes, nodes, n);
+        galerkin_iterate_member(step_data, nodes, pass_functions, &iteration, &moved);
+        outcome->status = iteration.status;
+        if (iteration.status == TVI_OK) galerkin_compute_increments(step_data, nodes, origin, &run->increments, &tail);
+        if (iteration.status != TVI_OK ||
+            (state && !galerkin_add_step_to_state(n, run, state, tail, iteration.pass_count))) {
+            outcome->failed_pass_count = iteration.pass_count;
             return;
         }
-        to->made++;
-        if (solver->made) solver->made(solver->work);
-        to->count += trial.count;
-        to->ring_index = (to->ring_index + 1) % GALERKIN_RING;
-        to->known += to->known < 2;
-        to->convergence = trial.convergence;
-        to->t = t;
-        to->moved = moved;
-        to->tail = tail;
-        to->largest_tail = tvi_larger(tail, to->largest_tail);
+        outcome->step_count++;
+        if (pass_functions->made) pass_functions->made(pass_functions->work);
+        outcome->pass_count += iteration.pass_count;
+        outcome->last_ring_index = (outcome->last_ring_index + 1) % GALERKIN_RING;
+        outcome->equal_step_count += outcome->equal_step_count < 2;
+        outcome->convergence = iteration.convergence;
+        outcome->last_start_time = t;
+        outcome->last_movement = moved;
+        outcome->last_tail = tail;
+        outcome->largest_tail = tvi_larger(tail, outcome->largest_tail);
     }
 }
 
-/* The steps of generated code: galerkin_make_steps. */
+/* The function of generated code that makes steps, as galerkin_make_steps does. */
 typedef struct galerkin_code {
-    void (*steps)(const galerkin_frame *frame, const tvi_step_run *row, const tvi_origin *origin,
-                  const tvi_run_state *now, galerkin_outcome *to);
+    void (*steps)(const galerkin_step_data *step_data, const tvi_step_run *run, const tvi_origin *origin,
+                  const tvi_run_state *state, galerkin_outcome *outcome);
 } galerkin_code;
 
 #endif

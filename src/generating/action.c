@@ -8,60 +8,61 @@
 #include <math.h>
 #include <string.h>
 
-double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve)
+double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve->n, points = action->points;
-    tvi_roundoff *roundoff = &action->roundoff;
+    tvi_roundoff *roundoff = &action->field_roundoff;
     if (tvi_curve_factor_slope(curve) != TVI_OK) return 0;
-    (void)tvi_roundoff_estimate_of_field(roundoff, curve->system, action->x, points, points);
+    (void)tvi_roundoff_estimate_of_field(roundoff, curve->system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
-        const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->on_v + i * points, 1);
-        action->correction[i] = tvi_roundoff_random_sign(roundoff, roundoff->change[n + i] + of_v);
+        const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
+        action->momentum_correction[i] = tvi_roundoff_random_sign(roundoff, roundoff->change[n + i] + of_v);
     }
-    tvi_factor_solve(&curve->slope, action->correction);
-    return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(n, action->correction, 1);
+    tvi_factor_solve(&curve->velocity_hessian, action->momentum_correction);
+    return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(n, action->momentum_correction, 1);
 }
 
-tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                               const double p[])
+tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                            const double p[])
 {
     const size_t panel = (size_t)(curve->n * action->points) * sizeof *q;
-    memcpy(action->x, q, panel);
-    memcpy(action->on_v, v, panel);
-    memcpy(action->momentum, p, panel);
-    seeds_place_times(action, curve, action->x);
+    memcpy(action->field_block, q, panel);
+    memcpy(action->gradient_by_v, v, panel);
+    memcpy(action->node_momentum, p, panel);
+    seeds_set_node_times(action, curve, action->field_block);
     return seeds_lagrange_terms(action, curve);
 }
 
-/* Computes the terms of truncated nodes with q'_i = H_p(q_i, p_i): on_q = tau (H_qp p - H_q), on_p = tau H_pp p, on_v =
- * -p. */
-static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
+/* Computes the gradient of the action at truncated nodes, where q'_i = H_p(q_i, p_i): gradient_by_q = tau (H_qp p -
+ * H_q), gradient_by_p = tau H_pp p and gradient_by_v = -p. */
+static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const int n = curve->n, points = action->points;
     const size_t panel = (size_t)(n * points) * sizeof(double);
     const bool separable = system->form == TVI_SEPARABLE;
-    if (!separable) memcpy(action->x + n * points, action->momentum, panel);
-    const tvi_status status = seeds_run_field(action);
+    if (!separable) memcpy(action->field_block + n * points, action->node_momentum, panel);
+    const tvi_status status = seeds_evaluate_field(action);
     if (status != TVI_OK) return status;
-    seeds_copy_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->on_q);
+    seeds_copy_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
     if (!separable) {
-        memcpy(action->bend, action->x, (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
-        memcpy(action->bend + (2 * n + 1) * points, action->momentum, panel);
-        if (!jet_sweep_values(system->bend_values, action->bend, points)) return TVI_EDOMAIN;
+        memcpy(action->bend_block, action->field_block,
+               (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
+        memcpy(action->bend_block + (2 * n + 1) * points, action->node_momentum, panel);
+        if (!jet_sweep_values(system->bend_values, action->bend_block, points)) return TVI_EDOMAIN;
     }
     for (int i = 0; i < n; i++)
         for (int node = 0; node < points; node++) {
             const int place = i * points + node;
             if (separable) {
-                action->on_p[place] = curve->tau * action->momentum[place] / system->mass[i];
+                action->gradient_by_p[place] = curve->tau * action->node_momentum[place] / system->mass[i];
             } else {
-                action->on_q[place] +=
-                    curve->tau * seeds_output_row(action, system->bend_values, action->bend, i)[node];
-                action->on_p[place] =
-                    curve->tau * seeds_output_row(action, system->bend_values, action->bend, n + i)[node];
+                action->gradient_by_q[place] +=
+                    curve->tau * seeds_field_output_row(action, system->bend_values, action->bend_block, i)[node];
+                action->gradient_by_p[place] =
+                    curve->tau * seeds_field_output_row(action, system->bend_values, action->bend_block, n + i)[node];
             }
-            action->on_v[place] = -action->momentum[place];
+            action->gradient_by_v[place] = -action->node_momentum[place];
         }
     return TVI_OK;
 }
@@ -76,27 +77,29 @@ static tvi_seeds_fn *const plainly_of[JET_ISA_COUNT] = {
 #endif
 };
 
-static tvi_status seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     if (seeds_are_plain(action)) {
-        if (!curve->code || !curve->code->seed) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
-        const tvi_status status = curve->code->seed(action, curve, seed_Q, seed_U);
-        /* momenta that are stuck: whether by roundoff is measured */
+        if (!curve->generated_code || !curve->generated_code->seed)
+            return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
+        const tvi_status status = curve->generated_code->seed(action, curve, seed_Q, seed_U);
+        /* The library solves for the momenta again if the iteration is stuck, and measures whether that is roundoff. */
         if (status == TVI_ENOCONV) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
-        if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(action->field, action->x, action->points);
+        if (status == TVI_EDOMAIN)
+            (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;
     }
     seeds_begin(action, curve, seed_Q, seed_U);
-    const tvi_status status = bent_terms(action, curve);
+    const tvi_status status = compute_truncated_node_terms(action, curve);
     if (status == TVI_OK) seeds_end(action, curve, seed_Q, seed_U);
     return status;
 }
 
-tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const int seeds = (curve->top + 1) * curve->n;
     const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const tvi_status status = seed(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_seeds(action, curve, seed_Q, seed_U);
     if (status != TVI_OK) return status;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }

@@ -8,33 +8,35 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Returns an action with its sizes alone: those of the step of one curve, which generated code knows. */
-tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options);
+/* Returns an action of which only the sizes are set, for the curve of one step. Generated code has these sizes as
+ * constants. */
+tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options);
 /* Returns the tape of the field at the nodes of the action. */
-const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind);
+const jet_tape *tvi_select_node_field(const tvi_system *system, tvi_action_kind kind);
 /* Allocates an action. q_degree and p_degree are the degrees of the curve that the action uses; all options are
  * resolved. mirrors: the span is symmetric, and nodes may be there twice (seeds.h). width: that of the curve. */
-void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width);
-void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top);
+void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width);
+void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top);
 
 /* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns
  * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV (the velocities of a Hamiltonian). */
-TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+TVI_NODISCARD tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
+                                                  double seed_U[]);
 
-/* These are seeds_plainly (seeds.h), each compiled for one instruction set. */
+/* These functions are seeds_plainly of seeds.h, compiled for one instruction set each. */
 typedef tvi_status tvi_seeds_fn(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 tvi_seeds_fn tvi_seeds_plainly_base, tvi_seeds_plainly_avx2, tvi_seeds_plainly_avx512;
 
-/* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times: from positions q, velocities v
- * and momenta p, [n][points] each, on_q = tau L_q and on_v = L_v - p. */
-TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
-                                             const double p[]);
+/* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities
+ * v and momenta p, [n][points] each, it computes gradient_by_q = tau L_q and gradient_by_v = L_v - p. */
+TVI_NODISCARD tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[],
+                                                          const double v[], const double p[]);
 
 /* Estimates the roundoff of q and p at the ends of a step of size h from (q, p), [n] each. It comes from the field at
  * the nodes of the gradient last formed, and from p itself; it is 0 if the motion is larger than q and p. Returns how
  * many values of the field this cost. */
-int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
-                        double of_q[], double of_p[]);
+int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                              double q_roundoff[], double p_roundoff[]);
 
 #endif

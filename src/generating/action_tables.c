@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *options)
+static bool is_integration_by_parts_exact(const tvi_action *action, const tvi_options *options)
 {
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
 }
@@ -17,7 +17,8 @@ static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *o
 static int half_of(const tvi_system *system, int points, int width)
 {
     if (width > 1) return (points + 1) / 2;
-    const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2, whole = seeds_width(half);
+    const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2,
+              whole = seeds_round_up_to_vectors(half);
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
@@ -27,7 +28,7 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
     const int points = options->quadrature_points;
     const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
     tvi_action shape = {.is_hamilton = is_hamilton,
-                        .truncated = options->nodes == TVI_NODES_TRUNCATED,
+                        .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
                         .has_velocity_defect = !is_hamilton && !is_separable,
                         .has_momentum_defect = is_hamilton && (!is_separable || p_degree >= q_degree),
                         .q_degree = q_degree,
@@ -36,13 +37,13 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
                         .orders = top + 1,
                         .width = width};
     if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        shape.half = half_of(system, points, width);
-        shape.points = 2 * shape.half;
+        shape.half_points = half_of(system, points, width);
+        shape.points = 2 * shape.half_points;
     }
     return shape;
 }
 
-tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options)
+tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = expanded->has_top_momentum ? degree : degree - 1;
@@ -51,52 +52,59 @@ tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options)
                     expanded->span.from == -expanded->span.to, 1);
 }
 
-const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind)
+const jet_tape *tvi_select_node_field(const tvi_system *system, tvi_action_kind kind)
 {
     return system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_LAGRANGE ? system->field_series : system->field_values;
 }
 
-static void take_table(tvi_node_table *table, tvi_arena *arena, size_t rows, size_t columns, size_t half_rows, int half)
+static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, size_t rows, size_t columns, size_t half_rows,
+                                int half)
 {
-    const size_t halves = half_rows * (size_t)seeds_width(half);
-    table->full = tvi_arena_doubles(arena, rows * columns);
-    table->even = tvi_arena_doubles(arena, halves);
-    table->odd = tvi_arena_doubles(arena, halves);
+    const size_t halves = half_rows * (size_t)seeds_round_up_to_vectors(half);
+    table->all_orders = tvi_arena_doubles(arena, rows * columns);
+    table->even_orders = tvi_arena_doubles(arena, halves);
+    table->odd_orders = tvi_arena_doubles(arena, halves);
 }
 
-void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width)
+void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width)
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n * (size_t)width;
     *action = shape_of(system, options, kind, q_degree, p_degree, top, mirrors, width);
     const size_t points = (size_t)action->points;
-    action->field = tvi_action_field(system, kind);
-    action->sweeps = action->field->sweeps;
-    action->s = tvi_arena_doubles(arena, points);
-    action->weight = tvi_arena_doubles(arena, points);
-    tvi_node_table *const at_nodes[] = {&action->power, &action->slope, &action->second_slope, &action->node_power};
-    for (int i = 0; i < 4; i++) take_table(at_nodes[i], arena, orders, points, (orders + 1) / 2, action->half);
-    take_table(&action->weighted_power, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
-    take_table(&action->weighted_slope, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
-    action->row = tvi_arena_doubles(arena, orders * (size_t)width);
-    if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
-    action->x = tvi_arena_allocate_block(arena, action->field, 1, action->points * width, 0);
-    if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
-        action->bend = tvi_arena_allocate_block(arena, system->bend_values, 1, action->points, 0);
-    action->P = tvi_arena_doubles(arena, orders * n);
-    double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
+    action->field_tape = tvi_select_node_field(system, kind);
+    action->sweeps = action->field_tape->sweeps;
+    action->node_s = tvi_arena_doubles(arena, points);
+    action->node_weight = tvi_arena_doubles(arena, points);
+    tvi_node_table *const at_nodes[] = {&action->power_table, &action->slope_table, &action->second_slope_table,
+                                        &action->node_power_table};
+    for (int i = 0; i < 4; i++)
+        allocate_node_table(at_nodes[i], arena, orders, points, (orders + 1) / 2, action->half_points);
+    allocate_node_table(&action->weighted_power_table, arena, points, orders, (size_t)action->half_points,
+                        (int)(orders + 1) / 2);
+    allocate_node_table(&action->weighted_slope_table, arena, points, orders, (size_t)action->half_points,
+                        (int)(orders + 1) / 2);
+    action->order_row = tvi_arena_doubles(arena, orders * (size_t)width);
+    if (!is_integration_by_parts_exact(action, options))
+        action->by_parts_error = tvi_arena_doubles(arena, orders * orders);
+    action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
+    if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->has_truncated_nodes)
+        action->bend_block = tvi_arena_allocate_block(arena, system->bend_values, 1, action->points, 0);
+    action->momentum_coefficients = tvi_arena_doubles(arena, orders * n);
+    double **const panels[] = {&action->node_momentum, &action->node_force, &action->gradient_by_q,
+                               &action->gradient_by_v, &action->gradient_by_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
-    action->correction = tvi_arena_doubles(arena, n * points);
-    if (action->field != system->field_values) {
+    action->momentum_correction = tvi_arena_doubles(arena, n * points);
+    if (action->field_tape != system->field_values) {
         action->H_pp = tvi_arena_doubles(arena, n * n * points);
-        action->dx = tvi_arena_doubles(arena, (size_t)action->field->slots * points);
+        action->field_tangent_block = tvi_arena_doubles(arena, (size_t)action->field_tape->slots * points);
     }
-    tvi_roundoff_allocate(&action->roundoff, arena, system);
+    tvi_roundoff_allocate(&action->field_roundoff, arena, system);
 }
 
 /* Returns the error of the quadrature for s^r on the span; it is exactly 0 below the order of the quadrature. */
-static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
-                               tvi_scaled_span span)
+static double compute_quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
+                                       tvi_scaled_span span)
 {
     if (r < order) return 0;
     long double error = -(powl(span.to, r + 1) - powl(span.from, r + 1)) / (r + 1);
@@ -104,71 +112,73 @@ static double quadrature_error(int order, int points, const long double s[], con
     return (double)error;
 }
 
-static void fill_powers(tvi_action *action, int node, long double s, bool at_end)
+static void set_power_tables(tvi_action *action, int node, long double s, bool at_end)
 {
     for (int k = 2; k < action->orders; k++)
-        action->second_slope.full[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
+        action->second_slope_table.all_orders[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int place = k * action->points + node, weighted = node * action->orders + k;
-        const bool left_out = action->truncated && k == action->q_degree && !at_end;
+        const bool left_out = action->has_truncated_nodes && k == action->q_degree && !at_end;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
-        action->power.full[place] = power;
-        action->slope.full[place] = slope;
-        action->node_power.full[place] = left_out ? 0 : power;
-        action->weighted_power.full[weighted] = action->weight[node] * power;
-        action->weighted_slope.full[weighted] = action->weight[node] * slope;
+        action->power_table.all_orders[place] = power;
+        action->slope_table.all_orders[place] = slope;
+        action->node_power_table.all_orders[place] = left_out ? 0 : power;
+        action->weighted_power_table.all_orders[weighted] = action->node_weight[node] * power;
+        action->weighted_slope_table.all_orders[weighted] = action->node_weight[node] * slope;
     }
 }
 
-/* Copies the even and the odd orders at the first half of the nodes. */
-static void fill_halves(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirrored)
+/* Copies the even and the odd orders of a table at the first half of the nodes to the table's halves. */
+static void set_even_and_odd_orders(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirrored)
 {
-    const int half = action->half, orders = action->orders, width = seeds_width((orders + 1) / 2);
-    table->mirrored = mirrored;
+    const int half = action->half_points, orders = action->orders, width = seeds_round_up_to_vectors((orders + 1) / 2);
+    table->mirror_sign = mirrored;
     for (int k = 0; k < orders; k++)
         for (int node = 0; node < half; node++) {
-            double *rows = k % 2 == 0 ? table->even : table->odd;
-            if (is_weighted) rows[node * width + k / 2] = table->full[node * orders + k];
-            else rows[k / 2 * half + node] = table->full[k * action->points + node];
+            double *rows = k % 2 == 0 ? table->even_orders : table->odd_orders;
+            if (is_weighted) rows[node * width + k / 2] = table->all_orders[node * orders + k];
+            else rows[k / 2 * half + node] = table->all_orders[k * action->points + node];
         }
 }
 
-/* Returns the node of the rule that a point is, and sets *part to the point's part of the node's weight. */
-static int node_of(const tvi_action *action, int count, int point, double *part)
+/* Returns the node of the quadrature rule to which a point of the action belongs, and sets *part to the point's part
+ * of the node's weight. */
+static int find_rule_node(const tvi_action *action, int count, int point, double *part)
 {
-    const int half = action->half, at = half > 0 ? point % half : point,
+    const int half = action->half_points, at = half > 0 ? point % half : point,
               node = at < (count + 1) / 2 || half == 0 ? at : 0;
     *part = node != at ? 0 : half > 0 && 2 * at + 1 == count ? 0.5 : 1;
     return half > 0 && point >= half ? count - 1 - node : node;
 }
 
-void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top)
+void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top)
 {
     const int count = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, count);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
     tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
     for (int point = 0; point < action->points; point++) {
         double part;
-        const int i = node_of(action, count, point, &part);
+        const int i = find_rule_node(action, count, point, &part);
         const bool at_end = s[i] == -1 || s[i] == 1;
-        const long double place = span.from + (span.to - span.from) * (1 + s[i]) / 2; /* from [-1, 1] to the span */
-        action->s[point] = (double)place;
-        action->weight[point] = part * (double)(weight[i] * (span.to - span.from) / 2);
-        fill_powers(action, point, place, at_end);
+        /* Maps [-1, 1] to the span. */
+        const long double place = span.from + (span.to - span.from) * (1 + s[i]) / 2;
+        action->node_s[point] = (double)place;
+        action->node_weight[point] = part * (double)(weight[i] * (span.to - span.from) / 2);
+        set_power_tables(action, point, place, at_end);
     }
     for (int i = 0; i < count; i++) {
         s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
         weight[i] *= (span.to - span.from) / 2;
     }
-    fill_halves(action, &action->power, false, 1);
-    fill_halves(action, &action->slope, false, -1);
-    fill_halves(action, &action->second_slope, false, 1);
-    fill_halves(action, &action->node_power, false, 1);
-    fill_halves(action, &action->weighted_power, true, 1);
-    fill_halves(action, &action->weighted_slope, true, -1);
-    if (!action->by_parts) return;
+    set_even_and_odd_orders(action, &action->power_table, false, 1);
+    set_even_and_odd_orders(action, &action->slope_table, false, -1);
+    set_even_and_odd_orders(action, &action->second_slope_table, false, 1);
+    set_even_and_odd_orders(action, &action->node_power_table, false, 1);
+    set_even_and_odd_orders(action, &action->weighted_power_table, true, 1);
+    set_even_and_odd_orders(action, &action->weighted_slope_table, true, -1);
+    if (!action->by_parts_error) return;
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)
-            action->by_parts[k * (top + 1) + j] =
-                j + k == 0 ? 0 : (j + k) * quadrature_error(order, count, s, weight, j + k - 1, span);
+            action->by_parts_error[k * (top + 1) + j] =
+                j + k == 0 ? 0 : (j + k) * compute_quadrature_error(order, count, s, weight, j + k - 1, span);
 }

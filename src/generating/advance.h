@@ -7,12 +7,12 @@
 
 typedef struct {
     int n, width;
-    size_t stride;     /* the distance of orders in the block */
-    const int *output; /* the slots of the field */
-    double *x;         /* the block of the series */
+    size_t order_stride;   /* the distance of orders in the block */
+    const int *field_slot; /* the slots of the field */
+    double *series_block;  /* the block of the series */
     const double *kappa;
     double tau;
-} tvi_recurrence;
+} tvi_series_recurrence;
 
 /* Computes out = x / divisor, which the following orders wait for. It multiplies by the reciprocal in two parts, which
  * is known before x. The result is rounded as the quotient is, except for ties. This needs one operation that rounds
@@ -32,11 +32,12 @@ typedef struct {
  * waits until they are in the cache. */
 #define TVI_ADVANCE_SEPARABLE(V, S)                                                                                    \
     TVI_QUOTIENT(V, JET_AT(V, next, 0),                                                                                \
-                 JET_OF(V, recurrence->kappa, 0) * JET_GATHER(V, field, recurrence->output + here) * recurrence->tau,  \
+                 JET_OF(V, recurrence->kappa, 0) * JET_GATHER(V, field, recurrence->field_slot + here) *               \
+                     recurrence->tau,                                                                                  \
                  divisor)
 /* Advances component i of several members. */
 #define TVI_ADVANCE_EACH(V, S) TVI_QUOTIENT(V, JET_AT(V, next, i), kappa *JET_OF(V, field, slot) * tau, divisor)
-static inline void tvi_advance_each(const tvi_recurrence *recurrence, double kappa, double tau, double divisor,
+static inline void tvi_advance_each(const tvi_series_recurrence *recurrence, double kappa, double tau, double divisor,
                                     const double *field, int slot, double *next, int i)
 {
     const size_t stride = (size_t)recurrence->width;
@@ -44,30 +45,31 @@ static inline void tvi_advance_each(const tvi_recurrence *recurrence, double kap
 }
 #define TVI_ADVANCE_HAMILTONIAN(V, S)                                                                                  \
     {                                                                                                                  \
-        TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, recurrence->output + recurrence->n + here) * tau,        \
+        TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, recurrence->field_slot + recurrence->n + here) * tau,    \
                      divisor)                                                                                          \
-        TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, recurrence->output + here) * -tau, divisor)              \
+        TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, recurrence->field_slot + here) * -tau, divisor)          \
     }
 
 /* The quotients by k are taken of the coefficients and not of tau: the roundoff of tau / k would be the same in all
  * steps, and the energy would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
-static inline void tvi_advance_separable(const tvi_recurrence *recurrence, int k)
+static inline void tvi_advance_separable(const tvi_series_recurrence *recurrence, int k)
 {
     enum { stride = 0 };
-    const double divisor = (k + 1) * (k + 2), *field = recurrence->x + (size_t)k * recurrence->stride;
-    double *next = recurrence->x + (size_t)(k + 2) * recurrence->stride;
+    const double divisor = (k + 1) * (k + 2), *field = recurrence->series_block + (size_t)k * recurrence->order_stride;
+    double *next = recurrence->series_block + (size_t)(k + 2) * recurrence->order_stride;
     if (recurrence->width == 1) JET_BLOCKS(recurrence->n, TVI_ADVANCE_SEPARABLE, );
     for (int i = 0; recurrence->width > 1 && i < recurrence->n; i++)
-        tvi_advance_each(recurrence, recurrence->kappa[i], recurrence->tau, divisor, field, recurrence->output[i], next,
-                         i);
+        tvi_advance_each(recurrence, recurrence->kappa[i], recurrence->tau, divisor, field, recurrence->field_slot[i],
+                         next, i);
 }
 
-static inline void tvi_advance_hamiltonian(const tvi_recurrence *recurrence, int k)
+static inline void tvi_advance_hamiltonian(const tvi_series_recurrence *recurrence, int k)
 {
     enum { stride = 0 };
-    const double divisor = k + 1, tau = recurrence->tau, *field = recurrence->x + (size_t)k * recurrence->stride;
-    double *q = recurrence->x + (size_t)(k + 1) * recurrence->stride, *p = q + recurrence->n;
-    const int n = recurrence->n, *output = recurrence->output;
+    const double divisor = k + 1, tau = recurrence->tau,
+                 *field = recurrence->series_block + (size_t)k * recurrence->order_stride;
+    double *q = recurrence->series_block + (size_t)(k + 1) * recurrence->order_stride, *p = q + recurrence->n;
+    const int n = recurrence->n, *output = recurrence->field_slot;
     if (recurrence->width == 1) JET_BLOCKS(n, TVI_ADVANCE_HAMILTONIAN, );
     for (int i = 0; recurrence->width > 1 && i < n; i++) {
         tvi_advance_each(recurrence, 1, tau, divisor, field, output[n + i], q, i);
@@ -78,29 +80,31 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *recurrence, int
 /* Advances the tangents of `lanes` directions, whose block is x, in whole vectors, since the orders that follow read
  * vectors. Their roundoff is that of small corrections, so that tau itself may be divided. */
 #define TVI_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
-static inline void tvi_advance_tangent(int lanes, double factor, const double *field, double *next)
+static inline void tvi_advance_tangent_row(int lanes, double factor, const double *field, double *next)
 {
     enum { stride = 0 };
     JET_BLOCKS(lanes, TVI_ADVANCE_TANGENT, );
 }
 
-static inline void tvi_tangents_separable(const tvi_recurrence *recurrence, int k, int lanes)
+static inline void tvi_advance_separable_tangents(const tvi_series_recurrence *recurrence, int k, int lanes)
 {
     const double factor = recurrence->tau / ((k + 1) * (k + 2)),
-                 *field = recurrence->x + (size_t)k * recurrence->stride;
-    double *next = recurrence->x + (size_t)(k + 2) * recurrence->stride;
+                 *field = recurrence->series_block + (size_t)k * recurrence->order_stride;
+    double *next = recurrence->series_block + (size_t)(k + 2) * recurrence->order_stride;
     for (int i = 0; i < recurrence->n; i++)
-        tvi_advance_tangent(lanes, recurrence->kappa[i] * factor, field + recurrence->output[i] * lanes,
-                            next + i * lanes);
+        tvi_advance_tangent_row(lanes, recurrence->kappa[i] * factor, field + recurrence->field_slot[i] * lanes,
+                                next + i * lanes);
 }
 
-static inline void tvi_tangents_hamiltonian(const tvi_recurrence *recurrence, int k, int lanes)
+static inline void tvi_advance_hamiltonian_tangents(const tvi_series_recurrence *recurrence, int k, int lanes)
 {
-    const double factor = recurrence->tau / (k + 1), *field = recurrence->x + (size_t)k * recurrence->stride;
-    double *q = recurrence->x + (size_t)(k + 1) * recurrence->stride, *p = q + recurrence->n * lanes;
+    const double factor = recurrence->tau / (k + 1),
+                 *field = recurrence->series_block + (size_t)k * recurrence->order_stride;
+    double *q = recurrence->series_block + (size_t)(k + 1) * recurrence->order_stride, *p = q + recurrence->n * lanes;
     for (int i = 0; i < recurrence->n; i++) {
-        tvi_advance_tangent(lanes, factor, field + recurrence->output[recurrence->n + i] * lanes, q + i * lanes);
-        tvi_advance_tangent(lanes, -factor, field + recurrence->output[i] * lanes, p + i * lanes);
+        tvi_advance_tangent_row(lanes, factor, field + recurrence->field_slot[recurrence->n + i] * lanes,
+                                q + i * lanes);
+        tvi_advance_tangent_row(lanes, -factor, field + recurrence->field_slot[i] * lanes, p + i * lanes);
     }
 }
 

@@ -25,7 +25,7 @@ static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, c
     const size_t n = (size_t)system->n;
     x->sign = x->end = sign;
     tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
-    tvi_action_take(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false, 1);
+    tvi_allocate_action(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false, 1);
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(&x->curve, arena);
@@ -73,10 +73,10 @@ static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_scaled_span span)
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
     tvi_curve_prepare(&x->curve);
     tvi_curve_prepare_tail(&x->curve, w->degree, w->degree - 1);
-    tvi_action_prepare(&x->action, w->options, span, w->degree);
+    tvi_prepare_action_tables(&x->action, w->options, span, w->degree);
     tvi_combination_set(&x->to_end, &x->curve, false, powers);
     tvi_combination_set(&x->near_u, &x->curve, true, zeroth);
-    for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->end * x->action.s[node];
+    for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->end * x->action.node_s[node];
 }
 
 static void prepare(void *taken)
@@ -154,7 +154,8 @@ static void set_scale(void *self, double scale[])
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
     for (int k = w->degree; k >= 0; k--) {
-        const double *a = tvi_curve_Q(&w->a.curve, k), *b = tvi_curve_Q(&w->b.curve, k);
+        const double *a = tvi_curve_position_coefficients(&w->a.curve, k),
+                     *b = tvi_curve_position_coefficients(&w->b.curve, k);
         for (int i = 0; i < n; i++) {
             scale[n + i] += fabs(b[i]);
             if (k == 0 && !hamiltonian) continue;
@@ -175,9 +176,9 @@ static void form_residual(const attempt *a, const double q1[], double r[])
     tvi_both_ends *w = a->work;
     const tvi_origin *origin = a->origin;
     const int n = w->n;
-    tvi_curve_sum(&w->a.curve, &w->a.to_end, r);
-    tvi_curve_sum(&w->b.curve, &w->b.to_end, r + n);
-    tvi_curve_sum(&w->a.curve, &w->a.near_u, r + 2 * n);
+    tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, r);
+    tvi_curve_sum_combination(&w->b.curve, &w->b.to_end, r + n);
+    tvi_curve_sum_combination(&w->a.curve, &w->a.near_u, r + 2 * n);
     const double pi = w->has_pi ? 1 : 0;
     for (int i = 0; i < n; i++) {
         const double kappa = w->a.curve.kappa[i], change = q1[i] - origin->q[i];
@@ -236,7 +237,7 @@ static void residual_roundoff(void *self, double r[])
     const int n = w->n;
     double *of_u = r + 2 * n;
     a->stats->force_evaluations +=
-        tvi_action_roundoff(&w->a.action, &w->a.curve, a->h, a->origin->q, a->origin->p, r, of_u);
+        tvi_estimate_end_roundoff(&w->a.action, &w->a.curve, a->h, a->origin->q, a->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
     for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
 }
@@ -254,8 +255,8 @@ static tvi_status predict(const attempt *a)
     if (status != TVI_OK) return status;
     status = expand(a, &w->a, w->z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z + n, n * sizeof(double));
-    tvi_curve_sum(&w->a.curve, &w->q_unit, w->newton.x + n);
-    tvi_curve_sum(&w->a.curve, &w->z_unit, w->newton.x + 2 * n);
+    tvi_curve_sum_combination(&w->a.curve, &w->q_unit, w->newton.x + n);
+    tvi_curve_sum_combination(&w->a.curve, &w->z_unit, w->newton.x + 2 * n);
     return status;
 }
 
@@ -274,15 +275,15 @@ static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
 static void form_increments(tvi_both_ends *w, double dq[], double dp[])
 {
     const int n = w->n;
-    tvi_curve_sum(&w->a.curve, &w->a.to_end, dq);
-    tvi_curve_push(&w->a.curve, &w->a.to_end, w->shift);
+    tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, dq);
+    tvi_curve_multiply_by_jacobian(&w->a.curve, &w->a.to_end, w->shift);
     for (int i = 0; i < n; i++) dq[i] += w->shift[i];
-    tvi_curve_sum(&w->b.curve, &w->b.near_u, dp);
-    tvi_curve_sum(&w->a.curve, &w->a.near_u, w->shift);
+    tvi_curve_sum_combination(&w->b.curve, &w->b.near_u, dp);
+    tvi_curve_sum_combination(&w->a.curve, &w->a.near_u, w->shift);
     for (int i = 0; i < n; i++) dp[i] = w->has_pi ? dp[i] - w->shift[i] : 0;
-    tvi_curve_push(&w->b.curve, &w->b.near_u, w->shift);
+    tvi_curve_multiply_by_jacobian(&w->b.curve, &w->b.near_u, w->shift);
     for (int i = 0; i < n; i++) dp[i] += w->shift[i];
-    tvi_curve_push(&w->a.curve, &w->a.near_u, w->shift);
+    tvi_curve_multiply_by_jacobian(&w->a.curve, &w->a.near_u, w->shift);
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
 }
 
@@ -301,9 +302,9 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     form_increments(w, increments->dq, increments->dp);
     memcpy(w->dq, increments->dq, bytes);
     memcpy(w->dp, increments->dp, bytes);
-    tvi_curve_measure(&w->a.curve);
-    tvi_curve_measure(&w->b.curve);
-    stats->tail = fmax(tvi_curve_tail(&w->a.curve, 0), tvi_curve_tail(&w->b.curve, 0));
+    tvi_curve_compute_size_sums(&w->a.curve);
+    tvi_curve_compute_size_sums(&w->b.curve);
+    stats->tail = fmax(tvi_curve_compute_tail(&w->a.curve, 0), tvi_curve_compute_tail(&w->b.curve, 0));
     return TVI_OK;
 }
 
@@ -312,9 +313,9 @@ static void add_dense(tvi_both_ends *w, tvi_side *x, double at, double blend, do
 {
     tvi_combination_set_powers(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
     tvi_combination_set_powers(&x->u_dense, &x->curve, true, w->degree - 1, 1, at, -1, 0);
-    tvi_curve_sum(&x->curve, &x->q_dense, w->shift);
+    tvi_curve_sum_combination(&x->curve, &x->q_dense, w->shift);
     for (int i = 0; i < w->n; i++) dq[i] += blend * w->shift[i];
-    tvi_curve_sum(&x->curve, &x->u_dense, w->shift);
+    tvi_curve_sum_combination(&x->curve, &x->u_dense, w->shift);
     for (int i = 0; i < w->n; i++) dp[i] += blend * w->shift[i] / x->curve.kappa[i];
 }
 

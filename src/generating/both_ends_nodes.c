@@ -26,7 +26,7 @@ static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const d
 static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
                            double apart, double out[])
 {
-    sum_at_nodes(w, 1, degree, first, stride, x->action.power.full);
+    sum_at_nodes(w, 1, degree, first, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
 }
 
@@ -34,9 +34,10 @@ static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, cons
 static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
-    const double *Q = tvi_curve_Q(&x->curve, 0) + i, *P = x->P + i;
-    const double *power = x->action.power.full, *slope = x->action.slope.full;
-    const double q_apart = tvi_curve_Q(&w->a.curve, 0)[i] - tvi_curve_Q(&w->b.curve, 0)[i];
+    const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->P + i;
+    const double *power = x->action.power_table.all_orders, *slope = x->action.slope_table.all_orders;
+    const double q_apart =
+        tvi_curve_position_coefficients(&w->a.curve, 0)[i] - tvi_curve_position_coefficients(&w->b.curve, 0)[i];
     const double p_apart = w->a.P[i] - w->b.P[i];
     add_blended(w, x, w->degree, Q, stride, power, w->y + place);
     add_blended(w, x, w->degree, Q, stride, slope, w->v + place);
@@ -52,8 +53,8 @@ static void place_nodes(tvi_both_ends *w)
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
     double *const panels[] = {w->y, w->v, w->pi, w->pi_rate};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) memset(panels[i], 0, panel);
-    curve_momenta(&w->a.curve, w->degree - 1, w->a.P);
-    curve_momenta(&w->b.curve, w->degree - 1, w->b.P);
+    curve_compute_momentum_coefficients(&w->a.curve, w->degree - 1, w->a.P);
+    curve_compute_momentum_coefficients(&w->b.curve, w->degree - 1, w->b.P);
     for (int i = 0; i < w->n; i++) {
         add_side_at_nodes(w, &w->a, i);
         add_side_at_nodes(w, &w->b, i);
@@ -66,12 +67,13 @@ static void seed_side(const tvi_both_ends *w, tvi_side *x)
 {
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k <= w->degree; k++) {
-            const double *power = x->action.power.full + k * w->points, *slope = x->action.slope.full + k * w->points;
+            const double *power = x->action.power_table.all_orders + k * w->points,
+                         *slope = x->action.slope_table.all_orders + k * w->points;
             double sum = 0;
             for (int node = 0; node < w->points; node++) {
                 const int place = i * w->points + node;
                 const double blended = x->blend[node] * (power[node] * w->on_q[place] + slope[node] * w->on_v[place]);
-                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * w->apart[place]);
+                sum += w->a.action.node_weight[node] * (blended + x->sign * power[node] * w->apart[place]);
             }
             x->seed[k * w->n + i] = sum;
         }
@@ -83,16 +85,16 @@ tvi_status tvi_both_ends_gradient(tvi_both_ends *w, tvi_stats *stats)
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
     place_nodes(w);
     stats->force_evaluations += w->points;
-    const tvi_status status = tvi_action_lagrange(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
+    const tvi_status status = tvi_evaluate_lagrangian_at_nodes(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n * w->points; i++) {
-        w->on_q[i] = nodes->on_q[i] - (w->has_pi ? w->pi_rate[i] : 0);
-        w->on_v[i] = nodes->on_v[i] + (w->has_pi ? 0 : w->pi[i]);
+        w->on_q[i] = nodes->gradient_by_q[i] - (w->has_pi ? w->pi_rate[i] : 0);
+        w->on_v[i] = nodes->gradient_by_v[i] + (w->has_pi ? 0 : w->pi[i]);
         w->apart[i] = on_curve ? -w->on_v[i] : w->has_pi ? w->pi[i] : 0;
     }
     seed_side(w, &w->a);
     seed_side(w, &w->b);
-    tvi_curve_pull(&w->a.curve, w->a.seed, NULL, w->a.R);
-    tvi_curve_pull(&w->b.curve, w->b.seed, NULL, w->b.R);
+    tvi_curve_multiply_by_transposes(&w->a.curve, w->a.seed, NULL, w->a.R);
+    tvi_curve_multiply_by_transposes(&w->b.curve, w->b.seed, NULL, w->b.R);
     return TVI_OK;
 }

@@ -32,8 +32,8 @@ tvi_quick_fn *tvi_choose_plain(const tvi_system *system)
 
 tvi_quick_fn *tvi_choose_quick(const tvi_closure *c, const tvi_action *action)
 {
-    if (c->close != tvi_close_mean || !seeds_are_plain(action) || tvi_curve_has_products(&c->curve)) return NULL;
+    if (c->close != tvi_close_mean || !seeds_are_plain(action) || tvi_curve_uses_products(&c->curve)) return NULL;
     if (2 * c->n > LINEAR_SMALL) return NULL;
-    if (c->curve.code) return c->curve.code->step;
+    if (c->curve.generated_code) return c->curve.generated_code->step;
     return quickly_of[c->system->field_series->sweeps->isa][c->curve.width > 1 ? OF_SEVERAL : OF_ONE];
 }

@@ -77,7 +77,7 @@ static inline void closure_correct_ends(const tvi_closure *c)
     const int width = curve_width(&c->curve);
     double *restrict from_q = c->from_q, *restrict rise_q = c->rise_q;
     double *restrict from_p = c->from_p, *restrict rise_p = c->rise_p;
-    for (int i = 0; i < curve_n(&c->curve); i++)
+    for (int i = 0; i < curve_dimension(&c->curve); i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const double x = c->D[at], y = c->D[curve_numbers(&c->curve) + at], of_q = c->curve.kappa[i] * y;
             from_q[at] = mean->from_q * of_q;
@@ -90,9 +90,9 @@ static inline void closure_correct_ends(const tvi_closure *c)
 /* Sets p_size [n], the sums of the sizes of the terms of p, by which corrections of p are measured. */
 static inline void closure_set_p_size(const tvi_closure *c)
 {
-    curve_sum_by(tvi_add_weighted_magnitudes, &c->curve, &c->p_sizes, c->p_size);
+    curve_sum_combination_by(tvi_add_weighted_magnitudes, &c->curve, &c->p_sizes, c->p_size);
     const int width = curve_width(&c->curve);
-    for (int i = 0; i < curve_n(&c->curve); i++)
+    for (int i = 0; i < curve_dimension(&c->curve); i++)
         for (int at = i * width; at < (i + 1) * width; at++) c->p_size[at] /= fabs(c->curve.kappa[i]);
 }
 

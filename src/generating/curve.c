@@ -30,37 +30,37 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
                  jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
-    curve->code = width > 1 ? NULL : code_of(system, top);
-    curve->jacobians = jacobians;
+    curve->generated_code = width > 1 ? NULL : code_of(system, top);
+    curve->jacobian_method = jacobians;
     curve->n = system->n;
     curve->width = width;
     curve->top = top;
     curve->kappa = tvi_arena_doubles(arena, n);
-    curve->movement = tvi_arena_doubles(arena, numbers);
-    curve->momentum = tvi_arena_doubles(arena, numbers);
+    curve->movement_size = tvi_arena_doubles(arena, numbers);
+    curve->momentum_size = tvi_arena_doubles(arena, numbers);
     curve->share = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
     curve->ratio = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
-    curve->q_sizes = tvi_combination_take(curve, arena);
-    curve->u_sizes = tvi_combination_take(curve, arena);
-    curve->per = tvi_arena_doubles(arena, orders + 1);
-    curve->log_of = tvi_arena_doubles(arena, orders + 1);
-    curve->x = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
+    curve->q_size_weights = tvi_combination_take(curve, arena);
+    curve->u_size_weights = tvi_combination_take(curve, arena);
+    curve->reciprocal = tvi_arena_doubles(arena, orders + 1);
+    curve->log_integer = tvi_arena_doubles(arena, orders + 1);
+    curve->series_block = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
-        curve->dx = tvi_arena_doubles(arena, orders * slots);
-        curve->bar = tvi_arena_doubles(arena, orders * slots);
+        curve->tangent_block = tvi_arena_doubles(arena, orders * slots);
+        curve->adjoint_block = tvi_arena_doubles(arena, orders * slots);
     }
     if (jacobians == TVI_JACOBIAN_MATRICES) {
-        curve->dx = tvi_arena_doubles(arena, orders * slots * tvi_curve_lanes(curve));
-        curve->dz = tvi_arena_doubles(arena, 2 * numbers);
+        curve->tangent_block = tvi_arena_doubles(arena, orders * slots * tvi_curve_tangent_lanes(curve));
+        curve->product_direction = tvi_arena_doubles(arena, 2 * numbers);
         curve->dQ = tvi_arena_doubles(arena, jacobian);
-        curve->by_U = tvi_arena_doubles(arena, 2 * numbers);
-        curve->pushed = tvi_arena_doubles(arena, 2 * n * numbers);
+        curve->product_by_dU = tvi_arena_doubles(arena, 2 * numbers);
+        curve->product_jacobian = tvi_arena_doubles(arena, 2 * n * numbers);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
-        tvi_factor_allocate(&curve->slope, arena, system->n);
-        curve->columns = tvi_arena_doubles(arena, slots * n);
-        curve->rest = tvi_arena_doubles(arena, n * tvi_curve_lanes(curve));
+        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n);
+        curve->velocity_derivatives = tvi_arena_doubles(arena, slots * n);
+        curve->velocity_residual = tvi_arena_doubles(arena, n * tvi_curve_tangent_lanes(curve));
         curve->column = tvi_arena_doubles(arena, n);
     }
 }
@@ -69,8 +69,8 @@ void tvi_curve_prepare(tvi_curve *curve)
 {
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
     for (int k = 1; k <= curve->top + 1; k++) {
-        curve->per[k] = 1.0 / k;
-        curve->log_of[k] = log(k);
+        curve->reciprocal[k] = 1.0 / k;
+        curve->log_integer[k] = log(k);
     }
 }
 
@@ -84,9 +84,9 @@ tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena)
 void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[])
 {
     const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
-    combination->of_momentum = of_momentum && !shifts;
-    combination->weight[0] = shifts ? 0 : weight[0];
-    for (int k = 1; k <= curve->top; k++) combination->weight[k] = shifts ? k * weight[k - 1] : weight[k];
+    combination->is_of_momentum = of_momentum && !shifts;
+    combination->order_weight[0] = shifts ? 0 : weight[0];
+    for (int k = 1; k <= curve->top; k++) combination->order_weight[k] = shifts ? k * weight[k - 1] : weight[k];
 }
 
 void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
@@ -101,8 +101,8 @@ void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *c
 
 void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
 {
-    curve_set_step(curve, tau);
-    curve_place(curve, z);
+    curve_set_time_unit(curve, tau);
+    curve_set_centre_data(curve, z);
 }
 
 static tvi_status expand_by_orders(tvi_curve *curve)
@@ -114,40 +114,40 @@ static tvi_status expand_by_orders(tvi_curve *curve)
 
 static tvi_status expand_by_code(tvi_curve *curve)
 {
-    const tvi_status status = curve->code->expand(curve);
-    if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->x, 1);
+    const tvi_status status = curve->generated_code->expand(curve);
+    if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->series_block, 1);
     return status;
 }
 
 tvi_status tvi_curve_factor_slope(tvi_curve *curve)
 {
-    orders_find_columns(curve);
-    orders_place_slope(curve);
-    return tvi_factor_compute(&curve->slope);
+    orders_differentiate_by_velocity(curve);
+    orders_copy_velocity_hessian(curve);
+    return tvi_factor_compute(&curve->velocity_hessian);
 }
 
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     static const double none = 0;
-    curve_place_time(curve, &centre, &none, 0);
-    const bool has_code = curve->code && curve->code->expand;
+    curve_set_centre_time(curve, &centre, &none, 0);
+    const bool has_code = curve->generated_code && curve->generated_code->expand;
     const tvi_status status = has_code ? expand_by_code(curve) : expand_by_orders(curve);
     if (has_code || status != TVI_OK) return status;
-    return curve_is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
+    return curve_has_finite_coefficients(curve) ? TVI_OK : TVI_ENONFINITE;
 }
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
-void tvi_curve_sizes(const tvi_curve *curve, double size[])
+void tvi_curve_compute_data_sizes(const tvi_curve *curve, double size[])
 {
-    if (curve->code) curve->code->sizes(curve, size);
-    else curve_sizes(curve, size);
+    if (curve->generated_code) curve->generated_code->sizes(curve, size);
+    else curve_compute_data_sizes(curve, size);
 }
 
-void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    if (curve->code) curve->code->sum(curve, combination, out);
-    else curve_sum(curve, combination, out);
+    if (curve->generated_code) curve->generated_code->sum(curve, combination, out);
+    else curve_sum_combination(curve, combination, out);
 }
 
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
@@ -156,15 +156,18 @@ void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
     curve->q_degree = q_degree;
     curve->p_degree = p_degree;
     for (int k = 0; k <= q_degree; k++) weight[k] = k;
-    tvi_combination_set(&curve->q_sizes, curve, false, weight);
+    tvi_combination_set(&curve->q_size_weights, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_combination_set(&curve->u_sizes, curve, true, weight);
+    tvi_combination_set(&curve->u_size_weights, curve, true, weight);
 }
 
-void tvi_curve_measure(const tvi_curve *curve) { curve->code ? curve->code->measure(curve) : curve_measure(curve); }
-
-double tvi_curve_tail(const tvi_curve *curve, int m)
+void tvi_curve_compute_size_sums(const tvi_curve *curve)
 {
-    return curve->code ? curve->code->tail(curve, m) : curve_tail(curve, m);
+    curve->generated_code ? curve->generated_code->measure(curve) : curve_compute_size_sums(curve);
+}
+
+double tvi_curve_compute_tail(const tvi_curve *curve, int m)
+{
+    return curve->generated_code ? curve->generated_code->tail(curve, m) : curve_compute_tail(curve, m);
 }

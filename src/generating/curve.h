@@ -53,40 +53,40 @@ void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);
 
 /* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
-void tvi_curve_sizes(const tvi_curve *curve, double size[]);
+void tvi_curve_compute_data_sizes(const tvi_curve *curve, double size[]);
 /* Computes out[n], the sum of a combination, or matrix[n][2n], its Jacobian; the small terms are added first. */
-void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
 /* Sets the direction dz of the pushes that follow; a push computes out[n] = Jacobian of the combination times dz. */
 void tvi_curve_aim(tvi_curve *curve, const double dz[]);
-void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+void tvi_curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 
 /* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k] from seeds [top + 1][n]. seed_U may be NULL,
  * and is not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
-void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+void tvi_curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
-/* tvi_curve_prepare_tail is called once: Q and P are summed to these degrees. tvi_curve_measure computes the sizes of
- * movement and momentum of each curve, and tvi_curve_tail computes tvi_stats.tail of member m from them (tail.h); it is
+/* tvi_curve_prepare_tail is called once: Q and P are summed to these degrees. tvi_curve_compute_size_sums computes the sizes of
+ * movement and momentum of each curve, and tvi_curve_compute_tail computes tvi_stats.tail of member m from them (tail.h); it is
  * 0 if p' has one term only. */
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree);
-void tvi_curve_measure(const tvi_curve *curve);
-double tvi_curve_tail(const tvi_curve *curve, int m);
+void tvi_curve_compute_size_sums(const tvi_curve *curve);
+double tvi_curve_compute_tail(const tvi_curve *curve, int m);
 
 /* Returns more than the terms that are left out change the energy by, for a step that is the curve, after its tail was
  * computed; INFINITY if these terms are not known. */
-double tvi_curve_change(const tvi_curve *curve);
+double tvi_curve_bound_energy_change(const tvi_curve *curve);
 
 /* ---- Steps that adapt (reach.h) ---------------------------------------------------------------------------------- */
 
 /* Returns the largest s at which the curve, of Q and P to the tail's degrees, serves a tolerance; INFINITY if it is
  * exact. */
-double tvi_curve_reach(const tvi_curve *curve, double log_tolerance);
+double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance);
 
 /* Writes the curve in s / factor: tau and the coefficients of q and p. The same sweep computes its rise from 0 to 1, of
- * q and kappa p, [n], and what tvi_curve_measure measures. */
-void tvi_curve_end_at(tvi_curve *curve, double factor, double q[], double u[]);
+ * q and kappa p, [n], and what tvi_curve_compute_size_sums measures. */
+void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double q[], double u[]);
 
-/* These are curve_end_at (reach.h), each compiled for one instruction set. */
+/* These are curve_rescale_and_sum (reach.h), each compiled for one instruction set. */
 typedef void tvi_end_at_fn(tvi_curve *curve, double factor, double q[], double u[]);
 tvi_end_at_fn tvi_end_at_base, tvi_end_at_avx2, tvi_end_at_avx512;
 

@@ -39,7 +39,7 @@ static bool serves_corrected(const tvi_system *system, const tvi_options *option
 static int width_of(const tvi_system *system, const tvi_options *options)
 {
     if (is_plain(options) ? system->form == TVI_LAGRANGIAN : !serves_corrected(system, options)) return 1;
-    const int orders = tvi_action_of(system, options).orders, blocks = is_plain(options) ? 1 : 2;
+    const int orders = tvi_get_action_sizes(system, options).orders, blocks = is_plain(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
     int width = LEAST_WIDTH;
     if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
@@ -97,7 +97,8 @@ static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, c
 {
     const tvi_member_stepper *single = &w->by_itself;
     get(w, m, single->work);
-    if (tvi_step_member(single, single->system->field_series, w->lanes->closure.curve.x, 1, h, origin, end, m, stats))
+    if (tvi_step_member(single, single->system->field_series, w->lanes->closure.curve.series_block, 1, h, origin, end,
+                        m, stats))
         put(w, m, single->work);
 }
 

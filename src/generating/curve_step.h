@@ -15,8 +15,8 @@ static inline double step_later(const tvi_curve_work *w, double tau) { return -w
 static inline void step_move_to_centre(const tvi_curve_work *w, double z[])
 {
     const tvi_closure *c = &w->closure;
-    CURVE_CALL(sum, &c->curve, &w->q_centre, z);
-    CURVE_CALL(sum, &c->curve, &w->z_centre, z + curve_numbers(&c->curve));
+    CURVE_CALL(sum_combination, &c->curve, &w->q_centre, z);
+    CURVE_CALL(sum_combination, &c->curve, &w->z_centre, z + curve_numbers(&c->curve));
 }
 
 /* Computes the natural sizes of the unknowns. If a body starts at rest, a curve of degree 0 or 1 knows only the
@@ -25,8 +25,8 @@ static inline void step_set_scale(const tvi_closure *c, double scale[])
 {
     const tvi_curve *curve = &c->curve;
     const int numbers = curve_numbers(curve);
-    CURVE_CALL(sizes, curve, scale);
-    if (curve_top(curve) > 1 || curve_form(&c->curve) == TVI_LAGRANGIAN) return;
+    CURVE_CALL(compute_data_sizes, curve, scale);
+    if (curve_highest_order(curve) > 1 || curve_form(&c->curve) == TVI_LAGRANGIAN) return;
     for (int i = 0; i < numbers; i++) {
         const double kappa = fabs(c->curve.kappa[i / curve_width(curve)]);
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
@@ -39,10 +39,10 @@ static inline void step_form_residual(const tvi_curve_work *w, const tvi_batch_o
 {
     const tvi_closure *c = &w->closure;
     const int numbers = curve_numbers(&c->curve), width = curve_width(&c->curve);
-    const double *Q0 = tvi_curve_Q(&c->curve, 0);
-    CURVE_CALL(sum, &c->curve, &w->q_back, r);
-    CURVE_CALL(sum, &c->curve, &c->u_from, r + numbers);
-    for (int i = 0; i < curve_n(&c->curve); i++) {
+    const double *Q0 = tvi_curve_position_coefficients(&c->curve, 0);
+    CURVE_CALL(sum_combination, &c->curve, &w->q_back, r);
+    CURVE_CALL(sum_combination, &c->curve, &c->u_from, r + numbers);
+    for (int i = 0; i < curve_dimension(&c->curve); i++) {
         const double kappa = c->curve.kappa[i];
         for (int at = i * width; at < (i + 1) * width; at++) {
             r[at] += (Q0[at] - origin->q[at]) + (c->from_q[at] - origin->q_low[at]);
@@ -61,9 +61,9 @@ static inline bool step_corrects(const tvi_curve_work *w)
 /* Computes out, the sum of the combination at z + dz, to first order in dz. */
 static inline void step_sum_and_push(const tvi_curve_work *w, const tvi_combination *combination, double out[])
 {
-    CURVE_CALL(sum, &w->closure.curve, combination, out);
+    CURVE_CALL(sum_combination, &w->closure.curve, combination, out);
     if (!step_corrects(w)) return;
-    CURVE_CALL(push, &w->closure.curve, combination, w->shift);
+    CURVE_CALL(multiply_by_jacobian, &w->closure.curve, combination, w->shift);
     for (int i = 0; i < curve_numbers(&w->closure.curve); i++) out[i] += w->shift[i];
 }
 
@@ -88,14 +88,14 @@ static inline void step_leave_velocity(const tvi_curve_work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     if (curve_form(curve) != TVI_LAGRANGIAN) return;
-    CURVE_CALL(sum, curve, &w->v_end, w->velocity);
-    for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
+    CURVE_CALL(sum_combination, curve, &w->v_end, w->velocity);
+    for (int i = 0; i < curve_dimension(curve); i++) w->velocity[i] /= curve->tau;
 }
 
 static inline void step_find_tails(const tvi_curve *curve, double tail[])
 {
     const int width = curve_width(curve);
-    if (width == 1) tail[0] = CURVE_CALL(tail, curve, 0);
+    if (width == 1) tail[0] = CURVE_CALL(compute_tail, curve, 0);
     else curve_tails(curve, tail);
 }
 
@@ -105,7 +105,7 @@ static inline void step_finish(const tvi_curve_work *w, double dq[], double dp[]
     const tvi_curve *curve = &w->closure.curve;
     step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
     step_leave_velocity(w);
-    CURVE_CALL(measure, curve);
+    CURVE_CALL(compute_size_sums, curve);
     step_find_tails(curve, tail);
 }
 
@@ -157,7 +157,7 @@ static inline int step_find_due(const step_quick *a, const double z[])
         count += (is_due[m] & a->is_moving[m]) != 0;
         if (curve_width(&c->curve) > 1) c->curve.is_taken[m] = is_due[m];
     }
-    c->curve.keeps = count < curve_width(&c->curve) && matrices_of(c)->taken > 0;
+    c->curve.keeps = count < curve_width(&c->curve) && matrices_of(c)->jacobian_count > 0;
     return count;
 }
 
@@ -168,12 +168,12 @@ static inline void step_factor(step_quick *a, int due, const double z[])
 {
     const tvi_closure *c = &a->work->closure;
     const tvi_form form = curve_form(&c->curve);
-    const int n = curve_n(&c->curve), size = 2 * n, width = curve_width(&c->curve);
+    const int n = curve_dimension(&c->curve), size = 2 * n, width = curve_width(&c->curve);
     const bool has_momenta = c->mean->has_momenta;
-    tvi_lu_factor *full = &matrices_of(c)->full, *back = &a->work->newton.factor;
-    matrices_take(c, z);
-    matrices_join(c, &c->q_mean, has_momenta ? &c->u_mean : &c->q_rise, full->lu);
-    const bool has_back = matrices_jacobian(c, back->lu);
+    tvi_lu_factor *full = &matrices_of(c)->full_factor, *back = &a->work->newton.factor;
+    matrices_record_jacobians(c, z);
+    matrices_stack_jacobians(c, &c->q_mean, has_momenta ? &c->u_mean : &c->q_rise, full->lu);
+    const bool has_back = matrices_renew_corrector_jacobian(c, back->lu);
     linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, width, full, a->is_moving);
     if (has_back) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, a->is_moving);
     a->factorisations += due * (1 + has_back);
@@ -185,16 +185,16 @@ static inline bool step_pass(step_quick *a, bool is_first)
     tvi_curve_work *w = a->work;
     tvi_closure *c = &w->closure;
     tvi_newton *newton = &w->newton;
-    const int size = 2 * curve_n(&c->curve), width = curve_width(&c->curve);
+    const int size = 2 * curve_dimension(&c->curve), width = curve_width(&c->curve);
     double *x = newton->x, *r = newton->correction;
     const int due = step_find_due(a, x);
-    curve_place(&c->curve, x);
+    curve_set_centre_data(&c->curve, x);
     if (!step_goes_on(a, (due > 0 ? a->makers->expand_all : a->makers->expand)(&c->curve), false)) return false;
     if (!step_goes_on(a, a->makers->seed(&w->action, &c->curve, c->seed_Q, c->seed_U), true)) return false;
     if (due > 0) step_factor(a, due, x);
     if (step_count(a) == 0) return false;
-    CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
-    linear_unpivoted_solve_transposed(size, width, &matrices_of(c)->full, c->D);
+    CURVE_CALL(multiply_by_transposes, &c->curve, c->seed_Q, c->seed_U, c->D);
+    linear_unpivoted_solve_transposed(size, width, &matrices_of(c)->full_factor, c->D);
     closure_correct_ends(c);
     step_form_residual(w, a->origin, r);
     if (is_first) {
@@ -240,7 +240,7 @@ static inline void step_passes(step_quick *a, const tvi_curve_end *end)
     const int width = curve_width(&a->work->closure.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++) tvi_newton_begin(&passes[m], &newton->history[m], &newton->rules, newton->is_rough);
-    matrices_begin(matrices_of(&a->work->closure));
+    matrices_discard(matrices_of(&a->work->closure));
     for (int count = 1; count <= newton->rules.of_each.max_passes; count++) {
         tvi_newton_sizes sizes;
         if (!step_pass(a, count == 1)) return;
@@ -259,13 +259,13 @@ static inline bool step_find_velocity(tvi_curve_work *w, const double p[], doubl
     enum { MOST = 4 };
     static const double near = 1e-8;
     tvi_curve *curve = &w->closure.curve;
-    const int n = curve_n(curve);
+    const int n = curve_dimension(curve);
     double largest = INFINITY, size = 0;
     for (int i = 0; i < n; i++) v[i] = w->velocity[i];
     for (int count = 0; count < MOST && !(largest <= near * size); count++) {
-        if (orders_expand(curve, 0) != TVI_OK) return false;
-        for (int i = 0; i < n; i++) curve->rest[i] = p[i] - tvi_curve_field(curve, 0, n + i);
-        orders_divide(curve, 1, curve->rest, w->shift);
+        if (orders_compute_order(curve, 0) != TVI_OK) return false;
+        for (int i = 0; i < n; i++) curve->velocity_residual[i] = p[i] - tvi_curve_field_output(curve, 0, n + i);
+        orders_solve_for_velocity(curve, 1, curve->velocity_residual, w->shift);
         largest = size = 0;
         for (int i = 0; i < n; i++) {
             v[i] += w->shift[i];
@@ -280,16 +280,16 @@ static inline bool step_find_velocity(tvi_curve_work *w, const double p[], doubl
 static inline bool step_place_start(tvi_curve_work *w, const tvi_batch_origin *origin, double z[])
 {
     tvi_curve *curve = &w->closure.curve;
-    const int n = curve_n(curve), width = curve_width(curve);
+    const int n = curve_dimension(curve), width = curve_width(curve);
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             z[at] = origin->q[at];
             z[n * width + at] = curve->kappa[i] * origin->p[at];
         }
-    curve_place(curve, z);
-    curve_place_time(curve, origin->t, origin->t_low, 0);
+    curve_set_centre_data(curve, z);
+    curve_set_centre_time(curve, origin->t, origin->t_low, 0);
     if (curve_form(curve) != TVI_LAGRANGIAN) return true;
-    return step_find_velocity(w, origin->p, tvi_curve_input(curve, 0) + n);
+    return step_find_velocity(w, origin->p, tvi_curve_inputs_of_order(curve, 0) + n);
 }
 
 /* Makes the steps whose passes converge as they mostly do, for the generating functions of tvi_close_mean: of the
@@ -300,11 +300,11 @@ static inline bool step_quickly(tvi_curve_work *w, const step_makers *makers, do
     tvi_curve *curve = &w->closure.curve;
     step_quick a = {w, makers, origin, end->is_moving, 0};
     int made = 0, passes = 0;
-    curve_set_step(curve, tau);
+    curve_set_time_unit(curve, tau);
     for (int m = 0; m < curve_width(curve); m++) end->passes[m] = TVI_NOT_MADE;
     if (!step_place_start(w, origin, w->newton.x) || !step_goes_on(&a, makers->expand(curve), false)) return false;
     step_move_to_centre(w, w->newton.x);
-    curve_place_time(curve, origin->t, origin->t_low, step_later(w, tau));
+    curve_set_centre_time(curve, origin->t, origin->t_low, step_later(w, tau));
     step_passes(&a, end);
     for (int m = 0; m < curve_width(curve); m++) {
         if (end->passes[m] == TVI_NOT_MADE) continue;
@@ -312,7 +312,7 @@ static inline bool step_quickly(tvi_curve_work *w, const step_makers *makers, do
         passes += end->passes[m];
     }
     if (made == 0) return false;
-    for (int i = 0; i < 2 * curve_numbers(curve); i++) curve->dz[i] = w->newton.correction[i];
+    for (int i = 0; i < 2 * curve_numbers(curve); i++) curve->product_direction[i] = w->newton.correction[i];
     step_finish(w, end->dq, end->dp, end->tail);
     stats->passes += passes;
     stats->expansions += made + passes;

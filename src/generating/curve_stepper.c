@@ -32,7 +32,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_solver *solver = has_products ? tvi_choose_products(system) : &tvi_by_matrices;
     tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians, width);
-    c->solver = c->curve.code && c->curve.code->solver ? c->curve.code->solver : solver;
+    c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
                                              &c->u_to,   &c->u_rise, &c->u_mean, &c->p_sizes};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
@@ -68,7 +68,7 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
     if (!expanded->close) {
         w.chosen = tvi_arena_allocate_history(arena, (size_t)width * sizeof *w.chosen);
         if (width > 1) w.quickly = tvi_choose_plain(system);
-        else tvi_refinement_take(&w.refinement, arena, curve);
+        else tvi_allocate_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
             w.field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
             tvi_roundoff_allocate(&w.roundoff, arena, system);
@@ -78,8 +78,8 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
     if (corrects) {
-        tvi_action_take(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
-                        expanded->span.from == -expanded->span.to, width);
+        tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
+                            expanded->span.from == -expanded->span.to, width);
         tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quickly = tvi_choose_quick(&w.closure, &w.action);
     }
@@ -118,7 +118,7 @@ void tvi_curve_work_prepare(void *taken)
     const double from = c->span.from, to = c->span.to;
     tvi_curve_prepare(&c->curve);
     tvi_curve_prepare_tail(&c->curve, w->q_degree, c->p_degree);
-    if (w->refinement.high) tvi_refinement_prepare(&w->refinement, &c->curve);
+    if (w->refinement.high_order_weight) tvi_prepare_refinement(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
         const int degree = of_momentum ? w->closure.p_degree : w->q_degree;
         tvi_combination_set_powers(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
@@ -132,7 +132,7 @@ void tvi_curve_work_prepare(void *taken)
     set_centre(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
     if (!w->corrects) return;
-    tvi_action_prepare(&w->action, w->options, c->span, c->curve.top);
+    tvi_prepare_action_tables(&w->action, w->options, c->span, c->curve.top);
     /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
     tvi_newton_prepare(&w->newton, w->options, w->is_rough || w->q_degree == 0);
 }
@@ -174,7 +174,7 @@ static tvi_status residual(void *self, const double z[], double r[])
     tvi_status status = expand(a, z, centre(a));
     if (status != TVI_OK) return status;
     a->stats->force_evaluations += w->options->quadrature_points;
-    status = tvi_action_seed(&w->action, &c->curve, c->seed_Q, c->seed_U);
+    status = tvi_compute_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
     status = c->solver->close(c, z, w->newton.scale, a->stats);
     const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
@@ -196,7 +196,7 @@ static void residual_roundoff(void *self, double r[])
     const tvi_closure *c = &a->work->closure;
     const double h = (c->span.to - c->span.from) * a->tau;
     a->stats->force_evaluations +=
-        tvi_action_roundoff(&a->work->action, &c->curve, h, a->origin->q, a->origin->p, r, r + c->n);
+        tvi_estimate_end_roundoff(&a->work->action, &c->curve, h, a->origin->q, a->origin->p, r, r + c->n);
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
 }
 
@@ -245,7 +245,7 @@ static bool step_quick_one(const attempt *a, double dq[], double dp[])
 static void end_plainly(work *w, double h, const tvi_increments *increments)
 {
     tvi_curve *curve = &w->closure.curve;
-    tvi_curve_end_at(curve, h / curve->tau, increments->dq, increments->dp);
+    tvi_curve_rescale_and_sum(curve, h / curve->tau, increments->dq, increments->dp);
     for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->kappa[i];
 }
 
@@ -269,7 +269,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     if (is_plain(w)) {
         end_plainly(w, h, increments);
         step_leave_velocity(w);
-        stats->tail = tvi_curve_tail(&w->closure.curve, 0);
+        stats->tail = tvi_curve_compute_tail(&w->closure.curve, 0);
     } else step_finish(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
@@ -297,7 +297,7 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
         if (status == TVI_OK) status = expand(a, w->z, centre(a));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double part = 0; /* it stays 0 if the coefficients overflow */
-        if (status == TVI_OK) part = tvi_curve_reach(curve, w->log_tolerance);
+        if (status == TVI_OK) part = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
         *reach = fmin(part * fabs(a->tau), least);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
         if (part < 1 / WIDE && part > 0) {
@@ -336,15 +336,16 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     bool is_chosen = reach < fabs(*h);
     if (is_chosen) *h = copysign(reach, *h);
     end_plainly(w, *h, increments);
-    while (looks && !tvi_curve_ends_right(w, *h, origin, increments) && origin->t + *h != origin->t) {
+    while (looks && !tvi_curve_satisfies_force_at_end(w, *h, origin, increments) && origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
         end_plainly(w, *h, increments);
     }
     if (is_chosen) *w->chosen = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
-    stats->tail = tvi_curve_tail(curve, 0);
-    if (tvi_refines(w->closure.system, tolerance)) tvi_refine(&w->refinement, curve, *h, origin, increments);
+    stats->tail = tvi_curve_compute_tail(curve, 0);
+    if (tvi_needs_refinement(w->closure.system, tolerance))
+        tvi_compute_refined_increments(&w->refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
 
@@ -359,13 +360,16 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     step_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-static double most_change(const void *taken) { return tvi_curve_change(&((const work *)taken)->closure.curve); }
+static double most_change(const void *taken)
+{
+    return tvi_curve_bound_energy_change(&((const work *)taken)->closure.curve);
+}
 
 static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
-    const tvi_action shape = tvi_action_of(system, options);
+    const tvi_action shape = tvi_get_action_sizes(system, options);
     return tvi_curve_used_tapes(system, options, shape.orders - 1, shape.points,
                                 corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
 }

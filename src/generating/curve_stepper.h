@@ -57,6 +57,7 @@ tvi_quick_fn *tvi_choose_plain(const tvi_system *system);
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
  * is large may not show what the body will meet. */
-bool tvi_curve_ends_right(tvi_curve_work *work, double h, const tvi_origin *origin, const tvi_increments *increments);
+bool tvi_curve_satisfies_force_at_end(tvi_curve_work *work, double h, const tvi_origin *origin,
+                                      const tvi_increments *increments);
 
 #endif

@@ -10,13 +10,13 @@
 
 extern const char *const tvi_embedded_curve[], *const tvi_embedded_products[], *const tvi_embedded_generated_curve[];
 
-static void emit_text(jet_text *text, const char *const lines[])
+static void emit_text_lines(jet_text *text, const char *const lines[])
 {
     for (; *lines; lines++) jet_text_append(text, "%s", *lines);
 }
 
 /* Defines `macro` as the table of the slots of the tape's outputs. */
-static void emit_output(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
+static void emit_output_slots(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
 {
     jet_text_append(text, "static const int %s[] = {", table);
     for (int i = 0; i < tape->outputs; i++) jet_text_append(text, "%d, ", tape->output[i]);
@@ -24,12 +24,12 @@ static void emit_output(jet_text *text, const jet_tape *tape, const char *table,
 }
 
 /* Returns the directions that are left of blocks of `lanes` lanes; 0: none, or there is one block. */
-static int rest_of(const tvi_system *system, int lanes)
+static int count_directions_of_last_block(const tvi_system *system, int lanes)
 {
     return lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0;
 }
 
-static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
+static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const form[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
     const int p_degree = tvi_find_method(options)->curve.has_top_momentum ? options->degree : options->degree - 1;
@@ -37,12 +37,13 @@ static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_optio
                     "enum {\n    CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d, CURVE_TOP = tvi_series_top,\n"
                     "    CURVE_INPUTS = %d, CURVE_USES_TIME = %d, CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d,\n"
                     "    CURVE_IN_PLACE = %d\n};\n#define CURVE_FORM %s\n",
-                    lanes, rest_of(system, lanes), system->n, system->inputs, system->uses_time, options->degree,
-                    p_degree, lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
+                    lanes, count_directions_of_last_block(system, lanes), system->n, system->inputs, system->uses_time,
+                    options->degree, p_degree, lanes == 2 * system->n && system->form != TVI_LAGRANGIAN,
+                    form[system->form]);
 }
 
 /* Defines CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
-static void emit_followers(jet_text *text, const tvi_system *system)
+static void emit_velocity_dependence(jet_text *text, const tvi_system *system)
 {
     const jet_tape *tape = system->field_series;
     bool *follows = calloc((size_t)tape->slots, sizeof *follows);
@@ -58,12 +59,13 @@ static void emit_followers(jet_text *text, const tvi_system *system)
 
 /* Defines how the seeds evaluate the field at the nodes; code without seeds has no sweep of it. The tangents are those
  * of velocities by momenta, by the series' tape. */
-static void emit_field(jet_text *text, const tvi_system *system, const tvi_action *a, bool has_seed)
+static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seed)
 {
-    const jet_tape *field = tvi_action_field(system, a->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
+    const jet_tape *field =
+        tvi_select_node_field(system, action->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
     const bool has_velocities = has_seed && field == system->field_series;
-    const int points = a->points;
-    emit_output(text, field, "code_values", "CURVE_VALUES_SLOT");
+    const int points = action->points;
+    emit_output_slots(text, field, "code_values", "CURVE_VALUES_SLOT");
     if (has_velocities)
         jet_text_append(
             text,
@@ -78,49 +80,50 @@ static void emit_field(jet_text *text, const tvi_system *system, const tvi_actio
 }
 
 /* Writes the sizes of the action, as the initial values of a structure. */
-static void emit_action(jet_text *text, const tvi_action *a)
+static void emit_action_sizes(jet_text *text, const tvi_action *action)
 {
     jet_text_append(
         text,
-        "#define CURVE_ACTION {.is_hamilton = %d, .truncated = %d, .has_velocity_defect = %d, "
-        ".has_momentum_defect = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half = %d}\n",
-        a->is_hamilton, a->truncated, a->has_velocity_defect, a->has_momentum_defect, a->q_degree, a->p_degree,
-        a->points, a->orders, a->half);
+        "#define CURVE_ACTION {.is_hamilton = %d, .has_truncated_nodes = %d, .has_velocity_defect = %d, "
+        ".has_momentum_defect = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half_points = %d}\n",
+        action->is_hamilton, action->has_truncated_nodes, action->has_velocity_defect, action->has_momentum_defect,
+        action->q_degree, action->p_degree, action->points, action->orders, action->half_points);
 }
 
 /* Emits the functions of a curve, by tangents in `lanes` directions, or by products. */
-static void emit(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes, bool has_products)
+static void emit_curve_functions(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes,
+                                 bool has_products)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const tvi_action action = tvi_action_of(system, options);
+    const tvi_action action = tvi_get_action_sizes(system, options);
     const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_are_plain(&action);
     const bool has_step = has_seed && lanes > 0 && expanded->close == tvi_close_mean && 2 * system->n <= LINEAR_SMALL;
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
-    emit_sizes(text, system, options, lanes);
-    emit_output(text, system->field_series, "code_output", "CURVE_SLOT");
-    if (system->form == TVI_LAGRANGIAN) emit_followers(text, system);
-    emit_field(text, system, &action, has_seed);
-    emit_action(text, &action);
+    emit_curve_sizes(text, system, options, lanes);
+    emit_output_slots(text, system->field_series, "code_output", "CURVE_SLOT");
+    if (system->form == TVI_LAGRANGIAN) emit_velocity_dependence(text, system);
+    emit_node_field(text, system, &action, has_seed);
+    emit_action_sizes(text, &action);
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
                     "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_REACH %d\n",
                     lanes > 0, has_products, has_seed, has_step, !expanded->close);
-    emit_text(text, tvi_embedded_curve);
-    if (has_products) emit_text(text, tvi_embedded_products);
-    emit_text(text, tvi_embedded_generated_curve);
+    emit_text_lines(text, tvi_embedded_curve);
+    if (has_products) emit_text_lines(text, tvi_embedded_products);
+    emit_text_lines(text, tvi_embedded_generated_curve);
 }
 
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
-    emit(text, system, options, 0, false);
+    emit_curve_functions(text, system, options, 0, false);
 }
 
 void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
-    emit(text, system, options, 0, true);
+    emit_curve_functions(text, system, options, 0, true);
 }
 
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
-    emit(text, system, options, tvi_curve_lanes_of(system), false);
+    emit_curve_functions(text, system, options, tvi_choose_tangent_lanes(system), false);
 }

@@ -27,7 +27,7 @@ JET_APART tvi_status code_series(tvi_curve *curve)
 static inline tvi_status code_expand(tvi_curve *curve)
 {
     const tvi_status status = code_series(curve);
-    return status != TVI_OK || curve_is_finite(curve) ? status : TVI_ENONFINITE;
+    return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
 }
 
 /* ---- Its tangents ------------------------------------------------------------------------------------------------ */
@@ -42,10 +42,10 @@ static inline tvi_status code_expand(tvi_curve *curve)
 /* Expands the whole series, each order with its tangents in all directions, which do not wait for each other. */
 JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
 {
-    const curve_block block = {CURVE_LANES, tvi_curve_slots(curve) * CURVE_LANES, 0};
+    const curve_tangent_block block = {CURVE_LANES, tvi_curve_slot_count(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
-    curve_begin_block(curve, &block);
-    tvi_series_ORDERS(EXPAND_WITH_TANGENTS) curve_end_block(curve, &block);
+    curve_clear_tangent_block(curve, &block);
+    tvi_series_ORDERS(EXPAND_WITH_TANGENTS) curve_store_tangent_block(curve, &block);
     return status;
 }
 #undef EXPAND_WITH_TANGENTS
@@ -58,9 +58,9 @@ static inline void code_differentiate(tvi_curve *curve) { (void)code_series_and_
 /* Computes the tangents of the curve last expanded in `lanes` directions, a constant, from `first` on. */
 static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first)
 {
-    const curve_block block = {(size_t)lanes, tvi_curve_slots(curve) * (size_t)lanes, first};
-    curve_begin_block(curve, &block);
-    tvi_series_ORDERS(DIFFERENTIATE) curve_end_block(curve, &block);
+    const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first};
+    curve_clear_tangent_block(curve, &block);
+    tvi_series_ORDERS(DIFFERENTIATE) curve_store_tangent_block(curve, &block);
 }
 #undef DIFFERENTIATE
 
@@ -86,14 +86,14 @@ JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_
 {
     tvi_action action = *given;
     action.is_hamilton = code_action.is_hamilton;
-    action.truncated = code_action.truncated;
+    action.has_truncated_nodes = code_action.has_truncated_nodes;
     action.has_velocity_defect = code_action.has_velocity_defect;
     action.has_momentum_defect = code_action.has_momentum_defect;
     action.q_degree = code_action.q_degree;
     action.p_degree = code_action.p_degree;
     action.points = code_action.points;
     action.orders = code_action.orders;
-    action.half = code_action.half;
+    action.half_points = code_action.half_points;
     return seeds_plainly(&action, curve, seed_Q, seed_U);
 }
 
@@ -110,28 +110,30 @@ static inline bool code_step(tvi_curve_work *work, double tau, const tvi_batch_o
 #endif
 #if CURVE_HAS_PRODUCTS
 
-static const tvi_solver code_solver = {
-    .begin = products_begin, .close = products_close, .solve = products_solve, .correct = products_correct};
+static const tvi_solver code_solver = {.begin = products_discard_guess,
+                                       .close = products_compute_corrections,
+                                       .solve = products_solve_equations,
+                                       .correct = products_apply_inverse_flow_jacobian};
 
 #endif
 
 static const tvi_curve_code tvi_loops = {
     .top = CURVE_TOP,
     .expand = code_expand,
-    .sum = curve_sum,
-    .sizes = curve_sizes,
-    .measure = curve_measure,
-    .tail = curve_tail,
+    .sum = curve_sum_combination,
+    .sizes = curve_compute_data_sizes,
+    .measure = curve_compute_size_sums,
+    .tail = curve_compute_tail,
 #if CURVE_HAS_MATRICES
     .differentiate = code_differentiate,
     .sum_jacobian = curve_sum_jacobian,
-    .push = curve_push,
-    .pull = curve_pull,
+    .push = curve_multiply_by_jacobian,
+    .pull = curve_multiply_by_transposes,
 #endif
 #if CURVE_HAS_PRODUCTS
     .solver = &code_solver,
-    .aim = products_aim,
-    .push = products_push,
+    .aim = products_compute_tangents,
+    .push = products_multiply_by_jacobian,
 #endif
 #if CURVE_HAS_SEED
     .seed = code_seed,
@@ -140,9 +142,9 @@ static const tvi_curve_code tvi_loops = {
     .step = code_step,
 #endif
 #if CURVE_HAS_REACH
-    .reach = curve_reach,
-    .end_at = curve_end_at,
-    .change = curve_change,
+    .reach = curve_estimate_usable_step,
+    .end_at = curve_rescale_and_sum,
+    .change = curve_bound_energy_change,
 #endif
 };
 

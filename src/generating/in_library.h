@@ -44,22 +44,23 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define CURVE_SOLVE  tvi_factor_solve
 
 /* These run order k of the field's series, and of its tangents in `lanes` directions. */
-#define ORDERS_SERIES(curve, k) jet_sweep_series((curve)->system->field_series, (curve)->x, k, CURVE_WIDTH(curve))
+#define ORDERS_SERIES(curve, k)                                                                                        \
+    jet_sweep_series((curve)->system->field_series, (curve)->series_block, k, CURVE_WIDTH(curve))
 #define ORDERS_TANGENTS(curve, dx, k, lanes)                                                                           \
     (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_in_lanes : jet_sweep_tangents)((curve)->system->field_series,         \
-                                                                                (curve)->x, dx, k, lanes)
+                                                                                (curve)->series_block, dx, k, lanes)
 
 /* These multiply by the Jacobian of the field's series. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
 #define PRODUCTS_CLEAR(curve, bar)                                                                                     \
-    memset((bar) + (curve)->n, 0, (tvi_curve_slots(curve) - (size_t)(curve)->n) * sizeof *(bar))
+    memset((bar) + (curve)->n, 0, (tvi_curve_slot_count(curve) - (size_t)(curve)->n) * sizeof *(bar))
 
 /* These evaluate the field at the nodes, and its tangents. */
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
 #define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_in_lanes(tape, x, dx, 0, lanes)
 
 /* Returns the roundoff of the momenta at the nodes. */
-#define MOMENTA_ROUNDOFF(action, curve) tvi_action_momenta_roundoff(action, curve)
+#define MOMENTA_ROUNDOFF(action, curve) tvi_estimate_node_momenta_roundoff(action, curve)
 
 #endif

@@ -22,13 +22,13 @@ tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
 
 void tvi_curve_differentiate(tvi_curve *curve)
 {
-    if (curve->code && curve->code->differentiate) curve->code->differentiate(curve);
+    if (curve->generated_code && curve->generated_code->differentiate) curve->generated_code->differentiate(curve);
     else curve_differentiate(curve);
 }
 
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
-    if (curve->code) curve->code->sum_jacobian(curve, combination, matrix);
+    if (curve->generated_code) curve->generated_code->sum_jacobian(curve, combination, matrix);
     else curve_sum_jacobian(curve, combination, matrix);
 }
 
@@ -61,26 +61,26 @@ tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options 
 
 static void pull_by_products(tvi_curve *curve, const double seed_Q[], double out[])
 {
-    products_pull(curve, curve->top, &(tvi_pulled){.seed_Q = seed_Q}, out);
+    products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
 }
 
 void tvi_curve_aim(tvi_curve *curve, const double dz[])
 {
-    if (curve->code && curve->code->aim) curve->code->aim(curve, dz);
-    else if (tvi_curve_has_products(curve)) products_aim(curve, dz);
-    else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
+    if (curve->generated_code && curve->generated_code->aim) curve->generated_code->aim(curve, dz);
+    else if (tvi_curve_uses_products(curve)) products_compute_tangents(curve, dz);
+    else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
-void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
+void tvi_curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    if (curve->code && curve->code->push) curve->code->push(curve, combination, out);
-    else if (tvi_curve_has_products(curve)) products_push(curve, combination, out);
-    else curve_push(curve, combination, out);
+    if (curve->generated_code && curve->generated_code->push) curve->generated_code->push(curve, combination, out);
+    else if (tvi_curve_uses_products(curve)) products_multiply_by_jacobian(curve, combination, out);
+    else curve_multiply_by_jacobian(curve, combination, out);
 }
 
-void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+void tvi_curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (tvi_curve_has_products(curve)) pull_by_products(curve, seed_Q, out);
-    else if (curve->code) curve->code->pull(curve, seed_Q, seed_U, out);
-    else curve_pull(curve, seed_Q, seed_U, out);
+    if (tvi_curve_uses_products(curve)) pull_by_products(curve, seed_Q, out);
+    else if (curve->generated_code) curve->generated_code->pull(curve, seed_Q, seed_U, out);
+    else curve_multiply_by_transposes(curve, seed_Q, seed_U, out);
 }

@@ -7,88 +7,94 @@
 #include <math.h>
 #include <string.h>
 
-static void take(tvi_closure *c, tvi_arena *arena)
+static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 {
-    const size_t n = (size_t)c->n, width = (size_t)c->curve.width;
-    tvi_matrices *taken = tvi_arena_allocate(arena, sizeof *taken), m = {0};
-    m.z = tvi_arena_doubles(arena, 2 * n * width);
-    m.moved = tvi_arena_doubles(arena, width);
+    const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
+    tvi_jacobian_factors *taken = tvi_arena_allocate(arena, sizeof *taken), m = {0};
+    m.jacobian_z = tvi_arena_doubles(arena, 2 * n * width);
+    m.distance_since_jacobian = tvi_arena_doubles(arena, width);
     if (width > 1) m.given = tvi_arena_doubles(arena, 2 * n * 2 * n * width);
-    m.G = tvi_arena_doubles(arena, n * 2 * n);
-    tvi_factor_allocate(&m.half, arena, c->n);
-    tvi_factor_take_several(&m.full, arena, 2 * c->n, c->curve.width);
+    m.end_jacobian = tvi_arena_doubles(arena, n * 2 * n);
+    tvi_factor_allocate(&m.half_factor, arena, closure->n);
+    tvi_factor_take_several(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
     if (taken) *taken = m;
-    c->solving = taken;
+    closure->solving = taken;
 }
 
-static void begin(tvi_closure *c) { matrices_begin(matrices_of(c)); }
+static void discard_jacobians(tvi_closure *closure) { matrices_discard(matrices_of(closure)); }
 
-static void differentiate(tvi_closure *c, const double z[])
+static void differentiate_curve_at(tvi_closure *closure, const double z[])
 {
-    tvi_curve_differentiate(&c->curve);
-    matrices_take(c, z);
+    tvi_curve_differentiate(&closure->curve);
+    matrices_record_jacobians(closure, z);
 }
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_half(tvi_closure *c, const tvi_transposed *a)
+static tvi_status factor_half(tvi_closure *closure, const tvi_transposed *equations)
 {
-    const size_t n = (size_t)c->n, first = a->half == TVI_FIRST ? 0 : n;
-    tvi_matrices *m = matrices_of(c);
-    tvi_curve_sum_jacobian(&c->curve, a->first, m->G);
-    for (size_t i = 0; i < n; i++) memcpy(m->half.lu + i * n, m->G + i * 2 * n + first, n * sizeof(double));
-    return tvi_factor_compute(&m->half);
+    const size_t n = (size_t)closure->n, first = equations->half == TVI_FIRST ? 0 : n;
+    tvi_jacobian_factors *factors = matrices_of(closure);
+    tvi_curve_sum_jacobian(&closure->curve, equations->first, factors->end_jacobian);
+    for (size_t i = 0; i < n; i++)
+        memcpy(factors->half_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first, n * sizeof(double));
+    return tvi_factor_compute(&factors->half_factor);
 }
 
-static tvi_status factor_full(tvi_closure *c, const tvi_transposed *a)
+static tvi_status factor_full(tvi_closure *closure, const tvi_transposed *equations)
 {
-    tvi_matrices *m = matrices_of(c);
-    matrices_join(c, a->first, a->second, m->full.lu);
-    return tvi_factor_compute(&m->full);
+    tvi_jacobian_factors *factors = matrices_of(closure);
+    matrices_stack_jacobians(closure, equations->first, equations->second, factors->full_factor.lu);
+    return tvi_factor_compute(&factors->full_factor);
 }
 
 /* Computes D_other -= J_other^T x. */
-static void take_other_half(tvi_closure *c, const tvi_transposed *a)
+static void subtract_other_half(tvi_closure *closure, const tvi_transposed *equations)
 {
-    const size_t n = (size_t)c->n, solved = a->half == TVI_FIRST ? 0 : n, other = n - solved;
-    double *G = matrices_of(c)->G;
-    tvi_curve_sum_jacobian(&c->curve, a->first, G);
+    const size_t n = (size_t)closure->n, solved = equations->half == TVI_FIRST ? 0 : n, other = n - solved;
+    double *G = matrices_of(closure)->end_jacobian;
+    tvi_curve_sum_jacobian(&closure->curve, equations->first, G);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) c->D[other + j] -= c->D[solved + i] * G[i * 2 * n + other + j];
+        for (size_t j = 0; j < n; j++) closure->D[other + j] -= closure->D[solved + i] * G[i * 2 * n + other + j];
 }
 
-static tvi_status solve(tvi_closure *c, const tvi_transposed *a)
+static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed *equations)
 {
-    tvi_matrices *m = matrices_of(c);
-    tvi_curve_pull(&c->curve, c->seed_Q, c->seed_U, c->D);
-    if (m->factored != m->taken) {
-        m->factored = m->taken;
-        const tvi_status status = a->second ? factor_full(c, a) : factor_half(c, a);
+    tvi_jacobian_factors *factors = matrices_of(closure);
+    tvi_curve_multiply_by_transposes(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
+    if (factors->factored_jacobian_count != factors->jacobian_count) {
+        factors->factored_jacobian_count = factors->jacobian_count;
+        const tvi_status status = equations->second ? factor_full(closure, equations) : factor_half(closure, equations);
         if (status != TVI_OK) return status;
     }
-    if (a->second) {
-        tvi_factor_solve_transposed(&m->full, c->D);
+    if (equations->second) {
+        tvi_factor_solve_transposed(&factors->full_factor, closure->D);
     } else {
-        tvi_factor_solve_transposed(&m->half, c->D + (a->half == TVI_FIRST ? 0 : c->n));
-        take_other_half(c, a);
+        tvi_factor_solve_transposed(&factors->half_factor,
+                                    closure->D + (equations->half == TVI_FIRST ? 0 : closure->n));
+        subtract_other_half(closure, equations);
     }
     return TVI_OK;
 }
 
-static bool jacobian(tvi_closure *c, double matrix[]) { return matrices_jacobian(c, matrix); }
+static bool renew_corrector_jacobian(tvi_closure *closure, double matrix[])
+{
+    return matrices_renew_corrector_jacobian(closure, matrix);
+}
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-static tvi_status close_equations(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)
+static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
 {
     const long long moves = -1;
     long long is_due;
-    matrices_find_due(c, z, scale, &moves, &is_due);
+    matrices_find_due(closure, z, scale, &moves, &is_due);
     if (is_due) {
-        differentiate(c, z);
+        differentiate_curve_at(closure, z);
         stats->factorisations++;
     }
-    return c->close(c);
+    return closure->close(closure);
 }
 
-const tvi_solver tvi_by_matrices = {take, begin, close_equations, solve, jacobian, NULL};
+const tvi_solver tvi_by_matrices = {allocate_jacobian_factors, discard_jacobians,        compute_corrections,
+                                    solve_by_factors,          renew_corrector_jacobian, NULL};

@@ -6,64 +6,67 @@
 #include "generating/closure.h"
 #include "generating/tangents.h"
 
-/* Reused Jacobians may change the state by this at most, relative to the state: well below the roundoff of a step. */
+/* Jacobians are reused if the resulting error of the state, relative to the state, is at most this. It is well below
+ * the roundoff of a step. */
 static const double MATRICES_STALE = DBL_EPSILON / 16;
 
-/* The corrector's Jacobian serves passes that contract this well or nearly so: the passes before had moved z
- * farther. */
+/* The corrector's Jacobian is reused if z has moved by at most this since then: passes then contract by about this
+ * factor. */
 static const double MATRICES_NEAR = 1e-4;
 
-/* This holds the Jacobians of the curve and their factors. Jacobians are counted as they are taken, from 0 in each
- * step; a factor is valid if it belongs to the last ones. */
+/* The factors of the curve's Jacobians. Jacobians are counted as they are computed, from 0 in each step. A factor is
+ * valid if it belongs to the last Jacobians. */
 typedef struct {
-    double *z;          /* [2n] the z at which the last Jacobians were taken */
-    int taken;          /* how often Jacobians were taken in this step */
-    int factored;       /* the count of those that the factor belongs to */
-    bool is_given;      /* the corrector has a Jacobian */
-    double *moved;      /* [width] the path of z since that Jacobian, relative to its size, until the last were taken */
-    double *G;          /* [n][2n] scratch for Jacobians of the ends */
-    double *given;      /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
-    tvi_lu_factor half; /* n x n; a generating function has this factor */
-    tvi_lu_factor full; /* 2n x 2n; or it has this one */
-} tvi_matrices;
+    double *jacobian_z;          /* [2n] the z at which the last Jacobians were taken */
+    int jacobian_count;          /* how often Jacobians were taken in this step */
+    int factored_jacobian_count; /* the count of those that the factor belongs to */
+    bool has_corrector_jacobian; /* the corrector has a Jacobian */
+    double *
+        distance_since_jacobian; /* [width] the path of z since that Jacobian, relative to its size, until the last were taken */
+    double *end_jacobian; /* [n][2n] scratch for Jacobians of the ends */
+    double *given;        /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
+    tvi_lu_factor half_factor; /* n x n; a generating function has this factor */
+    tvi_lu_factor full_factor; /* 2n x 2n; or it has this one */
+} tvi_jacobian_factors;
 
-static inline tvi_matrices *matrices_of(const tvi_closure *c) { return c->solving; }
+static inline tvi_jacobian_factors *matrices_of(const tvi_closure *closure) { return closure->solving; }
 
-static inline void matrices_begin(tvi_matrices *m)
+static inline void matrices_discard(tvi_jacobian_factors *factors)
 {
-    m->taken = m->factored = 0;
-    m->is_given = false;
+    factors->jacobian_count = factors->factored_jacobian_count = 0;
+    factors->has_corrector_jacobian = false;
 }
 
-/* Notes that the Jacobians of the curve were taken at z. */
-static inline void matrices_take(const tvi_closure *c, const double z[])
+/* Records that the Jacobians of the curve were computed at z. */
+static inline void matrices_record_jacobians(const tvi_closure *closure, const double z[])
 {
-    const tvi_curve *curve = &c->curve;
-    double *z_taken = matrices_of(c)->z;
-    if (curve_width(curve) == 1) memcpy(z_taken, z, 2 * (size_t)curve_n(curve) * sizeof *z);
-    for (int i = 0; i < 2 * curve_n(curve) && curve_width(curve) > 1; i++)
+    const tvi_curve *curve = &closure->curve;
+    double *z_taken = matrices_of(closure)->jacobian_z;
+    if (curve_width(curve) == 1) memcpy(z_taken, z, 2 * (size_t)curve_dimension(curve) * sizeof *z);
+    for (int i = 0; i < 2 * curve_dimension(curve) && curve_width(curve) > 1; i++)
         curve_store_taken(curve, z + i * curve_width(curve), z_taken + i * curve_width(curve));
-    matrices_of(c)->taken++;
+    matrices_of(closure)->jacobian_count++;
 }
 
 /* Writes the Jacobians of two combinations, one above the other: [2n][2n]. */
-static inline void matrices_join(const tvi_closure *c, const tvi_combination *first, const tvi_combination *second,
-                                 double matrix[])
+static inline void matrices_stack_jacobians(const tvi_closure *closure, const tvi_combination *first,
+                                            const tvi_combination *second, double matrix[])
 {
-    CURVE_CALL(sum_jacobian, &c->curve, first, matrix);
-    CURVE_CALL(sum_jacobian, &c->curve, second, matrix + 2 * curve_n(&c->curve) * curve_numbers(&c->curve));
+    CURVE_CALL(sum_jacobian, &closure->curve, first, matrix);
+    CURVE_CALL(sum_jacobian, &closure->curve, second,
+               matrix + 2 * curve_dimension(&closure->curve) * curve_numbers(&closure->curve));
 }
 
 /* Returns whether the corrector's Jacobian no longer serves member m. */
-static inline bool matrices_are_far(const tvi_matrices *matrices, int m)
+static inline bool matrices_are_far(const tvi_jacobian_factors *matrices, int m)
 {
-    return !matrices->is_given || matrices->moved[m] > MATRICES_NEAR;
+    return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_NEAR;
 }
 
 /* Keeps the Jacobians that still serve, and replaces the others: given <- matrix, or matrix <- given. */
 static inline void matrices_keep(const tvi_closure *c, int m, double matrix[])
 {
-    const int n = curve_n(&c->curve), width = curve_width(&c->curve);
+    const int n = curve_dimension(&c->curve), width = curve_width(&c->curve);
     double *given = matrices_of(c)->given;
     const bool is_far = matrices_are_far(matrices_of(c), m);
     const double *from = is_far ? matrix : given;
@@ -71,26 +74,26 @@ static inline void matrices_keep(const tvi_closure *c, int m, double matrix[])
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
 }
 
-/* Computes J = d(q-, u-)/dz for the corrector, or returns false if the last one still serves. */
-static inline bool matrices_jacobian(const tvi_closure *c, double matrix[])
+/* Computes J = d(q-, u-)/dz for the corrector. Returns false, and computes nothing, if the last one can be reused. */
+static inline bool matrices_renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
 {
-    tvi_matrices *matrices = matrices_of(c);
-    const int width = curve_width(&c->curve);
+    tvi_jacobian_factors *matrices = matrices_of(closure);
+    const int width = curve_width(&closure->curve);
     bool any = false;
     for (int m = 0; m < width; m++) any |= matrices_are_far(matrices, m);
     if (!any) return false;
-    matrices_join(c, &c->q_from, &c->u_from, matrix);
-    for (int m = 0; m < width && width > 1; m++) matrices_keep(c, m, matrix);
+    matrices_stack_jacobians(closure, &closure->q_from, &closure->u_from, matrix);
+    for (int m = 0; m < width && width > 1; m++) matrices_keep(closure, m, matrix);
     for (int m = 0; m < width; m++)
-        if (matrices_are_far(matrices, m)) matrices->moved[m] = 0;
-    matrices->is_given = true;
+        if (matrices_are_far(matrices, m)) matrices->distance_since_jacobian[m] = 0;
+    matrices->has_corrector_jacobian = true;
     return true;
 }
 
 /* Computes how far z is from the point where the Jacobians were taken, relative to its size, of each member. */
 static inline void matrices_distance(const tvi_closure *c, const double z[], const double scale[], double distance[])
 {
-    const double *z_taken = matrices_of(c)->z;
+    const double *z_taken = matrices_of(c)->jacobian_z;
     const int width = curve_width(&c->curve);
     for (int m = 0; m < width; m++) distance[m] = 0;
     for (int i = 0; i < 2 * curve_numbers(&c->curve); i += width)
@@ -105,7 +108,7 @@ static inline void matrices_measure(const tvi_curve *curve, int i, const double 
 {
     const int width = curve_width(curve), at = i * width;
     double size[CURVE_MOST_WIDTH] = {0};
-    for (int k = 0; seed && k <= curve_top(curve); k++)
+    for (int k = 0; seed && k <= curve_highest_order(curve); k++)
         for (int m = 0; m < width; m++) size[m] += fabs(seed[k * curve_numbers(curve) + at + m]);
     for (int m = 0; m < width; m++) {
         const double all = fabs(from[at + m]) + fabs(rise[at + m]) + factor * size[m];
@@ -116,13 +119,13 @@ static inline void matrices_measure(const tvi_curve *curve, int i, const double 
 /* Computes bounds of the errors of the states, relative to the states, by old Jacobians, per distance. Jacobians that
  * were taken at another z are wrong by about the relative distance to it. They multiply the corrections, and the seeds,
  * which need not be as small as the D_z that they add up to. */
-static inline void matrices_staleness(const tvi_closure *c, const double scale[], double part[])
+static inline void matrices_bound_stale_error(const tvi_closure *c, const double scale[], double part[])
 {
     const tvi_curve *curve = &c->curve;
     const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? c->seed_U : NULL;
     for (int m = 0; m < curve_width(curve); m++) part[m] = 0;
     closure_set_p_size(c);
-    for (int i = 0; i < curve_n(curve); i++) {
+    for (int i = 0; i < curve_dimension(curve); i++) {
         matrices_measure(curve, i, c->from_q, c->rise_q, fabs(curve->kappa[i]), seed_U, scale, part);
         matrices_measure(curve, i, c->from_p, c->rise_p, 1, c->seed_Q, c->p_size, part);
     }
@@ -133,14 +136,14 @@ static inline void matrices_staleness(const tvi_closure *c, const double scale[]
 static inline void matrices_find_due(const tvi_closure *c, const double z[], const double scale[],
                                      const long long moves[], long long is_due[])
 {
-    tvi_matrices *matrices = matrices_of(c);
+    tvi_jacobian_factors *matrices = matrices_of(c);
     double distance[CURVE_MOST_WIDTH], part[CURVE_MOST_WIDTH];
-    const bool is_first = matrices->taken == 0;
+    const bool is_first = matrices->jacobian_count == 0;
     if (!is_first) matrices_distance(c, z, scale, distance);
-    if (!is_first) matrices_staleness(c, scale, part);
+    if (!is_first) matrices_bound_stale_error(c, scale, part);
     for (int m = 0; m < curve_width(&c->curve); m++) {
         is_due[m] = is_first || (moves[m] && !(distance[m] * part[m] <= MATRICES_STALE)) ? -1 : 0;
-        if (is_due[m] && !is_first) matrices->moved[m] += distance[m];
+        if (is_due[m] && !is_first) matrices->distance_since_jacobian[m] += distance[m];
     }
 }
 

@@ -8,80 +8,82 @@
 
 /* Returns the roundoff of the corrections, from that of the H_p that was last evaluated (action.c); generated code
  * leaves corrections that are stuck to the library. */
-double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve);
+double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
 enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_HALF };
 /* Corrections that no longer shrink are roundoff if they are below this part of the largest momentum, or below this
  * many units of their own roundoff, which follows from that of H_p and v. */
 static const double MOMENTA_STALLED = 1e-13;
-/* H_pp serves passes that leave less than this part. */
+/* H_pp is reused as long as each correction is less than this part of the one before. */
 static const double MOMENTA_SERVES = 1e-3;
 
 /* Computes H_pp at the nodes, [n][n][points]. */
-static inline void momenta_find_slope(const tvi_action *action, const tvi_curve *curve)
+static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_n(curve), points = action->points;
-    const jet_tape *tape = action->field;
+    const int n = curve_dimension(curve), points = action->points;
+    const jet_tape *tape = action->field_tape;
     (void)tape;
     for (int j = 0; j < n; j++) {
-        double *direction = action->dx + (n + j) * points;
+        double *direction = action->field_tangent_block + (n + j) * points;
         for (int node = 0; node < points; node++) direction[node] = 1;
-        SEEDS_TANGENTS(tape, action->x, action->dx, points);
+        SEEDS_TANGENTS(tape, action->field_block, action->field_tangent_block, points);
         for (int i = 0; i < n; i++)
-            memcpy(action->H_pp + (i * n + j) * points, seeds_output_row(action, tape, action->dx, n + i),
+            memcpy(action->H_pp + (i * n + j) * points,
+                   seeds_field_output_row(action, tape, action->field_tangent_block, n + i),
                    (size_t)points * sizeof(double));
         for (int node = 0; node < points; node++) direction[node] = 0;
     }
 }
 
 /* Copies H_pp of a node to curve->slope. */
-static inline void momenta_place_slope(const tvi_action *action, const tvi_curve *curve, int node)
+static inline void momenta_copy_H_pp_of_node(const tvi_action *action, const tvi_curve *curve, int node)
 {
-    for (int i = 0; i < curve_n(curve) * curve_n(curve); i++)
-        curve->slope.lu[i] = action->H_pp[i * action->points + node];
+    for (int i = 0; i < curve_dimension(curve) * curve_dimension(curve); i++)
+        curve->velocity_hessian.lu[i] = action->H_pp[i * action->points + node];
 }
 
 /* Inverts H_pp of a node column by column, if that needs exchanges. Returns TVI_ESINGULAR or TVI_ENONFINITE. */
-static inline tvi_status momenta_invert_by_columns(const tvi_action *action, tvi_curve *curve, int node)
+static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action, tvi_curve *curve, int node)
 {
-    const int n = curve_n(curve);
-    const tvi_status status = CURVE_FACTOR(&curve->slope);
+    const int n = curve_dimension(curve);
+    const tvi_status status = CURVE_FACTOR(&curve->velocity_hessian);
     for (int j = 0; j < n && status == TVI_OK; j++) {
         for (int i = 0; i < n; i++) curve->column[i] = i == j;
-        CURVE_SOLVE(&curve->slope, curve->column);
+        CURVE_SOLVE(&curve->velocity_hessian, curve->column);
         for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->points + node] = curve->column[i];
     }
     return status;
 }
 
 /* Replaces H_pp by H_pp^-1 at all nodes. */
-static inline tvi_status momenta_solve_slope(const tvi_action *action, tvi_curve *curve)
+static inline tvi_status momenta_invert_H_pp(const tvi_action *action, tvi_curve *curve)
 {
-    const int n = curve_n(curve), points = action->points;
+    const int n = curve_dimension(curve), points = action->points;
     tvi_status status = TVI_OK;
-    momenta_find_slope(action, curve);
+    momenta_compute_H_pp(action, curve);
     for (int node = 0; node < points && status == TVI_OK; node++) {
-        momenta_place_slope(action, curve, node);
-        if (n <= LINEAR_SMALL && linear_unpivoted_invert(n, curve->slope.lu)) {
-            for (int i = 0; i < n * n; i++) action->H_pp[i * points + node] = curve->slope.lu[i];
+        momenta_copy_H_pp_of_node(action, curve, node);
+        if (n <= LINEAR_SMALL && linear_unpivoted_invert(n, curve->velocity_hessian.lu)) {
+            for (int i = 0; i < n * n; i++) action->H_pp[i * points + node] = curve->velocity_hessian.lu[i];
         } else {
-            momenta_place_slope(action, curve, node);
-            status = momenta_invert_by_columns(action, curve, node);
+            momenta_copy_H_pp_of_node(action, curve, node);
+            status = momenta_invert_H_pp_by_columns(action, curve, node);
         }
     }
     return status;
 }
 
-/* Computes correction = H_pp^-1 (v - H_p); returns the largest. The velocities v in on_v are left alone. */
-static inline double momenta_correct(const tvi_action *action, const tvi_curve *curve)
+/* Computes the corrections H_pp^-1 (v - H_p) of the momenta, and returns the largest. The velocities v are in
+ * gradient_by_v, which stays unchanged. */
+static inline double momenta_compute_corrections(const tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_n(curve), points = action->points;
-    double *correction = action->correction, rest[MOMENTA_MOST_NODES];
+    const int n = curve_dimension(curve), points = action->points;
+    double *correction = action->momentum_correction, rest[MOMENTA_MOST_NODES];
     memset(correction, 0, (size_t)(n * points) * sizeof *correction);
     for (int j = 0; j < n; j++) {
-        const double *H_p = seeds_output_row(action, action->field, action->x, n + j);
+        const double *H_p = seeds_field_output_row(action, action->field_tape, action->field_block, n + j);
         JET_IN_VECTORS
-        for (int node = 0; node < points; node++) rest[node] = action->on_v[j * points + node] - H_p[node];
+        for (int node = 0; node < points; node++) rest[node] = action->gradient_by_v[j * points + node] - H_p[node];
         for (int i = 0; i < n; i++) JET_IN_VECTORS
         for (int node = 0; node < points; node++)
             correction[i * points + node] += action->H_pp[(i * n + j) * points + node] * rest[node];
@@ -89,12 +91,12 @@ static inline double momenta_correct(const tvi_action *action, const tvi_curve *
     return tvi_largest_magnitude(n * points, correction, 1);
 }
 
-/* Returns whether the last correction is below a unit of roundoff of every momentum. */
-static inline bool momenta_are_settled(const tvi_action *action, int n, const double p[])
+/* Returns whether each momentum's last correction is below a unit roundoff of that momentum. */
+static inline bool momenta_are_corrections_roundoff(const tvi_action *action, int n, const double p[])
 {
     const int points = action->points;
     for (int i = 0; i < n; i++)
-        if (tvi_largest_magnitude(points, action->correction + i * points, 1) >
+        if (tvi_largest_magnitude(points, action->momentum_correction + i * points, 1) >
             DBL_EPSILON * tvi_largest_magnitude(points, p + i * points, 1))
             return false;
     return true;
@@ -102,32 +104,32 @@ static inline bool momenta_are_settled(const tvi_action *action, int n, const do
 
 /* Finds momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method. They are left in
  * the second input, and the field is evaluated with them. */
-static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
+static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *curve)
 {
-    const int count = curve_n(curve) * action->points;
-    double *p = action->x + count;
+    const int count = curve_dimension(curve) * action->points;
+    double *p = action->field_block + count;
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
-    memcpy(p, action->momentum, (size_t)count * sizeof *p);
+    memcpy(p, action->node_momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
                                   .max_contraction = 0.5,
                                   .stall_ratio = TVI_PASSES_ALL,
                                   .stall_period = 1};
     for (int step = 0; step < MOMENTA_STEPS; step++) {
-        tvi_status status = seeds_run_field(action);
+        tvi_status status = seeds_evaluate_field(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))
-            status = momenta_solve_slope(action, curve);
+            status = momenta_invert_H_pp(action, curve);
         if (status != TVI_OK) return status;
-        const double largest = momenta_correct(action, curve);
+        const double largest = momenta_compute_corrections(action, curve);
         if (!isfinite(largest)) return TVI_ENONFINITE;
-        if (step > 0 && momenta_are_settled(action, curve_n(curve), p)) return TVI_OK;
+        if (step > 0 && momenta_are_corrections_roundoff(action, curve_dimension(curve), p)) return TVI_OK;
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, largest);
-        for (int i = 0; i < count; i++) p[i] += action->correction[i];
+        for (int i = 0; i < count; i++) p[i] += action->momentum_correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
              (largest <= MOMENTA_STALLED * size || tvi_passes_are_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
-            return seeds_run_field(action);
+            return seeds_evaluate_field(action);
     }
     return TVI_ENOCONV;
 }

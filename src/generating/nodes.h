@@ -12,48 +12,61 @@
 /* A table holds the values of the orders at the nodes, [top + 1][points]. If nodes mirror each other, it also holds the
  * even and the odd orders at the first half of the nodes, [orders / 2][half]: at the other half these are the same
  * except for a sign. Sums over the nodes have their tables the other way round, [points][top + 1] and
- * [half][seeds_width(orders / 2)]. */
+ * [half][seeds_round_up_to_vectors(orders / 2)]. */
 typedef struct {
-    double *full, *even, *odd;
-    double mirrored; /* the factor of even orders at the other half, 1 or -1 */
+    double *all_orders, *even_orders, *odd_orders;
+    /* The sign of the even orders at the other half of the nodes, 1 or -1. */
+    double mirror_sign;
 } tvi_node_table;
 
 typedef struct tvi_action {
-    bool is_hamilton; /* TVI_ACTION_HAMILTON */
-    bool truncated;
+    bool is_hamilton; /* whether the action is that of Hamilton's principle in phase space */
+    bool has_truncated_nodes;
     const jet_sweeps *sweeps;
-    const jet_tape *field;    /* at the nodes: its values, or all that tangents need where momenta are found by them */
+    const jet_tape
+        *field_tape;          /* at the nodes: its values, or all that tangents need where momenta are found by them */
     bool has_velocity_defect; /* L_v - p is not 0 by construction */
     bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: top + 1 */
     int width;                              /* that of the curve: rows of nodes are [points][width] */
-    double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
+    double *node_s, *node_weight;           /* [points] in scaled time, sum of the weights = to - from */
     /* If nodes mirror each other, the first half are 0 .. half - 1, and the others follow. A node at the centre is
      * there twice, with half its weight each; points that are left of a half repeat the first node without weight. half
      * is 0 if they do not, or if the action is not plain. */
-    int half;
-    tvi_node_table power, slope;                   /* s_i^k and its derivative, 0 above q_degree */
-    tvi_node_table second_slope;                   /* the second derivative, of all orders */
-    tvi_node_table node_power;                     /* `power` as q_i uses it: 0 if the node rule leaves the term out */
-    tvi_node_table weighted_power, weighted_slope; /* these times the weight, for sums over the nodes */
-    double *row;                                   /* [top + 1] */
-    double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
-    double *x;        /* block of the field's values at the nodes, a lane each */
-    double *bend;     /* truncated Hamiltonian: block of the bend's values */
-    double *P;        /* [p_degree + 1][n] */
-    double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
-    double *on_q, *on_v, *on_p; /* [n][points]: the factors of dq_i, dv_i (tau), dp_i in the gradient of the action */
-    double *correction;         /* [n][points] of the momenta at the nodes, of a Hamiltonian's velocities */
-    double *H_pp;               /* [n][n][points] H_pp or its inverse */
-    double *dx;                 /* the block of one tangent of the field at each node */
-    tvi_roundoff roundoff;      /* the roundoff of the field at the nodes */
+    int half_points;
+    /* The powers s_i^k and their derivatives; 0 above q_degree. */
+    tvi_node_table power_table, slope_table;
+    /* The second derivatives of the powers, for all orders. */
+    tvi_node_table second_slope_table;
+    /* The powers in the sum that gives q_i; 0 for a term that the node rule omits. */
+    tvi_node_table node_power_table;
+    /* power_table and slope_table times the weights, for sums over the nodes. */
+    tvi_node_table weighted_power_table, weighted_slope_table;
+    double *order_row; /* [top + 1] */
+    /* [q_degree + 1][p_degree + 1] (j+k) times the error of the quadrature for s^(j+k-1), which integration by
+         * parts leaves; NULL if all are 0. */
+    double *by_parts_error;
+    double *field_block; /* the block of the field's tape, with one lane for each node */
+    /* The block of the tape of H_qp p and H_pp p, which truncated nodes of a Hamiltonian need. */
+    double *bend_block;
+    double *momentum_coefficients; /* [p_degree + 1][n] the coefficients P_k of the momentum */
+    /* [n][points] The curve's momentum p and its derivative dp/ds at the nodes. */
+    double *node_momentum, *node_force;
+    /* [n][points] The factors of dq_i, tau dv_i and dp_i in the gradient of the action. */
+    double *gradient_by_q, *gradient_by_v, *gradient_by_p;
+    /* [n][points] The last correction of the node momenta that belong to given velocities. */
+    double *momentum_correction;
+    double *H_pp; /* [n][n][points] H_pp at the nodes, or its inverse */
+    /* The block of the field's tangent in one direction, with one lane for each node. */
+    double *field_tangent_block;
+    tvi_roundoff field_roundoff; /* the roundoff of the field at the nodes */
 } tvi_action;
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
 /* Lengths of halves are padded to whole vectors. */
 enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF * CURVE_MOST_WIDTH };
-static inline int seeds_width(int count) { return (count + 3) / 4 * 4; }
+static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
 /* Returns how many numbers a row of the nodes has. */
 static inline int seeds_lanes(const tvi_action *action) { return action->points * CURVE_WIDTH(action); }
@@ -69,67 +82,67 @@ static inline void seeds_combine(const tvi_action *action, int count, const doub
 }
 
 /* Computes row[node] = sum_{k <= degree} coefficient_k table_k(node), with coefficient_k at first + k * stride. */
-static inline void seeds_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
-                                  const tvi_node_table *table, double row[])
+static inline void seeds_evaluate_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
+                                           const tvi_node_table *table, double row[])
 {
     const int lanes = seeds_lanes(action) / 2;
     double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
-    if (action->half == 0) {
-        seeds_combine(action, degree + 1, first, stride, action->points, table->full, row);
+    if (action->half_points == 0) {
+        seeds_combine(action, degree + 1, first, stride, action->points, table->all_orders, row);
         return;
     }
-    seeds_combine(action, degree / 2 + 1, first, 2 * stride, action->half, table->even, even);
-    seeds_combine(action, (degree + 1) / 2, first + stride, 2 * stride, action->half, table->odd, odd);
+    seeds_combine(action, degree / 2 + 1, first, 2 * stride, action->half_points, table->even_orders, even);
+    seeds_combine(action, (degree + 1) / 2, first + stride, 2 * stride, action->half_points, table->odd_orders, odd);
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) row[i] = even[i] + odd[i];
     JET_IN_VECTORS
-    for (int i = 0; i < lanes; i++) row[lanes + i] = table->mirrored * (even[i] - odd[i]);
+    for (int i = 0; i < lanes; i++) row[lanes + i] = table->mirror_sign * (even[i] - odd[i]);
 }
 
-static inline void seeds_place_times(const tvi_action *action, const tvi_curve *curve, double *x)
+static inline void seeds_set_node_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    double *t = x + curve_inputs(curve) * seeds_lanes(action);
+    double *t = x + curve_input_count(curve) * seeds_lanes(action);
     if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->points; node++)
         for (int m = 0; m < curve_width(curve); m++)
-            *t++ = JET_FUSED(jet_v1, curve->tau, action->s[node], curve_time(curve, 0)[m]);
+            *t++ = JET_FUSED(jet_v1, curve->tau, action->node_s[node], curve_time(curve, 0)[m]);
 }
 
 /* Writes q at the nodes, and the time, into the inputs of a block. */
-static inline void seeds_place_positions(const tvi_action *action, const tvi_curve *curve, double *x)
+static inline void seeds_set_node_positions(const tvi_action *action, const tvi_curve *curve, double *x)
 {
     const int width = curve_width(curve);
-    for (int i = 0; i < curve_n(curve); i++)
-        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i * width, tvi_curve_slots(curve),
-                       &action->node_power, x + i * seeds_lanes(action));
-    seeds_place_times(action, curve, x);
+    for (int i = 0; i < curve_dimension(curve); i++)
+        seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
+                                tvi_curve_slot_count(curve), &action->node_power_table, x + i * seeds_lanes(action));
+    seeds_set_node_times(action, curve, x);
 }
 
-/* Writes v = g./tau at the nodes into the second input. */
-static inline void seeds_place_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
+/* Writes the velocities v = (dq/ds)/tau at the nodes into the field's second input. */
+static inline void seeds_set_node_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
     const int lanes = seeds_lanes(action), width = curve_width(curve);
-    for (int i = 0; i < curve_n(curve); i++) {
-        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i * width, tvi_curve_slots(curve),
-                       &action->slope, v + i * lanes);
+    for (int i = 0; i < curve_dimension(curve); i++) {
+        seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
+                                tvi_curve_slot_count(curve), &action->slope_table, v + i * lanes);
         for (int at = i * lanes; at < (i + 1) * lanes; at++) v[at] /= curve->tau;
     }
 }
 
 /* Computes the momentum of the curve at the nodes, if it is needed. */
-static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
+static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_lanes(action), degree = action->p_degree;
     const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
-    if (!has_momenta && !action->by_parts && curve_form(curve) == TVI_SEPARABLE) return;
-    curve_momenta(curve, degree, action->P);
-    for (int i = 0; i < curve_n(curve) && has_momenta; i++)
-        seeds_at_nodes(action, degree, action->P + i * width, (size_t)curve_numbers(curve), &action->power,
-                       action->momentum + i * lanes);
+    if (!has_momenta && !action->by_parts_error && curve_form(curve) == TVI_SEPARABLE) return;
+    curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
+    for (int i = 0; i < curve_dimension(curve) && has_momenta; i++)
+        seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width, (size_t)curve_numbers(curve),
+                                &action->power_table, action->node_momentum + i * lanes);
 }
 
 /* Divides the row, by the inverse of the divisor and the remainder: many quotients take long. */
-static inline void seeds_divide(int lanes, double divisor, double row[])
+static inline void seeds_divide_row(int lanes, double divisor, double row[])
 {
     const double inverse = 1 / divisor;
     JET_IN_VECTORS
@@ -139,22 +152,25 @@ static inline void seeds_divide(int lanes, double divisor, double row[])
     }
 }
 
-/* Computes the derivative of this momentum, which is M q'' / tau of a separable system. */
-static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *curve)
+/* Computes dp/ds at the nodes, which is M q'' / tau of a separable system, with q'' the second derivative in s. */
+static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_lanes(action), degree = action->p_degree;
-    const size_t stride = tvi_curve_slots(curve);
-    double *force = action->force;
-    for (int i = 0; i < curve_n(curve); i++, force += lanes)
+    const size_t stride = tvi_curve_slot_count(curve);
+    double *force = action->node_force;
+    for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
         if (curve_form(curve) == TVI_SEPARABLE) {
-            seeds_at_nodes(action, degree + 1, tvi_curve_Q(curve, 0) + i * width, stride, &action->second_slope, force);
-            seeds_divide(lanes, curve->kappa[i], force);
+            seeds_evaluate_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i * width, stride,
+                                    &action->second_slope_table, force);
+            seeds_divide_row(lanes, curve->kappa[i], force);
         } else {
-            seeds_at_nodes(action, degree, action->P + i * width, (size_t)curve_numbers(curve), &action->slope, force);
+            seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width,
+                                    (size_t)curve_numbers(curve), &action->slope_table, force);
         }
 }
 
-static inline const double *seeds_output_row(const tvi_action *action, const jet_tape *tape, const double *x, int i)
+static inline const double *seeds_field_output_row(const tvi_action *action, const jet_tape *tape, const double *x,
+                                                   int i)
 {
     (void)tape;
     return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output)[i] * (size_t)seeds_lanes(action);
@@ -162,25 +178,25 @@ static inline const double *seeds_output_row(const tvi_action *action, const jet
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */
 
-static inline tvi_status seeds_run_field(const tvi_action *action)
+static inline tvi_status seeds_evaluate_field(const tvi_action *action)
 {
-    return SEEDS_VALUES(action->field, action->x, seeds_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
+    return SEEDS_VALUES(action->field_tape, action->field_block, seeds_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
 }
 
 /* Computes panel = factor * outputs first .. first + n - 1 of the field. */
-static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
-                                      double *restrict panel)
+static inline void seeds_copy_field_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
+                                            double *restrict panel)
 {
     const int lanes = seeds_lanes(action);
-    for (int i = 0; i < curve_n(curve); i++) {
-        const double *row = seeds_output_row(action, action->field, action->x, first + i);
+    for (int i = 0; i < curve_dimension(curve); i++) {
+        const double *row = seeds_field_output_row(action, action->field_tape, action->field_block, first + i);
         JET_IN_VECTORS
         for (int node = 0; node < lanes; node++) panel[i * lanes + node] = factor * row[node];
     }
 }
 
 /* Subtracts `other` from the panel. */
-static inline void seeds_subtract(const tvi_action *action, int n, const double *other, double *restrict panel)
+static inline void seeds_subtract_panel(const tvi_action *action, int n, const double *other, double *restrict panel)
 {
     for (int i = 0; i < n * seeds_lanes(action); i++) panel[i] -= other[i];
 }

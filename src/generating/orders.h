@@ -10,7 +10,7 @@
 #include "generating/advance.h"
 #include "generating/tangents.h"
 
-/* Generated code knows which slots follow the velocity (emit.c). */
+/* Generated code defines CURVE_FOLLOWS, which tells whether a slot depends on the velocity (emit.c). */
 #ifdef CURVE_FOLLOWS
 #define ORDERS_UNROLLED JET_UNROLL(32)
 #else
@@ -19,38 +19,41 @@
 #endif
 
 /* Returns the first of the slots that are computed. */
-static inline int orders_first_slot(const tvi_curve *curve)
+static inline int orders_first_computed_slot(const tvi_curve *curve)
 {
-    return curve_inputs(curve) + curve_uses_time(curve) + curve_constants(curve);
+    return curve_input_count(curve) + curve_uses_time(curve) + curve_constant_count(curve);
 }
 
 /* ---- The centre -------------------------------------------------------------------------------------------------- */
 
-/* Computes the derivatives of all slots in the second input, [slots][n]: tangents of order 0. */
-static inline void orders_find_columns(tvi_curve *curve)
+/* Computes the derivatives of all slots with respect to the velocity, [slots][n], as tangents of order 0. */
+static inline void orders_differentiate_by_velocity(tvi_curve *curve)
 {
-    const int n = curve_n(curve);
-    memset(curve->columns, 0, (size_t)(orders_first_slot(curve) * n) * sizeof *curve->columns);
-    for (int i = 0; i < n; i++) curve->columns[(n + i) * n + i] = 1;
-    ORDERS_TANGENTS(curve, curve->columns, 0, n);
+    const int n = curve_dimension(curve);
+    memset(curve->velocity_derivatives, 0,
+           (size_t)(orders_first_computed_slot(curve) * n) * sizeof *curve->velocity_derivatives);
+    for (int i = 0; i < n; i++) curve->velocity_derivatives[(n + i) * n + i] = 1;
+    ORDERS_TANGENTS(curve, curve->velocity_derivatives, 0, n);
 }
 
-static inline void orders_place_slope(const tvi_curve *curve)
+static inline void orders_copy_velocity_hessian(const tvi_curve *curve)
 {
-    const int n = curve_n(curve);
+    const int n = curve_dimension(curve);
     for (int i = 0; i < n; i++)
-        memcpy(curve->slope.lu + i * n, curve->columns + curve_slot(curve, n + i) * n, (size_t)n * sizeof(double));
+        memcpy(curve->velocity_hessian.lu + i * n, curve->velocity_derivatives + curve_output_slot(curve, n + i) * n,
+               (size_t)n * sizeof(double));
 }
 
 /* Inverts L_vv at the centre if it is small and needs no exchanges, and factors it otherwise. */
-static inline tvi_status orders_solve_slope(tvi_curve *curve)
+static inline tvi_status orders_factor_velocity_hessian(tvi_curve *curve)
 {
-    orders_find_columns(curve);
-    orders_place_slope(curve);
-    curve->has_inverse = curve_n(curve) <= LINEAR_SMALL && linear_unpivoted_invert(curve_n(curve), curve->slope.lu);
-    if (curve->has_inverse) return TVI_OK;
-    orders_place_slope(curve);
-    return CURVE_FACTOR(&curve->slope);
+    orders_differentiate_by_velocity(curve);
+    orders_copy_velocity_hessian(curve);
+    curve->is_hessian_inverted = curve_dimension(curve) <= LINEAR_SMALL &&
+                                 linear_unpivoted_invert(curve_dimension(curve), curve->velocity_hessian.lu);
+    if (curve->is_hessian_inverted) return TVI_OK;
+    orders_copy_velocity_hessian(curve);
+    return CURVE_FACTOR(&curve->velocity_hessian);
 }
 
 /* ---- Orders of all lanes ----------------------------------------------------------------------------------------- */
@@ -63,16 +66,17 @@ static inline tvi_status orders_solve_slope(tvi_curve *curve)
     }
 
 /* Computes out = L_vv^-1 rest, [n][lanes]. */
-static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[], double out[])
+static inline void orders_solve_for_velocity(const tvi_curve *curve, int lanes, double rest[], double out[])
 {
-    const int n = curve_n(curve);
+    const int n = curve_dimension(curve);
     const size_t stride = (size_t)lanes;
-    const double *inverse = curve->slope.lu;
-    for (int i = 0; i < n && curve->has_inverse; i++, inverse += n, out += lanes) JET_BLOCKS(lanes, ORDERS_DIVIDE, );
-    for (int lane = 0; lane < lanes && !curve->has_inverse; lane++) {
+    const double *inverse = curve->velocity_hessian.lu;
+    for (int i = 0; i < n && curve->is_hessian_inverted; i++, inverse += n, out += lanes)
+        JET_BLOCKS(lanes, ORDERS_DIVIDE, );
+    for (int lane = 0; lane < lanes && !curve->is_hessian_inverted; lane++) {
         double *column = curve->column;
         for (int i = 0; i < n; i++) column[i] = rest[i * lanes + lane];
-        CURVE_SOLVE(&curve->slope, column);
+        CURVE_SOLVE(&curve->velocity_hessian, column);
         for (int i = 0; i < n; i++) out[i * lanes + lane] = column[i];
     }
 }
@@ -84,16 +88,16 @@ static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[
         JET_AT(V, row, 0) = sum;                                                                                       \
     }
 
-/* Adds the part of V_k to all slots of the order, [slots][lanes]; slots that do not depend on the velocity have
- * none. */
-static inline void orders_add(const tvi_curve *curve, int lanes, const double added[], double order[])
+/* Adds the contribution of V_k to all slots of the order, [slots][lanes]. Slots that do not depend on the velocity
+ * have no contribution. */
+static inline void orders_add_velocity_part(const tvi_curve *curve, int lanes, const double added[], double order[])
 {
-    const int n = curve_n(curve), slots = (int)tvi_curve_slots(curve);
+    const int n = curve_dimension(curve), slots = (int)tvi_curve_slot_count(curve);
     const size_t stride = (size_t)lanes;
-    ORDERS_UNROLLED for (int slot = orders_first_slot(curve); slot < slots; slot++)
+    ORDERS_UNROLLED for (int slot = orders_first_computed_slot(curve); slot < slots; slot++)
     {
         if (!CURVE_FOLLOWS(slot)) continue;
-        const double *column = curve->columns + slot * n;
+        const double *column = curve->velocity_derivatives + slot * n;
         double *row = order + slot * lanes;
         JET_BLOCKS(lanes, ORDERS_ADD, );
     }
@@ -114,73 +118,73 @@ static inline void orders_add(const tvi_curve *curve, int lanes, const double ad
         JET_AT(V, rest, 0) = part - JET_OF(V, order, momentum);                                                        \
     }
 
-static inline void orders_begin(const tvi_curve *curve, int k, int lanes, const double *before, double *order)
+static inline void orders_begin_order(const tvi_curve *curve, int k, int lanes, const double *before, double *order)
 {
-    const int n = curve_n(curve);
+    const int n = curve_dimension(curve);
     const double tau = curve->tau, divisor = k;
     const size_t stride = (size_t)lanes;
     for (int i = 0; i < n; i++, before += lanes, order += lanes) JET_BLOCKS(lanes, ORDERS_BEGIN, );
 }
 
-static inline void orders_end(const tvi_curve *curve, int k, int lanes, const double *before, double *order)
+static inline void orders_solve_order(const tvi_curve *curve, int k, int lanes, const double *before, double *order)
 {
-    const int n = curve_n(curve);
+    const int n = curve_dimension(curve);
     const double tau = curve->tau, divisor = k;
     const size_t stride = (size_t)lanes;
-    double *rest = curve->rest;
+    double *rest = curve->velocity_residual;
     for (int i = 0; i < n; i++, rest += lanes) {
-        const int force = curve_slot(curve, i), momentum = curve_slot(curve, n + i);
+        const int force = curve_output_slot(curve, i), momentum = curve_output_slot(curve, n + i);
         JET_BLOCKS(lanes, ORDERS_LEAVE, );
     }
-    orders_divide(curve, lanes, curve->rest, order + n * lanes);
-    if (k < curve_top(curve)) orders_add(curve, lanes, order + n * lanes, order);
+    orders_solve_for_velocity(curve, lanes, curve->velocity_residual, order + n * lanes);
+    if (k < curve_highest_order(curve)) orders_add_velocity_part(curve, lanes, order + n * lanes, order);
 }
 
 /* ---- The recurrence ---------------------------------------------------------------------------------------------- */
 
 /* Computes order k. Order 0 may return TVI_EDOMAIN or TVI_ESINGULAR. */
-static inline tvi_status orders_expand(tvi_curve *curve, int k)
+static inline tvi_status orders_compute_order(tvi_curve *curve, int k)
 {
-    const size_t slots = tvi_curve_slots(curve);
-    double *order = curve->x + (size_t)k * slots;
-    if (k == 0) return ORDERS_SERIES(curve, 0) ? orders_solve_slope(curve) : TVI_EDOMAIN;
-    orders_begin(curve, k, 1, order - slots, order);
+    const size_t slots = tvi_curve_slot_count(curve);
+    double *order = curve->series_block + (size_t)k * slots;
+    if (k == 0) return ORDERS_SERIES(curve, 0) ? orders_factor_velocity_hessian(curve) : TVI_EDOMAIN;
+    orders_begin_order(curve, k, 1, order - slots, order);
     (void)ORDERS_SERIES(curve, k);
-    orders_end(curve, k, 1, order - slots, order);
+    orders_solve_order(curve, k, 1, order - slots, order);
     return TVI_OK;
 }
 
 /* Computes the tangent of the recurrence, whose matrix at the highest order is L_vv again. */
-static inline void orders_differentiate(tvi_curve *curve, const curve_block *b, int k)
+static inline void orders_compute_tangent_order(tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const int lanes = (int)b->lanes;
-    double *order = curve->dx + (size_t)k * b->order;
-    if (k > 0) orders_begin(curve, k, lanes, order - b->order, order);
-    ORDERS_TANGENTS(curve, curve->dx, k, lanes);
-    if (k > 0) orders_end(curve, k, lanes, order - b->order, order);
+    const int lanes = (int)block->lanes;
+    double *order = curve->tangent_block + (size_t)k * block->order_stride;
+    if (k > 0) orders_begin_order(curve, k, lanes, order - block->order_stride, order);
+    ORDERS_TANGENTS(curve, curve->tangent_block, k, lanes);
+    if (k > 0) orders_solve_order(curve, k, lanes, order - block->order_stride, order);
 }
 
 /* ---- Any form of system ------------------------------------------------------------------------------------------ */
 
-static inline tvi_recurrence curve_recurrence(const tvi_curve *curve, size_t order, double *block)
+static inline tvi_series_recurrence curve_recurrence(const tvi_curve *curve, size_t order, double *block)
 {
-    return (tvi_recurrence){curve_n(curve), curve_width(curve), order,     curve_output(curve),
-                            block,          curve->kappa,       curve->tau};
+    return (tvi_series_recurrence){curve_dimension(curve), curve_width(curve), order, curve_output_slots(curve), block,
+                                   curve->kappa,           curve->tau};
 }
 
 /* Returns whether order k of the field gives a coefficient of the curve. */
 static inline bool curve_has_order(const tvi_curve *curve, int k)
 {
-    return k + (curve_form(curve) == TVI_SEPARABLE ? 2 : 1) <= curve_top(curve);
+    return k + (curve_form(curve) == TVI_SEPARABLE ? 2 : 1) <= curve_highest_order(curve);
 }
 
 /* Evaluates order k of the field, and computes the coefficients of the curve that follow from it. A Lagrangian's curve
  * ends where it fails; others go on, since other members may not have failed. */
 static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *status)
 {
-    const tvi_recurrence series = curve_recurrence(curve, tvi_curve_slots(curve), curve->x);
+    const tvi_series_recurrence series = curve_recurrence(curve, tvi_curve_slot_count(curve), curve->series_block);
     if (curve_form(curve) == TVI_LAGRANGIAN) {
-        if (*status == TVI_OK) *status = orders_expand(curve, k);
+        if (*status == TVI_OK) *status = orders_compute_order(curve, k);
     } else if (curve_has_order(curve, k)) {
         if (!ORDERS_SERIES(curve, k)) *status = TVI_EDOMAIN;
         if (curve_form(curve) == TVI_SEPARABLE) tvi_advance_separable(&series, k);
@@ -189,16 +193,16 @@ static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *statu
 }
 
 /* Computes order k of the tangents of a block of directions. */
-static inline void curve_differentiate_order(tvi_curve *curve, const curve_block *b, int k)
+static inline void curve_differentiate_order(tvi_curve *curve, const curve_tangent_block *b, int k)
 {
-    const tvi_recurrence tangents = curve_recurrence(curve, b->order, curve->dx);
+    const tvi_series_recurrence tangents = curve_recurrence(curve, b->order_stride, curve->tangent_block);
     const int lanes = (int)b->lanes;
     if (curve_form(curve) == TVI_LAGRANGIAN) {
-        orders_differentiate(curve, b, k);
+        orders_compute_tangent_order(curve, b, k);
     } else if (curve_has_order(curve, k)) {
-        ORDERS_TANGENTS(curve, curve->dx, k, lanes);
-        if (curve_form(curve) == TVI_SEPARABLE) tvi_tangents_separable(&tangents, k, lanes);
-        else tvi_tangents_hamiltonian(&tangents, k, lanes);
+        ORDERS_TANGENTS(curve, curve->tangent_block, k, lanes);
+        if (curve_form(curve) == TVI_SEPARABLE) tvi_advance_separable_tangents(&tangents, k, lanes);
+        else tvi_advance_hamiltonian_tangents(&tangents, k, lanes);
     }
 }
 
@@ -206,14 +210,15 @@ static inline void curve_differentiate_order(tvi_curve *curve, const curve_block
  * other of several. */
 static inline void curve_differentiate(tvi_curve *curve)
 {
-    const int directions = 2 * curve_n(curve), width = curve_width(curve), most = width > 1 ? 1 : TVI_CURVE_LANES;
+    const int directions = 2 * curve_dimension(curve), width = curve_width(curve),
+              most = width > 1 ? 1 : TVI_CURVE_LANES;
     for (int first = 0; first < directions; first += most) {
         const int left = directions - first, count = left < most ? left : most;
         const size_t lanes = (size_t)(width * count);
-        const curve_block b = {lanes, tvi_curve_slots(curve) * (size_t)count, first};
-        curve_begin_block(curve, &b);
-        for (int k = 0; k <= curve_top(curve); k++) curve_differentiate_order(curve, &b, k);
-        curve_end_block(curve, &b);
+        const curve_tangent_block b = {lanes, tvi_curve_slot_count(curve) * (size_t)count, first};
+        curve_clear_tangent_block(curve, &b);
+        for (int k = 0; k <= curve_highest_order(curve); k++) curve_differentiate_order(curve, &b, k);
+        curve_store_tangent_block(curve, &b);
     }
 }
 

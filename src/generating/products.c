@@ -1,26 +1,31 @@
-/* products.c - solves the equations of the products path (products.h), compiled once for each instruction set. */
+/* products.c - allocates the work of the iteration of products.h, and lists its functions as a solver. It is
+ * compiled once for each instruction set. */
 #define CURVE_ONE_SET
 #include "sums.h"
 
 #include "generating/products.h"
 
-static void take(tvi_closure *c, tvi_arena *arena)
+static void allocate_residual_iteration(tvi_closure *closure, tvi_arena *arena)
 {
-    const size_t width = (size_t)products_width(c);
-    tvi_iteration *taken = tvi_arena_allocate(arena, sizeof *taken);
-    const tvi_iteration it = {
-        .x = tvi_arena_doubles(arena, width),
-        .r = tvi_arena_doubles(arena, width),
-        .s = tvi_arena_doubles(arena, PRODUCTS_MOST * width),
-        .v = tvi_arena_doubles(arena, PRODUCTS_MOST * width),
-        .unit = tvi_arena_doubles(arena, width),
+    const size_t width = (size_t)products_padded_length(closure);
+    tvi_residual_iteration *taken = tvi_arena_allocate(arena, sizeof *taken);
+    const tvi_residual_iteration iteration = {
+        .solution = tvi_arena_doubles(arena, width),
+        .residual = tvi_arena_doubles(arena, width),
+        .direction = tvi_arena_doubles(arena, PRODUCTS_MOST * width),
+        .direction_image = tvi_arena_doubles(arena, PRODUCTS_MOST * width),
+        .inverse_size = tvi_arena_doubles(arena, width),
         .scratch = tvi_arena_doubles(arena, width),
         .product = tvi_arena_doubles(arena, width),
-        .largest = tvi_arena_doubles(arena, (size_t)c->curve.top + 1),
+        .largest_coefficient = tvi_arena_doubles(arena, (size_t)closure->curve.top + 1),
     };
-    if (taken) *taken = it;
-    c->solving = taken;
+    if (taken) *taken = iteration;
+    closure->solving = taken;
 }
 
-const tvi_solver JET_FOR_ISA(tvi_by_products) = {take,           products_begin, products_close,
-                                                 products_solve, NULL,           products_correct};
+const tvi_solver JET_FOR_ISA(tvi_by_products) = {allocate_residual_iteration,
+                                                 products_discard_guess,
+                                                 products_compute_corrections,
+                                                 products_solve_equations,
+                                                 NULL,
+                                                 products_apply_inverse_flow_jacobian};

@@ -5,7 +5,7 @@
 
 void JET_FOR_ISA(tvi_end_at)(tvi_curve *curve, double factor, double q[], double u[])
 {
-    curve_end_at(curve, factor, q, u);
+    curve_rescale_and_sum(curve, factor, q, u);
 }
 
 tvi_status JET_FOR_ISA(tvi_seeds_plainly)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])

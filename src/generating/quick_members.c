@@ -9,8 +9,8 @@
 static void leave_outside(const tvi_curve_work *w, bool at_nodes, long long is_moving[])
 {
     const tvi_curve *curve = &w->closure.curve;
-    const jet_tape *tape = at_nodes ? w->action.field : curve->system->field_series;
-    const double *x = at_nodes ? w->action.x : curve->x;
+    const jet_tape *tape = at_nodes ? w->action.field_tape : curve->system->field_series;
+    const double *x = at_nodes ? w->action.field_block : curve->series_block;
     for (int m = 0; m < curve->width; m++)
         if (is_moving[m] && !tvi_is_member_inside_domain(w->by_itself, tape, x, at_nodes ? w->action.points : 1, m))
             is_moving[m] = 0;
@@ -27,11 +27,11 @@ bool JET_FOR_ISA(tvi_taylor_members)(tvi_curve_work *work, double h, const tvi_b
                                      const tvi_curve_end *end, tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
-    const int n = curve_n(curve), width = curve_width(curve);
-    curve_set_step(curve, h);
+    const int n = curve_dimension(curve), width = curve_width(curve);
+    curve_set_time_unit(curve, h);
     (void)step_place_start(work, origin, work->z);
     if (quick_expand(curve) != TVI_OK) leave_outside(work, false, end->is_moving);
-    curve_end_at(curve, 1, end->dq, end->dp);
+    curve_rescale_and_sum(curve, 1, end->dq, end->dp);
     for (int i = 0; i < n * width; i++) end->dp[i] /= curve->kappa[i / width];
     step_find_tails(curve, end->tail);
     for (int m = 0; m < width; m++) {

@@ -11,20 +11,24 @@ static tvi_end_at_fn *const end_at_of[JET_ISA_COUNT] = {
 #endif
 };
 
-static bool has_code(const tvi_curve *curve) { return curve->code && curve->code->reach; }
-
-double tvi_curve_reach(const tvi_curve *curve, double log_tolerance)
+static bool has_generated_functions(const tvi_curve *curve)
 {
-    return has_code(curve) ? curve->code->reach(curve, log_tolerance) : curve_reach(curve, log_tolerance);
+    return curve->generated_code && curve->generated_code->reach;
 }
 
-void tvi_curve_end_at(tvi_curve *curve, double factor, double q[], double u[])
+double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)
 {
-    if (has_code(curve)) curve->code->end_at(curve, factor, q, u);
+    return has_generated_functions(curve) ? curve->generated_code->reach(curve, log_tolerance)
+                                          : curve_estimate_usable_step(curve, log_tolerance);
+}
+
+void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double q[], double u[])
+{
+    if (has_generated_functions(curve)) curve->generated_code->end_at(curve, factor, q, u);
     else end_at_of[curve->system->field_series->sweeps->isa](curve, factor, q, u);
 }
 
-double tvi_curve_change(const tvi_curve *curve)
+double tvi_curve_bound_energy_change(const tvi_curve *curve)
 {
-    return has_code(curve) ? curve->code->change(curve) : curve_change(curve);
+    return has_generated_functions(curve) ? curve->generated_code->change(curve) : curve_bound_energy_change(curve);
 }

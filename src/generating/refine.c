@@ -8,149 +8,161 @@
 #include "generating/refine.h"
 #include "algebra/weigh.h"
 
-/* Larger tolerances have errors larger than roundoff. */
+/* Increments are refined for tolerances below this. Larger tolerances leave errors that exceed roundoff. */
 static const double BELOW = 1e-13;
 
 /* The two nodes have equal weights. */
 enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
 
-/* The sums are X at the nodes; Q'' or X' there; X(1); Q'(1). */
+/* The indices of the sums over the coefficients: X at each node; Q'' or X' at each node; X(1); and Q'(1). */
 enum { VALUE, RATE = NODES, END = 2 * NODES, SLOPE, LOW = TVI_REFINE_LOW };
 
-/* An attempt holds the step that is being made. */
+/* The step whose increments are computed: its curve, origin, size and work. */
 typedef struct {
     const tvi_refinement *refinement;
     const tvi_curve *curve;
     const tvi_system *system;
     const tvi_origin *origin;
     long double h;
-} attempt;
+} refinement_step;
 
-bool tvi_refines(const tvi_system *system, double tolerance)
+bool tvi_needs_refinement(const tvi_system *system, double tolerance)
 {
     return tolerance < BELOW && system->form != TVI_LAGRANGIAN;
 }
 
 /* ---- The tables -------------------------------------------------------------------------------------------------- */
 
-void tvi_refinement_take(tvi_refinement *r, tvi_arena *arena, const tvi_curve *curve)
+void tvi_allocate_refinement(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const size_t inputs = (size_t)system->inputs, slots = (size_t)system->field_values->slots;
-    long double **const vectors[] = {&r->start, &r->drift, &r->sum, &r->defect, &r->once, &r->twice, &r->y};
+    long double **const vectors[] = {
+        &refinement->start_values,    &refinement->drift,           &refinement->coefficient_sum, &refinement->defect,
+        &refinement->single_integral, &refinement->double_integral, &refinement->field_slots};
     for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
-    r->first = system->form == TVI_SEPARABLE ? 2 : 1;
-    r->high = tvi_arena_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
-    r->rest = tvi_arena_doubles(arena, inputs);
-    r->block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+    refinement->first_order = system->form == TVI_SEPARABLE ? 2 : 1;
+    refinement->high_order_weight = tvi_arena_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
+    refinement->high_order_sum = tvi_arena_doubles(arena, inputs);
+    refinement->constants_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
 }
 
-void tvi_refinement_prepare(tvi_refinement *r, const tvi_curve *curve)
+void tvi_prepare_refinement(tvi_refinement *refinement, const tvi_curve *curve)
 {
     long double power[NODES] = {1, 1};
     for (int k = 0; k <= curve->top; k++) {
         long double weight[TVI_REFINE_SUMS] = {[END] = 1, [SLOPE] = k};
         for (int j = 0; j < NODES; j++) {
             weight[VALUE + j] = power[j];
-            weight[RATE + j] = r->first == 2 ? k * (k - 1) * power[j] / (node[j] * node[j]) : k * power[j] / node[j];
+            weight[RATE + j] =
+                refinement->first_order == 2 ? k * (k - 1) * power[j] / (node[j] * node[j]) : k * power[j] / node[j];
             power[j] *= node[j];
         }
-        for (int sum = 0; sum < TVI_REFINE_SUMS && k >= r->first; sum++)
-            if (k <= LOW) r->low[sum][k] = weight[sum];
-            else r->high[sum * (curve->top + 1) + k] = (double)weight[sum];
+        for (int sum = 0; sum < TVI_REFINE_SUMS && k >= refinement->first_order; sum++)
+            if (k <= LOW) refinement->low_order_weight[sum][k] = weight[sum];
+            else refinement->high_order_weight[sum * (curve->top + 1) + k] = (double)weight[sum];
     }
 }
 
 /* ---- The defect -------------------------------------------------------------------------------------------------- */
 
-static const long double *sum_of(const attempt *a, int which)
+static const long double *sum_coefficients(const refinement_step *step, int which)
 {
-    const tvi_refinement *r = a->refinement;
-    const tvi_curve *curve = a->curve;
-    const size_t orders = (size_t)curve->top + 1, inputs = (size_t)a->system->inputs;
+    const tvi_refinement *refinement = step->refinement;
+    const tvi_curve *curve = step->curve;
+    const size_t orders = (size_t)curve->top + 1, inputs = (size_t)step->system->inputs;
     const int top = curve->top < LOW ? curve->top : LOW;
-    memset(r->rest, 0, inputs * sizeof *r->rest);
-    tvi_add_weighted_rows(orders, r->high + (size_t)which * orders, tvi_curve_slots(curve), inputs, curve->x, r->rest);
+    memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
+    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)which * orders, tvi_curve_slot_count(curve),
+                          inputs, curve->series_block, refinement->high_order_sum);
     for (size_t i = 0; i < inputs; i++) {
-        r->sum[i] = r->rest[i];
-        for (int k = top; k >= r->first; k--) r->sum[i] += r->low[which][k] * tvi_curve_input(curve, k)[i];
+        refinement->coefficient_sum[i] = refinement->high_order_sum[i];
+        for (int k = top; k >= refinement->first_order; k--)
+            refinement->coefficient_sum[i] +=
+                refinement->low_order_weight[which][k] * tvi_curve_inputs_of_order(curve, k)[i];
     }
-    return r->sum;
+    return refinement->coefficient_sum;
 }
 
-static void start(const attempt *a)
+static void set_start_values(const refinement_step *step)
 {
-    const int n = a->system->n;
-    const tvi_origin *o = a->origin;
-    const tvi_refinement *r = a->refinement;
+    const int n = step->system->n;
+    const tvi_origin *o = step->origin;
+    const tvi_refinement *refinement = step->refinement;
     for (int i = 0; i < n; i++) {
         const long double p = o->p[i] + (long double)o->p_low[i];
-        r->start[i] = o->q[i] + (long double)o->q_low[i];
-        if (a->system->form == TVI_SEPARABLE) r->drift[i] = a->h * p / a->system->mass[i];
-        else r->start[n + i] = p;
+        refinement->start_values[i] = o->q[i] + (long double)o->q_low[i];
+        if (step->system->form == TVI_SEPARABLE) refinement->drift[i] = step->h * p / step->system->mass[i];
+        else refinement->start_values[n + i] = p;
     }
 }
 
-/* Returns the rate of input i in the step, from the field. */
-static long double rate_of(const attempt *a, int i)
+/* Returns the rate of input i from the field that was last evaluated, times h^2 for a separable system, and times h
+ * otherwise. */
+static long double compute_rate(const refinement_step *step, int i)
 {
-    const int n = a->system->n, *output = a->system->field_values->output;
-    const long double *y = a->refinement->y, h = a->h;
-    if (a->system->form == TVI_SEPARABLE) return h * y[output[i]] / a->system->mass[i] * h;
+    const int n = step->system->n, *output = step->system->field_values->output;
+    const long double *y = step->refinement->field_slots, h = step->h;
+    if (step->system->form == TVI_SEPARABLE) return h * y[output[i]] / step->system->mass[i] * h;
     return i < n ? h * y[output[n + i]] : -h * y[output[i - n]];
 }
 
-static void find_defect(const attempt *a, int j)
+static void compute_defect_at_node(const refinement_step *step, int j)
 {
-    const tvi_refinement *r = a->refinement;
-    const int inputs = a->system->inputs;
-    const long double *sum = sum_of(a, VALUE + j);
-    for (int i = 0; i < inputs; i++) r->y[i] = r->start[i] + (node[j] * r->drift[i] + sum[i]);
-    if (a->system->uses_time) r->y[inputs] = a->origin->t + (a->origin->t_low + node[j] * a->h);
-    jet_sweep_long_double_values(a->system->field_values, r->block, r->y);
-    sum = sum_of(a, RATE + j);
-    for (int i = 0; i < inputs; i++) r->defect[i] = rate_of(a, i) - sum[i];
+    const tvi_refinement *refinement = step->refinement;
+    const int inputs = step->system->inputs;
+    const long double *sum = sum_coefficients(step, VALUE + j);
+    for (int i = 0; i < inputs; i++)
+        refinement->field_slots[i] = refinement->start_values[i] + (node[j] * refinement->drift[i] + sum[i]);
+    if (step->system->uses_time)
+        refinement->field_slots[inputs] = step->origin->t + (step->origin->t_low + node[j] * step->h);
+    jet_sweep_long_double_values(step->system->field_values, refinement->constants_block, refinement->field_slots);
+    sum = sum_coefficients(step, RATE + j);
+    for (int i = 0; i < inputs; i++) refinement->defect[i] = compute_rate(step, i) - sum[i];
 }
 
-static void integrate_defect(const attempt *a)
+static void integrate_defect(const refinement_step *step)
 {
-    const tvi_refinement *r = a->refinement;
-    const size_t bytes = (size_t)a->system->inputs * sizeof *r->once;
-    memset(r->once, 0, bytes);
-    memset(r->twice, 0, bytes);
+    const tvi_refinement *refinement = step->refinement;
+    const size_t bytes = (size_t)step->system->inputs * sizeof *refinement->single_integral;
+    memset(refinement->single_integral, 0, bytes);
+    memset(refinement->double_integral, 0, bytes);
     for (int j = 0; j < NODES; j++) {
-        find_defect(a, j);
-        for (int i = 0; i < a->system->inputs; i++) {
-            r->once[i] += r->defect[i] / NODES;
-            r->twice[i] += (1 - node[j]) * r->defect[i] / NODES;
+        compute_defect_at_node(step, j);
+        for (int i = 0; i < step->system->inputs; i++) {
+            refinement->single_integral[i] += refinement->defect[i] / NODES;
+            refinement->double_integral[i] += (1 - node[j]) * refinement->defect[i] / NODES;
         }
     }
 }
 
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 
-static void split(long double x, double *high, double *low)
+static void split_into_two_doubles(long double x, double *high, double *low)
 {
     *high = (double)x;
     *low = (double)(x - *high);
 }
 
-void tvi_refine(const tvi_refinement *r, const tvi_curve *curve, double h, const tvi_origin *origin,
-                const tvi_increments *increments)
+void tvi_compute_refined_increments(const tvi_refinement *refinement, const tvi_curve *curve, double h,
+                                    const tvi_origin *origin, const tvi_increments *increments)
 {
     const tvi_system *system = curve->system;
-    const attempt a = {r, curve, system, origin, h};
+    const refinement_step step = {refinement, curve, system, origin, h};
     const int n = system->n;
-    start(&a);
-    integrate_defect(&a);
+    set_start_values(&step);
+    integrate_defect(&step);
     const bool separable = system->form == TVI_SEPARABLE;
-    const long double *sum = sum_of(&a, END), *of_q = separable ? r->twice : r->once;
-    for (int i = 0; i < n; i++) split(r->drift[i] + (sum[i] + of_q[i]), &increments->dq[i], &increments->dq_low[i]);
-    if (separable) sum = sum_of(&a, SLOPE);
+    const long double *sum = sum_coefficients(&step, END),
+                      *of_q = separable ? refinement->double_integral : refinement->single_integral;
+    for (int i = 0; i < n; i++)
+        split_into_two_doubles(refinement->drift[i] + (sum[i] + of_q[i]), &increments->dq[i], &increments->dq_low[i]);
+    if (separable) sum = sum_coefficients(&step, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
-        const long double rise = sum[at] + r->once[at];
-        split(separable ? system->mass[i] / a.h * rise : rise, &increments->dp[i], &increments->dp_low[i]);
+        const long double rise = sum[at] + refinement->single_integral[at];
+        split_into_two_doubles(separable ? system->mass[i] / step.h * rise : rise, &increments->dp[i],
+                               &increments->dp_low[i]);
     }
 }

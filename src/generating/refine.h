@@ -4,28 +4,34 @@
 
 #include "generating/curve.h"
 
-/* These count the sums over the coefficients x_k: X and its rate, Q'' or X', at two nodes, and the increments. */
+/* Weights of coefficients up to order TVI_REFINE_LOW are in long double. There are TVI_REFINE_SUMS sums over the
+ * coefficients: X and its rate, Q'' or X', at two nodes, and the two increments. */
 enum { TVI_REFINE_LOW = 4, TVI_REFINE_SUMS = 6 };
 
 typedef struct {
-    int first;                                            /* the coefficients are summed from this order on; below */
-    long double *start, *drift;                           /* [inputs] are x_0, and x_1 of a separable system */
-    long double low[TVI_REFINE_SUMS][TVI_REFINE_LOW + 1]; /* weights, of the low orders */
-    double *high, *rest;                                  /* [sums][top + 1] of the others, and their sum [inputs] */
-    long double *sum, *defect;                            /* [inputs] */
-    long double *once, *twice;                            /* [inputs] the integrals of the defect */
-    long double *y;                                       /* [slots] the field */
-    double *block;                                        /* the block of the constants of the field */
+    /* The sums begin with this order; lower orders are start_values and drift. */
+    int first_order;
+    long double *start_values, *drift; /* [inputs] x_0, and x_1 of a separable system */
+    /* The weights of the low orders in each sum. */
+    long double low_order_weight[TVI_REFINE_SUMS][TVI_REFINE_LOW + 1];
+    /* The weights of the other orders, [sums][top + 1], and the sum of these orders, [inputs]. */
+    double *high_order_weight, *high_order_sum;
+    /* [inputs] The sum of all orders, and the defect at a node. */
+    long double *coefficient_sum, *defect;
+    /* [inputs] The integral of the defect d, and that of (1 - s) d. */
+    long double *single_integral, *double_integral;
+    long double *field_slots; /* [slots] the slots of the field's tape in long double */
+    double *constants_block;  /* the block of the field's tape, which contains its constants */
 } tvi_refinement;
 
-void tvi_refinement_take(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve);
-void tvi_refinement_prepare(tvi_refinement *refinement, const tvi_curve *curve);
+void tvi_allocate_refinement(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve);
+void tvi_prepare_refinement(tvi_refinement *refinement, const tvi_curve *curve);
 
-/* Returns whether the increments to this tolerance are computed in this way. */
-bool tvi_refines(const tvi_system *system, double tolerance);
+/* Returns whether increments are refined for a step with this tolerance. */
+bool tvi_needs_refinement(const tvi_system *system, double tolerance);
 
 /* Computes the increments of the curve's step of size h = tau from the origin. */
-void tvi_refine(const tvi_refinement *refinement, const tvi_curve *curve, double h, const tvi_origin *origin,
-                const tvi_increments *increments);
+void tvi_compute_refined_increments(const tvi_refinement *refinement, const tvi_curve *curve, double h,
+                                    const tvi_origin *origin, const tvi_increments *increments);
 
 #endif

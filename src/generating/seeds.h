@@ -21,8 +21,8 @@
 /* Computes the terms of a separable system: on_q = tau F; L_v = p on the curve. */
 static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const tvi_status status = seeds_run_field(action);
-    seeds_copy_outputs(action, curve, 0, curve->tau, action->on_q);
+    const tvi_status status = seeds_evaluate_field(action);
+    seeds_copy_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
     return status;
 }
 
@@ -30,47 +30,48 @@ static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *
  * momenta. */
 static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *curve)
 {
-    const int n = curve_n(curve), points = action->points;
+    const int n = curve_dimension(curve), points = action->points;
     const size_t panel = (size_t)(n * points) * sizeof(double);
-    double *second = action->x + n * points;
+    double *second = action->field_block + n * points;
     tvi_status status = TVI_OK;
     switch (curve_form(curve)) {
     case TVI_SEPARABLE:
         status = seeds_force_terms(action, curve);
-        for (int i = 0; i < n * points; i++) action->on_v[i] *= curve->system->mass[i / points];
+        for (int i = 0; i < n * points; i++) action->gradient_by_v[i] *= curve->system->mass[i / points];
         break;
     case TVI_LAGRANGIAN:
-        memcpy(second, action->on_v, panel);
-        status = seeds_run_field(action);
-        seeds_copy_outputs(action, curve, 0, curve->tau, action->on_q);
-        seeds_copy_outputs(action, curve, n, 1, action->on_v);
+        memcpy(second, action->gradient_by_v, panel);
+        status = seeds_evaluate_field(action);
+        seeds_copy_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
+        seeds_copy_field_outputs(action, curve, n, 1, action->gradient_by_v);
         break;
     case TVI_HAMILTONIAN:
-        status = momenta_find(action, curve);
-        seeds_copy_outputs(action, curve, 0, -curve->tau, action->on_q);
-        memcpy(action->on_v, second, panel);
+        status = momenta_solve_at_nodes(action, curve);
+        seeds_copy_field_outputs(action, curve, 0, -curve->tau, action->gradient_by_q);
+        memcpy(action->gradient_by_v, second, panel);
         break;
     }
-    seeds_subtract(action, n, action->momentum, action->on_v);
+    seeds_subtract_panel(action, n, action->node_momentum, action->gradient_by_v);
     return status;
 }
 
 /* Computes the terms of on-curve nodes: on_q = -tau H_q, on_p = g. - tau H_p. */
 static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_n(curve), lanes = seeds_lanes(action);
+    const int n = curve_dimension(curve), lanes = seeds_lanes(action);
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
-    if (!separable) memcpy(action->x + n * lanes, action->momentum, (size_t)(n * lanes) * sizeof(double));
-    const tvi_status status = seeds_run_field(action);
+    if (!separable)
+        memcpy(action->field_block + n * lanes, action->node_momentum, (size_t)(n * lanes) * sizeof(double));
+    const tvi_status status = seeds_evaluate_field(action);
     if (status != TVI_OK && curve_width(curve) == 1) return status;
-    seeds_copy_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->on_q);
+    seeds_copy_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
     if (!action->has_momentum_defect) return status;
-    seeds_place_velocities(action, curve, action->on_p);
+    seeds_set_node_velocities(action, curve, action->gradient_by_p);
     for (int i = 0; i < n; i++) {
-        const double *H_p =
-            separable ? action->momentum + i * lanes : seeds_output_row(action, action->field, action->x, n + i);
+        const double *H_p = separable ? action->node_momentum + i * lanes
+                                      : seeds_field_output_row(action, action->field_tape, action->field_block, n + i);
         const double tau = curve->tau, mass = separable ? curve->system->mass[i] : 1;
-        double *restrict on_p = action->on_p + i * lanes;
+        double *restrict on_p = action->gradient_by_p + i * lanes;
         for (int node = 0; node < lanes; node++) on_p[node] = tau * (on_p[node] - H_p[node] / mass);
     }
     return status;
@@ -81,24 +82,24 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
 /* Computes row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
 static inline const double *seeds_over_nodes(const tvi_action *action, const tvi_node_table *weighted, const double *x)
 {
-    const int half = action->half, orders = action->orders, width = CURVE_WIDTH(action);
-    const int lanes = seeds_lanes(action) / 2, padded = seeds_width((orders + 1) / 2);
+    const int half = action->half_points, orders = action->orders, width = CURVE_WIDTH(action);
+    const int lanes = seeds_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
     double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (half == 0) {
-        seeds_combine(action, action->points, x, (size_t)width, orders, weighted->full, action->row);
-        return action->row;
+        seeds_combine(action, action->points, x, (size_t)width, orders, weighted->all_orders, action->order_row);
+        return action->order_row;
     }
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) {
         sum[i] = x[i] + x[lanes + i];
         difference[i] = x[i] - x[lanes + i];
     }
-    const bool keeps = weighted->mirrored > 0;
-    seeds_combine(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even, even);
-    seeds_combine(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd, odd);
+    const bool keeps = weighted->mirror_sign > 0;
+    seeds_combine(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even_orders, even);
+    seeds_combine(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd_orders, odd);
     for (int k = 0; k < orders; k++)
-        for (int m = 0; m < width; m++) action->row[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
-    return action->row;
+        for (int m = 0; m < width; m++) action->order_row[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
+    return action->order_row;
 }
 
 /* Returns the place of the seed of order k of component i. */
@@ -111,25 +112,27 @@ static inline double *seeds_of(const tvi_curve *curve, double seed[], int k, int
  * dq_i. */
 static inline void seeds_positions(tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_n(curve), width = curve_width(curve), lanes = seeds_lanes(action);
+    const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_lanes(action);
     const int points = action->points, N = action->q_degree;
-    seeds_subtract(action, n, action->force, action->on_q); /* the defect */
+    seeds_subtract_panel(action, n, action->node_force, action->gradient_by_q); /* the defect */
     for (int i = 0; i < n; i++) {
-        const double *defect = action->on_q + i * lanes, *force = action->force + i * lanes;
-        const double *row = seeds_over_nodes(action, &action->weighted_power, defect);
+        const double *defect = action->gradient_by_q + i * lanes, *force = action->node_force + i * lanes;
+        const double *row = seeds_over_nodes(action, &action->weighted_power_table, defect);
         for (int k = 0; k <= N; k++)
             for (int m = 0; m < width; m++) seeds_of(curve, seed, k, i)[m] = row[k * width + m];
-        if (!action->truncated) continue;
+        if (!action->has_truncated_nodes) continue;
         for (int node = 0; node < points; node++)
-            seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) *
-                               (action->power.full[N * points + node] - action->node_power.full[N * points + node]);
+            seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
+                               (action->power_table.all_orders[N * points + node] -
+                                action->node_power_table.all_orders[N * points + node]);
     }
 }
 
 static inline void seeds_velocities(const tvi_action *action, int n, double seed[])
 {
     for (int i = 0; i < n; i++) {
-        const double *row = seeds_over_nodes(action, &action->weighted_slope, action->on_v + i * action->points);
+        const double *row =
+            seeds_over_nodes(action, &action->weighted_slope_table, action->gradient_by_v + i * action->points);
         for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
     }
 }
@@ -137,13 +140,14 @@ static inline void seeds_velocities(const tvi_action *action, int n, double seed
 /* Adds dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int n = curve_n(curve), width = curve_width(curve);
+    const int n = curve_dimension(curve), width = curve_width(curve);
     for (int i = 0; i < n; i++) {
-        const double *row = seeds_over_nodes(action, &action->weighted_power, action->on_p + i * seeds_lanes(action));
+        const double *row =
+            seeds_over_nodes(action, &action->weighted_power_table, action->gradient_by_p + i * seeds_lanes(action));
         const double kappa = curve->kappa[i];
         for (int k = 0; k <= action->p_degree; k++, row += width) {
             const bool is_of_Q = curve_form(curve) == TVI_SEPARABLE;
-            if (is_of_Q && k == curve_top(curve)) continue;
+            if (is_of_Q && k == curve_highest_order(curve)) continue;
             double *restrict seed = is_of_Q ? seeds_of(curve, seed_Q, k + 1, i) : seeds_of(curve, seed_U, k, i);
             for (int m = 0; m < width && is_of_Q; m++) seed[m] += (k + 1) * (row[m] / kappa);
             for (int m = 0; m < width && !is_of_Q; m++) seed[m] = row[m] / kappa;
@@ -156,9 +160,9 @@ static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *cur
     const int n = curve_numbers(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
-            const double error = action->by_parts[k * (curve_top(curve) + 1) + j];
+            const double error = action->by_parts_error[k * (curve_highest_order(curve) + 1) + j];
             if (error == 0) continue;
-            for (int i = 0; i < n; i++) seed[k * n + i] += error * action->P[j * n + i];
+            for (int i = 0; i < n; i++) seed[k * n + i] += error * action->momentum_coefficients[j * n + i];
         }
 }
 
@@ -168,32 +172,35 @@ static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *cur
  * are never set. */
 static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int seeds = (curve_top(curve) + 1) * curve_numbers(curve);
+    const int seeds = (curve_highest_order(curve) + 1) * curve_numbers(curve);
     for (int i = (action->q_degree + 1) * curve_numbers(curve); i < seeds; i++) seed_Q[i] = 0;
     for (int i = 0; i < seeds && curve_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
-    seeds_momenta_at_nodes(action, curve);
-    seeds_forces_at_nodes(action, curve);
-    seeds_place_positions(action, curve, action->x);
+    seeds_compute_node_momenta(action, curve);
+    seeds_compute_node_forces(action, curve);
+    seeds_set_node_positions(action, curve, action->field_block);
 }
 
 /* Computes the seeds from the terms at the nodes. */
 static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int n = curve_n(curve);
-    const bool is_bent = action->is_hamilton && action->truncated;
+    const int n = curve_dimension(curve);
+    const bool is_bent = action->is_hamilton && action->has_truncated_nodes;
     seeds_positions(action, curve, seed_Q);
     if (is_bent || action->has_velocity_defect) seeds_velocities(action, n, seed_Q);
     if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
-    if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
+    if (action->by_parts_error) seeds_by_parts(action, curve, seed_Q);
 }
 
 /* Returns whether the seeds need the field alone, and no second derivatives. */
-static inline bool seeds_are_plain(const tvi_action *action) { return !(action->is_hamilton && action->truncated); }
+static inline bool seeds_are_plain(const tvi_action *action)
+{
+    return !(action->is_hamilton && action->has_truncated_nodes);
+}
 
 static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     seeds_begin(action, curve, seed_Q, seed_U);
-    if (action->has_velocity_defect) seeds_place_velocities(action, curve, action->on_v);
+    if (action->has_velocity_defect) seeds_set_node_velocities(action, curve, action->gradient_by_v);
     const tvi_status status = action->is_hamilton           ? seeds_hamilton_terms(action, curve)
                               : action->has_velocity_defect ? seeds_lagrange_terms(action, curve)
                                                             : seeds_force_terms(action, curve);

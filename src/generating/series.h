@@ -10,56 +10,61 @@
 #include "generating/in_library.h"
 #include "system/system.h"
 
-/* These are the ways to the Jacobians: none; matrices, by tangents in all 2n directions; or only products with vectors,
- * each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's for any n. */
+/* How the Jacobians of a curve are used: not at all; as matrices, from tangents in all 2n directions; or only in
+ * products with vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's
+ * for any n. */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
 
 /* A combination of the curve's coefficients is sum_k weight_k Q_k or sum_k weight_k U_k. It is made once for a
  * method. */
 typedef struct {
-    bool of_momentum;
-    double *weight; /* [top + 1] */
+    bool is_of_momentum;
+    double *order_weight; /* [top + 1] */
 } tvi_combination;
 
 struct tvi_curve_code;
 
 typedef struct {
     const tvi_system *system;
-    const struct tvi_curve_code *code; /* NULL: the library's own functions */
-    tvi_jacobians jacobians;
+    /* The functions of generated code, or NULL if the library's own are used. */
+    const struct tvi_curve_code *generated_code;
+    tvi_jacobians jacobian_method;
     int n, top; /* the highest order of Q that is computed */
     int width; /* how many curves of as many members there are, 1 for a single one; the members are the fastest lanes */
     double tau;
-    double *kappa;          /* [n] */
-    double *x;              /* block of the field's series, orders 0 .. top */
-    double *dx;             /* tangents of x in CURVE_LANES directions; products, and several members: in one */
-    size_t lanes;           /* the lanes of the block in dx; 0: none */
-    bool keeps;             /* several members: Jacobians of some are kept when those of others are taken: */
-    long long *is_taken;    /* [width] of which they are taken */
-    double *bar;            /* products: the adjoints of x */
-    double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
-    double *dz;             /* [2n] the direction of pushes */
-    double *by_U;           /* [2n] a pull's part by dU */
-    double *pushed;         /* [n][2n] the Jacobian of a push */
-    double *per, *log_of;   /* [top + 2] 1 / k and log k */
-    int q_degree, p_degree; /* the degrees of the tail */
-    tvi_combination q_sizes, u_sizes;
-    double *movement, *momentum; /* [n] the values of q_sizes and u_sizes */
-    double *share, *ratio;       /* several members: [n] the shares and ratios of their tails */
-    tvi_lu_factor slope;         /* not separable: L_vv or H_pp at the centre */
-    bool has_inverse;            /* slope.lu is its inverse */
-    double *columns;             /* [slots][n] derivatives of all slots in the second input at the centre */
-    double *rest, *column;       /* scratch of its solutions, [n][lanes] and [n] */
+    double *kappa;              /* [n] */
+    double *series_block;       /* block of the field's series, orders 0 .. top */
+    double *tangent_block;      /* tangents of x in CURVE_LANES directions; products, and several members: in one */
+    size_t tangent_block_lanes; /* the lanes of the block in dx; 0: none */
+    bool keeps;                 /* several members: Jacobians of some are kept when those of others are taken: */
+    long long *is_taken;        /* [width] of which they are taken */
+    double *adjoint_block;      /* products: the adjoints of x */
+    double *dQ, *dU;            /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *product_direction;  /* [2n] the direction of pushes */
+    double *product_by_dU;      /* [2n] a pull's part by dU */
+    double *product_jacobian;   /* [n][2n] the Jacobian of a push */
+    double *reciprocal, *log_integer; /* [top + 2] 1 / k and log k */
+    int q_degree, p_degree;           /* the degrees of the tail */
+    tvi_combination q_size_weights, u_size_weights;
+    double *movement_size, *momentum_size; /* [n] the values of q_sizes and u_sizes */
+    double *share, *ratio;                 /* several members: [n] the shares and ratios of their tails */
+    tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
+    bool is_hessian_inverted;              /* slope.lu is its inverse */
+    double *velocity_derivatives;          /* [slots][n] derivatives of all slots in the second input at the centre */
+    double *velocity_residual, *column;    /* scratch of its solutions, [n][lanes] and [n] */
 } tvi_curve;
 
-static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
+static inline bool tvi_curve_uses_products(const tvi_curve *curve)
+{
+    return curve->jacobian_method == TVI_JACOBIAN_PRODUCTS;
+}
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
-/* These sizes are constants in generated code, which defines them before this text; CURVE_SLOT: the slots of the
- * field. */
+/* These functions return sizes, which are constants in generated code. CURVE_SLOT is there the array of the slots of
+ * the field's outputs. */
 
-static inline int curve_n(const tvi_curve *curve)
+static inline int curve_dimension(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(CURVE_N, curve->n);
@@ -72,9 +77,9 @@ static inline int curve_width(const tvi_curve *curve)
 }
 
 /* Returns how many numbers a vector over the components of all members has. */
-static inline int curve_numbers(const tvi_curve *curve) { return curve_n(curve) * curve_width(curve); }
+static inline int curve_numbers(const tvi_curve *curve) { return curve_dimension(curve) * curve_width(curve); }
 
-static inline int curve_top(const tvi_curve *curve)
+static inline int curve_highest_order(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(CURVE_TOP, curve->top);
@@ -93,13 +98,13 @@ static inline int curve_p_degree(const tvi_curve *curve)
     return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree);
 }
 
-static inline int curve_inputs(const tvi_curve *curve)
+static inline int curve_input_count(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(CURVE_INPUTS, curve->system->inputs);
 }
 
-static inline int curve_constants(const tvi_curve *curve)
+static inline int curve_constant_count(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(tvi_series.constants, curve->system->field_series->constants);
@@ -118,74 +123,76 @@ static inline tvi_form curve_form(const tvi_curve *curve)
 }
 
 /* Returns the slots of the field's outputs. */
-static inline const int *curve_output(const tvi_curve *curve)
+static inline const int *curve_output_slots(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output);
 }
 
-static inline int curve_slot(const tvi_curve *curve, int i) { return curve_output(curve)[i]; }
+static inline int curve_output_slot(const tvi_curve *curve, int i) { return curve_output_slots(curve)[i]; }
 
 /* Returns whether a combination sums coefficients of the momentum; a separable system's momentum is summed from those
  * of q. */
-static inline bool curve_is_of_momentum(const tvi_curve *curve, const tvi_combination *combination)
+static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, const tvi_combination *combination)
 {
-    return curve_form(curve) != TVI_SEPARABLE && combination->of_momentum;
+    return curve_form(curve) != TVI_SEPARABLE && combination->is_of_momentum;
 }
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
-enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
+/* the number of directions of one tangent sweep; more would not fit into the cache */
+enum { TVI_CURVE_LANES = 8 };
 
 /* Returns how many numbers an order of the block has. */
-static inline size_t tvi_curve_slots(const tvi_curve *curve)
+static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 {
     (void)curve;
     return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots) * (size_t)curve_width(curve);
 }
 
-/* Returns the lanes of a block in generated code, whose small systems have one sweep; a whole vector costs less than
- * two parts. */
-static inline int tvi_curve_lanes_of(const tvi_system *system)
+/* Returns the number of tangent directions of one sweep. Generated code of small systems has a single sweep, since a
+ * whole vector costs less than two parts of one. */
+static inline int tvi_choose_tangent_lanes(const tvi_system *system)
 {
     const int directions = 2 * system->n;
     const bool is_small = directions <= 4 || (directions > TVI_CURVE_LANES && directions <= 2 * TVI_CURVE_LANES);
     return is_small ? directions : TVI_CURVE_LANES;
 }
 
-static inline size_t tvi_curve_lanes(const tvi_curve *curve)
+static inline size_t tvi_curve_tangent_lanes(const tvi_curve *curve)
 {
-    return curve->width > 1 ? 1 : (size_t)tvi_curve_lanes_of(curve->system);
+    return curve->width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(curve->system);
 }
 
 /* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */
-static inline double *tvi_curve_input(const tvi_curve *curve, int k)
+static inline double *tvi_curve_inputs_of_order(const tvi_curve *curve, int k)
 {
-    return curve->x + (size_t)k * tvi_curve_slots(curve);
+    return curve->series_block + (size_t)k * tvi_curve_slot_count(curve);
 }
 
 /* Returns output i of the field at order k. */
-static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
+static inline double tvi_curve_field_output(const tvi_curve *curve, int k, int i)
 {
-    return tvi_curve_input(curve, k)[curve_slot(curve, i)];
+    return tvi_curve_inputs_of_order(curve, k)[curve_output_slot(curve, i)];
 }
 
 /* ---- Where it starts --------------------------------------------------------------------------------------------- */
 
 /* Sets tau, and the kappa that follows from it. */
-static inline void curve_set_step(tvi_curve *curve, double tau)
+static inline void curve_set_time_unit(tvi_curve *curve, double tau)
 {
     curve->tau = tau;
-    for (int i = 0; i < curve_n(curve) && curve_form(curve) == TVI_SEPARABLE; i++)
+    for (int i = 0; i < curve_dimension(curve) && curve_form(curve) == TVI_SEPARABLE; i++)
         curve->kappa[i] = tau / curve->system->mass[i];
 }
 
-/* Places z in the block; for a Lagrangian its second half is tau v. */
-static inline void curve_place(const tvi_curve *curve, const double z[])
+/* Writes the data z at the centre into the block of the series. The second half of z is tau v for a Lagrangian. */
+static inline void curve_set_centre_data(const tvi_curve *curve, const double z[])
 {
     const int numbers = curve_numbers(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
-    double *q = tvi_curve_input(curve, 0), *second = is_separable ? tvi_curve_input(curve, 1) : q + numbers;
+    double *q = tvi_curve_inputs_of_order(curve, 0),
+           *second = is_separable ? tvi_curve_inputs_of_order(curve, 1) : q + numbers;
     const double part = curve_form(curve) == TVI_LAGRANGIAN ? curve->tau : 1;
     for (int i = 0; i < numbers; i++) {
         q[i] = z[i];
@@ -196,47 +203,52 @@ static inline void curve_place(const tvi_curve *curve, const double z[])
 /* Returns the place of the times of the centres in the block, of a system that uses the time. */
 static inline double *curve_time(const tvi_curve *curve, int k)
 {
-    return tvi_curve_input(curve, k) + curve_inputs(curve) * curve_width(curve);
+    return tvi_curve_inputs_of_order(curve, k) + curve_input_count(curve) * curve_width(curve);
 }
 
 /* Sets the times of the centres, t + (t_low + later) [width]. */
-static inline void curve_place_time(const tvi_curve *curve, const double t[], const double t_low[], double later)
+static inline void curve_set_centre_time(const tvi_curve *curve, const double t[], const double t_low[], double later)
 {
     if (!curve_uses_time(curve)) return;
     for (int m = 0; m < curve_width(curve); m++) {
         curve_time(curve, 0)[m] = t[m] + (t_low[m] + later);
-        if (curve_top(curve) > 0) curve_time(curve, 1)[m] = curve->tau;
+        if (curve_highest_order(curve) > 0) curve_time(curve, 1)[m] = curve->tau;
     }
 }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
 /* Returns U_k = kappa P_k of component i, or number i of all members. */
-static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
+static inline double tvi_curve_momentum_coefficient(const tvi_curve *curve, int k, int i)
 {
     switch (curve_form(curve)) {
-    case TVI_SEPARABLE: return k < curve_top(curve) ? (k + 1) * tvi_curve_input(curve, k + 1)[i] : 0;
-    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve_n(curve) + i);
-    default: return (tvi_curve_input(curve, k) + curve_numbers(curve))[i];
+    case TVI_SEPARABLE:
+        return k < curve_highest_order(curve) ? (k + 1) * tvi_curve_inputs_of_order(curve, k + 1)[i] : 0;
+    case TVI_LAGRANGIAN: return tvi_curve_field_output(curve, k, curve_dimension(curve) + i);
+    default: return (tvi_curve_inputs_of_order(curve, k) + curve_numbers(curve))[i];
     }
 }
 
-/* Returns the place of Q_k in the block. */
-static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return tvi_curve_input(curve, k); }
-
-static inline bool curve_is_finite(const tvi_curve *curve)
+/* Returns the coefficients Q_k, [n]. */
+static inline const double *tvi_curve_position_coefficients(const tvi_curve *curve, int k)
 {
-    return tvi_rows_are_finite(curve_top(curve) + 1, tvi_curve_slots(curve), curve_inputs(curve), curve->x);
+    return tvi_curve_inputs_of_order(curve, k);
+}
+
+static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
+{
+    return tvi_rows_are_finite(curve_highest_order(curve) + 1, tvi_curve_slot_count(curve), curve_input_count(curve),
+                               curve->series_block);
 }
 
 /* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
-static inline void curve_sizes(const tvi_curve *curve, double size[])
+static inline void curve_compute_data_sizes(const tvi_curve *curve, double size[])
 {
     const int numbers = curve_numbers(curve);
     const bool hamiltonian = curve_form(curve) == TVI_HAMILTONIAN;
     memset(size, 0, 2 * (size_t)numbers * sizeof *size);
-    for (int k = curve_top(curve); k >= 0; k--) {
-        const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + numbers : Q;
+    for (int k = curve_highest_order(curve); k >= 0; k--) {
+        const double *Q = tvi_curve_position_coefficients(curve, k), *second = hamiltonian ? Q + numbers : Q;
         for (int i = 0; i < numbers; i++) {
             size[i] += fabs(Q[i]);
             if (k > 0 || hamiltonian) size[numbers + i] += fabs(second[i]);
@@ -245,91 +257,93 @@ static inline void curve_sizes(const tvi_curve *curve, double size[])
 }
 
 /* Computes P_k of all orders k, [degree + 1][n]. */
-static inline void curve_momenta(const tvi_curve *curve, int degree, double out[])
+static inline void curve_compute_momentum_coefficients(const tvi_curve *curve, int degree, double out[])
 {
-    const int n = curve_n(curve), width = curve_width(curve);
+    const int n = curve_dimension(curve), width = curve_width(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
     for (int k = 0; k <= degree; k++, out += n * width) {
-        const bool is_next = is_separable && k < curve_top(curve);
-        const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
+        const bool is_next = is_separable && k < curve_highest_order(curve);
+        const double *next = is_next ? tvi_curve_inputs_of_order(curve, k + 1) : NULL;
         double *restrict to = out;
         for (int i = 0; i < n; i++)
             for (int at = i * width; at < (i + 1) * width; at++)
-                to[at] = is_next ? (k + 1) * next[at] / curve->kappa[i] : tvi_curve_U(curve, k, at);
+                to[at] = is_next ? (k + 1) * next[at] / curve->kappa[i] : tvi_curve_momentum_coefficient(curve, k, at);
     }
 }
 
-typedef void curve_adder(size_t, const double[], size_t, size_t, const double[], double[]);
+typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
 
-static inline void curve_sum_by(curve_adder *add, const tvi_curve *curve, const tvi_combination *combination,
-                                double out[])
+static inline void curve_sum_combination_by(curve_row_adder *add, const tvi_curve *curve,
+                                            const tvi_combination *combination, double out[])
 {
-    const int n = curve_n(curve), numbers = curve_numbers(curve);
+    const int n = curve_dimension(curve), numbers = curve_numbers(curve);
     memset(out, 0, (size_t)numbers * sizeof *out);
-    const size_t orders = (size_t)curve_top(curve) + 1, stride = tvi_curve_slots(curve);
-    if (curve_is_of_momentum(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
+    const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_slot_count(curve);
+    if (curve_sums_momentum_coefficients(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
         for (int i = 0; i < n; i++)
-            add(orders, combination->weight, stride, 1, curve->x + curve_slot(curve, n + i), out + i);
+            add(orders, combination->order_weight, stride, 1, curve->series_block + curve_output_slot(curve, n + i),
+                out + i);
     else
-        add(orders, combination->weight, stride, (size_t)numbers,
-            curve->x + (curve_is_of_momentum(curve, combination) ? numbers : 0), out);
+        add(orders, combination->order_weight, stride, (size_t)numbers,
+            curve->series_block + (curve_sums_momentum_coefficients(curve, combination) ? numbers : 0), out);
 }
 
-static inline void curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    curve_sum_by(tvi_add_weighted_rows, curve, combination, out);
+    curve_sum_combination_by(tvi_add_weighted_rows, curve, combination, out);
 }
 
 /* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k| of number i of all components: the terms of p' and q' at the
  * ends, in a unit of scaled time. */
-static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
+static inline tvi_tail_part curve_tail_part_of_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
-    const double momentum = curve->momentum[i], movement = curve->movement[i];
+    const double momentum = curve->momentum_size[i], movement = curve->movement_size[i];
     return (tvi_tail_part){.momentum = momentum,
                            .movement = movement,
-                           .last_p = p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
-                           .last_q = has_masses ? 0 : q_degree * fabs(tvi_curve_Q(curve, q_degree)[i]),
-                           .position = fabs(tvi_curve_Q(curve, 0)[i]),
+                           .last_p = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
+                           .last_q =
+                               has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
+                           .position = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
                            .per_momentum = 1 / momentum,
                            .per_movement = 1 / movement};
 }
 
-static inline void curve_measure(const tvi_curve *curve)
+static inline void curve_compute_size_sums(const tvi_curve *curve)
 {
-    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->q_sizes, curve->movement);
-    curve_sum_by(tvi_add_weighted_magnitudes, curve, &curve->u_sizes, curve->momentum);
+    curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->q_size_weights, curve->movement_size);
+    curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
 }
 
 /* Returns the tail of a subsystem of member m, whose components are first .. end - 1 of the list. */
-static inline double curve_tail_of(const tvi_curve *curve, int m, int first, int end)
+static inline double curve_tail_of_subsystem(const tvi_curve *curve, int m, int first, int end)
 {
     const tvi_subsystems *parts = &curve->system->parts;
     const bool has_masses = curve->system->compares_movements;
     const int width = curve_width(curve);
     tvi_tail_survey survey = {0, 0, 0};
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_component(parts, k) * width + m);
+        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k) * width + m);
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_component(parts, k) * width + m);
+        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k) * width + m);
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
 }
 
-static inline double curve_tail(const tvi_curve *curve, int m)
+static inline double curve_compute_tail(const tvi_curve *curve, int m)
 {
     const tvi_subsystems *parts = &curve->system->parts;
     double tail = 0;
     if (curve_p_degree(curve) < 2) return 0;
     for (int k = 0, first = 0, end; k < parts->count; k++, first = end) {
-        end = tvi_subsystems_end(parts, k, curve_n(curve));
-        tail = fmax(tail, curve_tail_of(curve, m, first, end));
+        end = tvi_subsystems_end(parts, k, curve_dimension(curve));
+        tail = fmax(tail, curve_tail_of_subsystem(curve, m, first, end));
     }
     return tail;
 }
@@ -342,28 +356,28 @@ static inline void curve_tails(const tvi_curve *curve, double tail[])
     for (int m = 0; m < width; m++) tail[m] = 0;
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_numbers(curve); at++) {
-        const tvi_tail_part part = curve_tail_part(curve, at);
+        const tvi_tail_part part = curve_tail_part_of_component(curve, at);
         share[at] = tvi_tail_share(&part, curve->system->compares_movements);
         ratio[at] = tvi_tail_ratio(&part);
     }
-    tvi_tails_of_members(&curve->system->parts, curve_n(curve), width, share, ratio, tail);
+    tvi_tails_of_members(&curve->system->parts, curve_dimension(curve), width, share, ratio, tail);
 }
 
 /* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:
  * terms that are each three quarters of the one before it add up to three times the last. */
-static inline double curve_change(const tvi_curve *curve)
+static inline double curve_bound_energy_change(const tvi_curve *curve)
 {
     enum { OFTEN = 8 };
     double sum = 0;
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     if (p_degree < 2) return INFINITY;
-    for (int i = 0; i < curve_n(curve); i++) {
+    for (int i = 0; i < curve_dimension(curve); i++) {
         double of_q = 0, of_p = 0;
         for (int last = 0; last < 2; last++) {
-            of_q += fabs(tvi_curve_Q(curve, q_degree - last)[i]);
-            of_p += fabs(tvi_curve_U(curve, p_degree - last, i));
+            of_q += fabs(tvi_curve_position_coefficients(curve, q_degree - last)[i]);
+            of_p += fabs(tvi_curve_momentum_coefficient(curve, p_degree - last, i));
         }
-        sum += (curve->movement[i] * of_p + curve->momentum[i] * of_q) / fabs(curve->kappa[i]);
+        sum += (curve->movement_size[i] * of_p + curve->momentum_size[i] * of_q) / fabs(curve->kappa[i]);
     }
     return OFTEN * sum / fabs(curve->tau);
 }

@@ -5,24 +5,25 @@
 
 #include "generating/series.h"
 
-/* A block holds the tangents of some directions: those of order k of slot i are at dx + k * order + i * lanes. */
+/* The layout of a block of tangents in `lanes` directions, of which the first is number first_direction: order k of
+ * slot i begins at tangent_block + k * order_stride + i * lanes. */
 typedef struct {
-    size_t lanes, order;
-    int first;
-} curve_block;
+    size_t lanes, order_stride;
+    int first_direction;
+} curve_tangent_block;
 
 /* Returns how many lanes of the block are directions: the last block may be wider. The lanes of several members are one
  * direction, that of each. */
-static inline int curve_directions(const tvi_curve *curve, const curve_block *b)
+static inline int curve_count_directions(const tvi_curve *curve, const curve_tangent_block *b)
 {
     if (curve_width(curve) > 1) return 1;
-    const int left = 2 * curve_n(curve) - b->first;
+    const int left = 2 * curve_dimension(curve) - b->first_direction;
     return left < (int)b->lanes ? left : (int)b->lanes;
 }
 
-static inline double *curve_tangent(const tvi_curve *curve, const curve_block *b, int k, int slot)
+static inline double *curve_tangent_row(const tvi_curve *curve, const curve_tangent_block *block, int k, int slot)
 {
-    return curve->dx + (size_t)k * b->order + (size_t)slot * b->lanes;
+    return curve->tangent_block + (size_t)k * block->order_stride + (size_t)slot * block->lanes;
 }
 
 /* Computes out = factor * in, over the lanes. */
@@ -31,33 +32,35 @@ static inline void curve_scale_lanes(size_t lanes, double factor, const double *
     for (size_t lane = 0; lane < lanes; lane++) out[lane] = factor * in[lane];
 }
 
-/* Sets dz to unit vectors, at the inputs that are components of z. */
-static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
+/* Sets the tangents of the inputs to unit vectors, one for each component of z. */
+static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tangent_block *block)
 {
     const tvi_form form = curve_form(curve);
-    const int n = curve_n(curve);
-    for (int d = b->first; d < b->first + curve_directions(curve, b); d++) {
+    const int n = curve_dimension(curve);
+    for (int d = block->first_direction; d < block->first_direction + curve_count_directions(curve, block); d++) {
         const bool is_second = d >= n;
-        double *row =
-            is_second && form == TVI_SEPARABLE ? curve_tangent(curve, b, 1, d - n) : curve_tangent(curve, b, 0, d);
-        for (int lane = 0; lane < (int)b->lanes; lane++)
-            row[lane] = curve_width(curve) > 1 || b->first + lane == d ? 1 : 0;
-        if (is_second && form == TVI_LAGRANGIAN) row[d - b->first] = 1 / curve->tau;
+        double *row = is_second && form == TVI_SEPARABLE ? curve_tangent_row(curve, block, 1, d - n)
+                                                         : curve_tangent_row(curve, block, 0, d);
+        for (int lane = 0; lane < (int)block->lanes; lane++)
+            row[lane] = curve_width(curve) > 1 || block->first_direction + lane == d ? 1 : 0;
+        if (is_second && form == TVI_LAGRANGIAN) row[d - block->first_direction] = 1 / curve->tau;
     }
 }
 
-/* Clears the inputs that no earlier order gives, except for the direction. All orders of the time and of constants are
- * 0; their place depends on the number of lanes. */
-static inline void curve_begin_block(tvi_curve *curve, const curve_block *b)
+/* Clears the tangents of inputs that do not follow from earlier orders, and sets those of the directions. The
+ * tangents of the time and of constants are 0 in all orders; their position depends on the number of lanes. */
+static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
-    const size_t inputs = (size_t)curve_inputs(curve) * b->lanes * sizeof(double);
-    const size_t others = (size_t)(curve_uses_time(curve) + curve_constants(curve)) * b->lanes * sizeof(double);
+    const size_t inputs = (size_t)curve_input_count(curve) * block->lanes * sizeof(double);
+    const size_t others =
+        (size_t)(curve_uses_time(curve) + curve_constant_count(curve)) * block->lanes * sizeof(double);
     const int given = curve_form(curve) == TVI_SEPARABLE ? 2 : 1;
-    for (int k = 0; k < given && k <= curve_top(curve); k++) memset(curve_tangent(curve, b, k, 0), 0, inputs);
-    for (int k = 0; k <= curve_top(curve) && curve->lanes != b->lanes; k++)
-        memset(curve_tangent(curve, b, k, curve_inputs(curve)), 0, others);
-    curve->lanes = b->lanes;
-    curve_seed_directions(curve, b);
+    for (int k = 0; k < given && k <= curve_highest_order(curve); k++)
+        memset(curve_tangent_row(curve, block, k, 0), 0, inputs);
+    for (int k = 0; k <= curve_highest_order(curve) && curve->tangent_block_lanes != block->lanes; k++)
+        memset(curve_tangent_row(curve, block, k, curve_input_count(curve)), 0, others);
+    curve->tangent_block_lanes = block->lanes;
+    curve_set_unit_directions(curve, block);
 }
 
 /* Copies a row of tangents of several members, where they are taken. */
@@ -70,69 +73,73 @@ static inline void curve_store_taken(const tvi_curve *curve, const double *in, d
 }
 
 /* Copies the tangents of a slot for each coefficient and component into columns first .. of a Jacobian. */
-static inline void curve_store(const tvi_curve *curve, const curve_block *b, const int slot_of_component[],
-                               int first_slot, double *jacobian)
+static inline void curve_store_jacobian_columns(const tvi_curve *curve, const curve_tangent_block *block,
+                                                const int slot_of_component[], int first_slot, double *jacobian)
 {
-    const size_t n = (size_t)curve_n(curve), width = (size_t)curve_width(curve);
-    for (int k = 0; k <= curve_top(curve); k++)
+    const size_t n = (size_t)curve_dimension(curve), width = (size_t)curve_width(curve);
+    for (int k = 0; k <= curve_highest_order(curve); k++)
         for (size_t i = 0; i < n; i++) {
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
-            const double *tangent = curve_tangent(curve, b, k, slot);
-            double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)b->first) * width;
+            const double *tangent = curve_tangent_row(curve, block, k, slot);
+            double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
             if (width > 1) curve_store_taken(curve, tangent, out);
-            else curve_scale_lanes((size_t)curve_directions(curve, b), 1, tangent, out);
+            else curve_scale_lanes((size_t)curve_count_directions(curve, block), 1, tangent, out);
         }
 }
 
 /* Returns whether generated code reads the Jacobians from the block of tangents. That needs one block with all
  * directions, whose tangents stand in rows. */
-static inline bool curve_is_in_place(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
+static inline bool curve_is_jacobian_in_tangent_block(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
 
-static inline void curve_end_block(tvi_curve *curve, const curve_block *b)
+static inline void curve_store_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
     const tvi_form form = curve_form(curve);
-    const int n = curve_n(curve);
-    if (curve_is_in_place()) return;
+    const int n = curve_dimension(curve);
+    if (curve_is_jacobian_in_tangent_block()) return;
     if (form == TVI_LAGRANGIAN)
-        curve_store(curve, b, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output) + n, 0, curve->dU);
-    if (form == TVI_HAMILTONIAN) curve_store(curve, b, NULL, n, curve->dU);
-    curve_store(curve, b, NULL, 0, curve->dQ);
+        curve_store_jacobian_columns(curve, block, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output) + n, 0,
+                                     curve->dU);
+    if (form == TVI_HAMILTONIAN) curve_store_jacobian_columns(curve, block, NULL, n, curve->dU);
+    curve_store_jacobian_columns(curve, block, NULL, 0, curve->dQ);
 }
 
-static inline const double *curve_jacobians(const tvi_curve *curve, bool of_momentum)
+static inline const double *curve_coefficient_jacobians(const tvi_curve *curve, bool of_momentum)
 {
-    if (curve_is_in_place()) return curve->dx + (of_momentum ? 2 * curve_n(curve) * curve_n(curve) : 0);
+    if (curve_is_jacobian_in_tangent_block())
+        return curve->tangent_block + (of_momentum ? 2 * curve_dimension(curve) * curve_dimension(curve) : 0);
     return of_momentum ? curve->dU : curve->dQ;
 }
 
 /* Returns the distance from one order of the Jacobian to the next. */
-static inline size_t curve_apart(const tvi_curve *curve)
+static inline size_t curve_jacobian_stride(const tvi_curve *curve)
 {
-    const size_t n = (size_t)curve_n(curve);
-    return 2 * n * (curve_is_in_place() ? tvi_curve_slots(curve) : n * (size_t)curve_width(curve));
+    const size_t n = (size_t)curve_dimension(curve);
+    return 2 * n *
+           (curve_is_jacobian_in_tangent_block() ? tvi_curve_slot_count(curve) : n * (size_t)curve_width(curve));
 }
 
 static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
-    CURVE_COMBINE_APART(curve->system->field_series, curve_top(curve) + 1, combination->weight, 1,
-                        2 * curve_n(curve) * curve_numbers(curve), curve_apart(curve),
-                        curve_jacobians(curve, curve_is_of_momentum(curve, combination)), matrix);
+    CURVE_COMBINE_APART(curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
+                        2 * curve_dimension(curve) * curve_numbers(curve), curve_jacobian_stride(curve),
+                        curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)),
+                        matrix);
 }
 
 #define CURVE_PUSH(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        for (int d = 0; d < directions; d++) sum += JET_OF(V, row, d) * JET_OF(V, curve->dz, d);                       \
+        for (int d = 0; d < directions; d++) sum += JET_OF(V, row, d) * JET_OF(V, curve->product_direction, d);        \
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-static inline void curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
+static inline void curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    const int directions = 2 * curve_n(curve), width = curve_width(curve);
+    const int directions = 2 * curve_dimension(curve), width = curve_width(curve);
     const size_t stride = (size_t)width;
-    curve_sum_jacobian(curve, combination, curve->pushed);
-    for (int i = 0; i < curve_n(curve); i++) {
-        const double *row = curve->pushed + i * directions * width;
+    curve_sum_jacobian(curve, combination, curve->product_jacobian);
+    for (int i = 0; i < curve_dimension(curve); i++) {
+        const double *row = curve->product_jacobian + i * directions * width;
         JET_BLOCKS(width, CURVE_PUSH, );
     }
 }
@@ -141,9 +148,9 @@ static inline void curve_push(const tvi_curve *curve, const tvi_combination *com
 #define CURVE_PULL(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
-        for (int k = curve_top(curve); k >= 0; k--)                                                                    \
+        for (int k = curve_highest_order(curve); k >= 0; k--)                                                          \
             for (int i = 0; i < n; i++) {                                                                              \
-                const V term = seed[k * n + i] * JET_OF(V, J + (size_t)k * curve_apart(curve), i);                     \
+                const V term = seed[k * n + i] * JET_OF(V, J + (size_t)k * curve_jacobian_stride(curve), i);           \
                 if (i % 2 == 0) sum += term;                                                                           \
                 else odd += term;                                                                                      \
             }                                                                                                          \
@@ -169,22 +176,24 @@ static inline void curve_pull_each(int width, int rows, int directions, const do
     for (int d = 0; d < directions; d++) JET_BLOCKS(width, CURVE_PULL_EACH, );
 }
 
-static inline void curve_pull_by(const tvi_curve *curve, bool of_momentum, const double seed[], double out[])
+static inline void curve_multiply_by_transposed_jacobians(const tvi_curve *curve, bool of_momentum, const double seed[],
+                                                          double out[])
 {
-    const int n = curve_n(curve), directions = 2 * n, rows = (curve_top(curve) + 1) * n;
+    const int n = curve_dimension(curve), directions = 2 * n, rows = (curve_highest_order(curve) + 1) * n;
     const size_t stride = (size_t)directions;
-    const double *J = curve_jacobians(curve, of_momentum);
-    if (curve_is_in_place()) JET_BLOCKS(directions, CURVE_PULL, );
+    const double *J = curve_coefficient_jacobians(curve, of_momentum);
+    if (curve_is_jacobian_in_tangent_block()) JET_BLOCKS(directions, CURVE_PULL, );
     else if (curve_width(curve) > 1) curve_pull_each(curve_width(curve), rows, directions, seed, J, out);
     else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
 }
 
-static inline void curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+static inline void curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[],
+                                                double out[])
 {
-    curve_pull_by(curve, false, seed_Q, out);
+    curve_multiply_by_transposed_jacobians(curve, false, seed_Q, out);
     if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
-    curve_pull_by(curve, true, seed_U, curve->by_U);
-    for (int d = 0; d < 2 * curve_numbers(curve); d++) out[d] += curve->by_U[d];
+    curve_multiply_by_transposed_jacobians(curve, true, seed_U, curve->product_by_dU);
+    for (int d = 0; d < 2 * curve_numbers(curve); d++) out[d] += curve->product_by_dU[d];
 }
 
 #endif

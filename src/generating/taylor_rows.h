@@ -25,22 +25,22 @@ JET_INLINE void SWEPT(rows)(const tvi_taylor_rows *rows, const double *power, do
     SWEPT(chain) a = {none, none, none, none}, b = a;
     int k = rows->degree;
     for (; k > rows->least; k -= 2) {
-        SWEPT(add)(&a, (V *)(x + (size_t)k * rows->stride + here), power[k], k, has_slope);
-        SWEPT(add)(&b, (V *)(x + (size_t)(k - 1) * rows->stride + here), power[k - 1], k - 1, has_slope);
+        SWEPT(add)(&a, (V *)(x + (size_t)k * rows->order_stride + here), power[k], k, has_slope);
+        SWEPT(add)(&b, (V *)(x + (size_t)(k - 1) * rows->order_stride + here), power[k - 1], k - 1, has_slope);
     }
-    if (k == rows->least) SWEPT(add)(&a, (V *)(x + (size_t)k * rows->stride + here), power[k], k, has_slope);
+    if (k == rows->least) SWEPT(add)(&a, (V *)(x + (size_t)k * rows->order_stride + here), power[k], k, has_slope);
     V rise = a.rise + b.rise, size = a.size + b.size;
     if (has_slope) {
-        V *const row = (V *)(x + rows->stride + here);
+        V *const row = (V *)(x + rows->order_stride + here);
         const V now = *row * power[1], size_of_now = SIZE(now);
         *row = now;
         rise += now;
         size += size_of_now;
-        *(V *)(sums->slope + here) = a.slope + b.slope;
-        *(V *)(sums->bend + here) = a.bend + b.bend + size_of_now;
+        *(V *)(sums->slope_sum + here) = a.slope + b.slope;
+        *(V *)(sums->slope_size_sum + here) = a.bend + b.bend + size_of_now;
     }
-    *(V *)(sums->rise + here) = rise;
-    *(V *)(sums->size + here) = size;
+    *(V *)(sums->value_sum + here) = rise;
+    *(V *)(sums->size_sum + here) = size;
 }
 
 #undef V

@@ -7,18 +7,19 @@
 
 #include <math.h>
 
-/* These are the rows x_k, k = least .. degree, [components], `stride` apart: of one curve, or of several curves, whose
- * components are lanes that are independent of each other. */
+/* The layout of the rows x_k, k = least .. degree, of component_count numbers, which are order_stride apart. They
+ * belong to one curve, or to several curves whose components are independent lanes. */
 typedef struct {
-    int components, least, degree;
-    size_t stride;
+    int component_count, least, degree;
+    size_t order_stride;
     bool has_slope;
 } tvi_taylor_rows;
 
-/* These are the sums of the rows, [components]: of x_k and k |x_k|. Rows with a slope begin with k = 2, but x_1 is in
- * these sums, too; such rows also have the sum of k x_k, and that of |x_1| and (k - 1) k |x_k|. */
+/* The sums over the rows, [component_count] each: value_sum = sum x_k and size_sum = sum k |x_k|. Rows with a slope
+ * begin with k = 2, but x_1 enters these sums, too. For such rows there are also slope_sum = sum k x_k and
+ * slope_size_sum = |x_1| + sum (k - 1) k |x_k|. */
 typedef struct {
-    double *rise, *size, *slope, *bend;
+    double *value_sum, *size_sum, *slope_sum, *slope_size_sum;
 } tvi_taylor_sums;
 
 #ifdef JET_WIDE
@@ -43,10 +44,10 @@ typedef struct {
 #include "generating/taylor_rows.h"
 
 /* Computes x_k *= power[k], and the sums of these x_k, the small terms first; has_slope is a constant. */
-JET_INLINE void taylor_sweep_by(const tvi_taylor_rows *rows, const double *power, double *x,
-                                const tvi_taylor_sums *sums, bool has_slope)
+JET_INLINE void taylor_rescale_and_sum_kind(const tvi_taylor_rows *rows, const double *power, double *x,
+                                            const tvi_taylor_sums *sums, bool has_slope)
 {
-    const int components = rows->components;
+    const int components = rows->component_count;
     int here = 0;
 #ifdef JET_WIDE
     for (; here + 8 <= components; here += 8) taylor_eight_rows(rows, power, x, sums, has_slope, here);
@@ -58,10 +59,11 @@ JET_INLINE void taylor_sweep_by(const tvi_taylor_rows *rows, const double *power
     for (; here < components; here++) taylor_one_rows(rows, power, x, sums, has_slope, here);
 }
 
-JET_INLINE void taylor_sweep(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums)
+JET_INLINE void taylor_rescale_and_sum(const tvi_taylor_rows *rows, const double *power, double *x,
+                                       const tvi_taylor_sums *sums)
 {
-    if (rows->has_slope) taylor_sweep_by(rows, power, x, sums, true);
-    else taylor_sweep_by(rows, power, x, sums, false);
+    if (rows->has_slope) taylor_rescale_and_sum_kind(rows, power, x, sums, true);
+    else taylor_rescale_and_sum_kind(rows, power, x, sums, false);
 }
 
 #endif

@@ -6,14 +6,15 @@
 /* Closes the equations with z = (q0, v) or (q1, v). The Jacobians there and at the other end are (I, 0) and (A, B), and
  * R = G+ - G- is (A - I, B) or (I - A, -B). With the other end's d,
  *     R_v^T d = D_v,   d1 - d0 = D_q - R_q^T d. */
-tvi_status tvi_close_type1_end(tvi_closure *c)
+tvi_status tvi_close_type1_end(tvi_closure *closure)
 {
-    const tvi_status status = tvi_close_half(c, &c->q_rise, TVI_SECOND);
-    const double part = c->span.to / (c->span.to - c->span.from), *rise = c->D, *other = c->D + c->n;
-    for (int i = 0; i < c->n && status == TVI_OK; i++) {
-        c->from_q[i] = c->rise_q[i] = 0;
-        c->from_p[i] = other[i] - part * rise[i];
-        c->rise_p[i] = rise[i];
+    const tvi_status status = tvi_close_half(closure, &closure->q_rise, TVI_SECOND);
+    const double part = closure->span.to / (closure->span.to - closure->span.from), *rise = closure->D,
+                 *other = closure->D + closure->n;
+    for (int i = 0; i < closure->n && status == TVI_OK; i++) {
+        closure->from_q[i] = closure->rise_q[i] = 0;
+        closure->from_p[i] = other[i] - part * rise[i];
+        closure->rise_p[i] = rise[i];
     }
     return status;
 }

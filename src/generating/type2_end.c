@@ -5,17 +5,17 @@
 
 /* Closes the equations with z = (w, p1), q- = q0, p1 = p+:
  *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0. */
-static tvi_status close_type2_end(tvi_closure *c)
+static tvi_status close_type2_end(tvi_closure *closure)
 {
-    const int n = c->n;
-    double *minus_d0 = c->D, *rise_u = c->D + n;
-    const tvi_status status = tvi_close_half(c, &c->q_from, TVI_FIRST);
+    const int n = closure->n;
+    double *minus_d0 = closure->D, *rise_u = closure->D + n;
+    const tvi_status status = tvi_close_half(closure, &closure->q_from, TVI_FIRST);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
-        c->from_q[i] = 0;
-        c->from_p[i] = -minus_d0[i];
-        c->rise_q[i] = -c->curve.kappa[i] * rise_u[i];
-        c->rise_p[i] = minus_d0[i];
+        closure->from_q[i] = 0;
+        closure->from_p[i] = -minus_d0[i];
+        closure->rise_q[i] = -closure->curve.kappa[i] * rise_u[i];
+        closure->rise_p[i] = minus_d0[i];
     }
     return TVI_OK;
 }

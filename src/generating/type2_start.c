@@ -5,17 +5,17 @@
 
 /* Closes the equations with z = (q0, w), p1 = p+. With u = kappa p the solution is l / kappa.
  *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l. */
-static tvi_status close_type2_start(tvi_closure *c)
+static tvi_status close_type2_start(tvi_closure *closure)
 {
-    const int n = c->n;
-    double *from_p = c->D, *minus_l = c->D + n;
-    const tvi_status status = tvi_close_half(c, &c->u_to, TVI_SECOND);
+    const int n = closure->n;
+    double *from_p = closure->D, *minus_l = closure->D + n;
+    const tvi_status status = tvi_close_half(closure, &closure->u_to, TVI_SECOND);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
-        c->from_q[i] = 0;
-        c->from_p[i] = -from_p[i];
-        c->rise_q[i] = -c->curve.kappa[i] * minus_l[i];
-        c->rise_p[i] = from_p[i];
+        closure->from_q[i] = 0;
+        closure->from_p[i] = -from_p[i];
+        closure->rise_q[i] = -closure->curve.kappa[i] * minus_l[i];
+        closure->rise_p[i] = from_p[i];
     }
     return TVI_OK;
 }

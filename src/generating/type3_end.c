@@ -5,17 +5,17 @@
 
 /* Closes the equations with z = (q1, w), p- = p0:
  *     (p-_w)^T l = D_w,   q0 = q- + l,   p1 = w + D_q - (p-_q)^T l. */
-static tvi_status close_type3_end(tvi_closure *c)
+static tvi_status close_type3_end(tvi_closure *closure)
 {
-    const int n = c->n;
-    double *rise_p = c->D, *l = c->D + n;
-    const tvi_status status = tvi_close_half(c, &c->u_from, TVI_SECOND);
+    const int n = closure->n;
+    double *rise_p = closure->D, *l = closure->D + n;
+    const tvi_status status = tvi_close_half(closure, &closure->u_from, TVI_SECOND);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
-        c->from_q[i] = c->curve.kappa[i] * l[i];
-        c->from_p[i] = 0;
-        c->rise_q[i] = -c->from_q[i];
-        c->rise_p[i] = rise_p[i];
+        closure->from_q[i] = closure->curve.kappa[i] * l[i];
+        closure->from_p[i] = 0;
+        closure->rise_q[i] = -closure->from_q[i];
+        closure->rise_p[i] = rise_p[i];
     }
     return TVI_OK;
 }

@@ -5,17 +5,17 @@
 
 /* Closes the equations with z = (w, p0), q1 = q+:
  *     (q+_w)^T d = D_w,   p1 = p+ + d,   q0 = w + D_p - (q+_p)^T d. */
-static tvi_status close_type3_start(tvi_closure *c)
+static tvi_status close_type3_start(tvi_closure *closure)
 {
-    const int n = c->n;
-    double *d = c->D, *from_u = c->D + n;
-    const tvi_status status = tvi_close_half(c, &c->q_to, TVI_FIRST);
+    const int n = closure->n;
+    double *d = closure->D, *from_u = closure->D + n;
+    const tvi_status status = tvi_close_half(closure, &closure->q_to, TVI_FIRST);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
-        c->from_q[i] = c->curve.kappa[i] * from_u[i];
-        c->from_p[i] = 0;
-        c->rise_q[i] = -c->from_q[i];
-        c->rise_p[i] = d[i];
+        closure->from_q[i] = closure->curve.kappa[i] * from_u[i];
+        closure->from_p[i] = 0;
+        closure->rise_q[i] = -closure->from_q[i];
+        closure->rise_p[i] = d[i];
     }
     return TVI_OK;
 }

@@ -323,10 +323,10 @@ END_TEST
 START_TEST(steps_are_whole)
 {
     static const whose *const subject[] = {&kepler, &double_pendulum, &kepler_rescaled};
-    const tvi_compiler edited = {.compiler =
-                                     "sh tests/compiled/edited.sh s/to->tail.=.tail;/to->tail=7;/ " QUICK_COMPILER,
-                                 .flags = QUICK_FLAGS,
-                                 .cache = ""};
+    const tvi_compiler edited = {
+        .compiler = "sh tests/compiled/edited.sh s/outcome->last_tail.=.tail;/outcome->last_tail=7;/ " QUICK_COMPILER,
+        .flags = QUICK_FLAGS,
+        .cache = ""};
     for (size_t i = 0; i < sizeof subject / sizeof *subject; i++) {
         systems its;
         const tvi_system *system = systems_open(subject[i], &its);

@@ -202,16 +202,16 @@ static const int lane_counts[] = {1, 2, 4, 8, LANES};
 enum { LANE_COUNTS = sizeof lane_counts / sizeof *lane_counts };
 
 /* The loops of an instruction set for lane_counts[count] lanes; NULL: there are no more sets. */
-static const galerkin_loops *loops_at(int i, int count)
+static const galerkin_kernels *loops_at(int i, int count)
 {
 #ifdef __x86_64__
     if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        return tvi_galerkin_loops_avx2[count];
+        return tvi_galerkin_kernels_avx2[count];
     if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl"))
-        return tvi_galerkin_loops_avx512[count];
+        return tvi_galerkin_kernels_avx512[count];
 #endif
-    return i == 0 ? tvi_galerkin_loops_base[count] : NULL;
+    return i == 0 ? tvi_galerkin_kernels_base[count] : NULL;
 }
 
 typedef struct {
@@ -220,25 +220,25 @@ typedef struct {
     int pivot[MOST * LANES];
 } lanes_room;
 
-static lanes_inverse lanes_inverse_in(lanes_room *room, int n)
+static lanes_matrix_inverse lanes_inverse_in(lanes_room *room, int n)
 {
-    return (lanes_inverse){.n = n,
-                           .lu = room->lu,
-                           .inverse = room->inverse,
-                           .row_scale = room->row_scale,
-                           .column_scale = room->column_scale,
-                           .pivot = room->pivot,
-                           .x = room->x};
+    return (lanes_matrix_inverse){.n = n,
+                                  .lu = room->lu,
+                                  .inverse = room->inverse,
+                                  .row_scale = room->row_scale,
+                                  .column_scale = room->column_scale,
+                                  .pivot_row = room->pivot,
+                                  .scratch_column = room->x};
 }
 
-static void put_lane(const lanes_inverse *f, int lanes, int lane, const double A[])
+static void put_lane(const lanes_matrix_inverse *f, int lanes, int lane, const double A[])
 {
     for (int i = 0; i < f->n * f->n; i++) f->lu[i * lanes + lane] = A[i];
 }
 
 /* V = from + A^-1 ((P - p) - change), a matrix of its own in each lane: all with no need to exchange rows, or the last
  * of 16. */
-static void check_lanes(const galerkin_loops *loops, lanes_inverse *f, int lanes, bool are_plain)
+static void check_lanes(const galerkin_kernels *loops, lanes_matrix_inverse *f, int lanes, bool are_plain)
 {
     const int n = f->n;
     static const double none[MOST * LANES];
@@ -267,8 +267,8 @@ START_TEST(lanes_are_solved_alone)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_inverse f = lanes_inverse_in(&room, n);
-    const galerkin_loops *loops;
+    lanes_matrix_inverse f = lanes_inverse_in(&room, n);
+    const galerkin_kernels *loops;
     for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
         for (int are_plain = 0; are_plain < 2; are_plain++) check_lanes(loops, &f, lanes, are_plain);
 }
@@ -279,7 +279,7 @@ START_TEST(singular_lanes_are_seen)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_inverse f = lanes_inverse_in(&room, n);
+    lanes_matrix_inverse f = lanes_inverse_in(&room, n);
     double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
     double endless[MOST * MOST];
     for (int i = 0; i < n * n; i++) {
@@ -289,7 +289,7 @@ START_TEST(singular_lanes_are_seen)
     broken[n * n - 1] = NAN;
     endless[n * n - 1] = INFINITY;
     const double *const bad[] = {regular, rank_one, zero, broken, endless};
-    const galerkin_loops *loops;
+    const galerkin_kernels *loops;
     for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
         for (int kind = 0; kind < 5; kind++) {
             for (int lane = 0; lane < lanes; lane++) put_lane(&f, lanes, lane, lane == lanes / 2 ? bad[kind] : regular);

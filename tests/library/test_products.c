@@ -77,13 +77,13 @@ START_TEST(products_are_those_of_the_matrices)
     double seed[(DEGREE + 1) * N_MAX], x[2 * N_MAX], got[2 * N_MAX], want[2 * N_MAX], matrix[2 * N_MAX * N_MAX];
     for (int i = 0; i < (DEGREE + 1) * n; i++) seed[i] = wave(3 * i);
     for (int i = 0; i < 2 * n; i++) x[i] = wave(i);
-    tvi_curve_pull(&matrices.curve, seed, NULL, want);
-    tvi_curve_pull(&products.curve, seed, NULL, got);
+    tvi_curve_multiply_by_transposes(&matrices.curve, seed, NULL, want);
+    tvi_curve_multiply_by_transposes(&products.curve, seed, NULL, got);
     check_close(2 * n, got, want);
     tvi_curve_aim(&matrices.curve, x);
     tvi_curve_aim(&products.curve, x);
-    tvi_curve_push(&matrices.curve, &matrices.u, want);
-    tvi_curve_push(&products.curve, &products.u, got);
+    tvi_curve_multiply_by_jacobian(&matrices.curve, &matrices.u, want);
+    tvi_curve_multiply_by_jacobian(&products.curve, &products.u, got);
     check_close(n, got, want);
     memset(want, 0, sizeof want);
     for (int second = 0; second < 2; second++) {
@@ -91,8 +91,9 @@ START_TEST(products_are_those_of_the_matrices)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    const tvi_pulled of = {.factor = 1, .of_x = &products.q, .of_y = &products.u, .x = x, .y = x + n};
-    products_pull(&products.curve, DEGREE, &of, got);
+    const tvi_transpose_terms of = {
+        .factor = 1, .jacobian_of_x = &products.q, .jacobian_of_y = &products.u, .x = x, .y = x + n};
+    products_multiply_by_transpose(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
     free(products.memory);

@@ -9,12 +9,12 @@
 
 enum { UNKNOWNS = 7, SUMMED = 10, ROUNDS = 50, MOST = TVI_GALERKIN_MAX_LANES };
 
-static const int lanes_of[GALERKIN_LOOPS] = {1, 2, 4, 8, MOST};
-static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = tvi_galerkin_loops_base,
+static const int lanes_of[GALERKIN_KERNEL_TABLES] = {1, 2, 4, 8, MOST};
+static const galerkin_kernels *const *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = tvi_galerkin_kernels_base,
 #ifdef __x86_64__
-    [jet_isa_avx2] = tvi_galerkin_loops_avx2,
-    [jet_isa_avx512] = tvi_galerkin_loops_avx512,
+    [jet_isa_avx2] = tvi_galerkin_kernels_avx2,
+    [jet_isa_avx512] = tvi_galerkin_kernels_avx512,
 #endif
 };
 
@@ -52,47 +52,48 @@ static double set_impulses(double impulse[], int lanes, bool is_short, uint64_t 
 
 /* The sums of both parts are exact where their terms are; the first parts alone have roundoff of themselves. */
 static void check_sums(const galerkin_coefficients *a, const double impulse[], double left, bool is_short,
-                       const galerkin_sums *sums, int u)
+                       const galerkin_impulse_sums *sums, int u)
 {
     long double twice = 0, last = 0, sizes = 0, sizes_of_last = 0;
     for (int j = 0; j < a->lanes; j++) {
-        const long double of_last = (long double)a->weights.last[j] * impulse[j];
-        twice += (long double)a->weights.late[j] * impulse[j];
+        const long double of_last = (long double)a->end_weights.last_term_weight[j] * impulse[j];
+        twice += (long double)a->end_weights.one_minus_abscissa[j] * impulse[j];
         last += of_last;
         sizes += fabs(impulse[j]);
         sizes_of_last += fabsl(of_last);
     }
-    const double once_left = (sums->once[u] - left) + sums->once_low[u];
-    const long double twice_left = (sums->twice[u] - twice) + sums->twice_low[u];
+    const double once_left = (sums->single_integral[u] - left) + sums->single_integral_low[u];
+    const long double twice_left = (sums->double_integral[u] - twice) + sums->double_integral_low[u];
     ck_assert_double_le(fabs(once_left), (double)sizes * 0x1p-96);
     ck_assert_double_le(fabs((double)twice_left), (double)sizes * (is_short ? 0x1p-60 : DBL_EPSILON));
-    ck_assert_double_le(fabs(sums->once_low[u]), fabs(sums->once[u]) * DBL_EPSILON / 2);
-    ck_assert_double_le(fabs(sums->twice_low[u]), fabs(sums->twice[u]) * DBL_EPSILON / 2);
-    ck_assert_double_eq_tol(sums->last[u], (double)fabsl(last), (double)sizes_of_last * 4 * DBL_EPSILON);
-    ck_assert_double_eq(sums->reach[u], fabs(impulse[0]) + fabs(impulse[a->lanes - 1]));
+    ck_assert_double_le(fabs(sums->single_integral_low[u]), fabs(sums->single_integral[u]) * DBL_EPSILON / 2);
+    ck_assert_double_le(fabs(sums->double_integral_low[u]), fabs(sums->double_integral[u]) * DBL_EPSILON / 2);
+    ck_assert_double_eq_tol(sums->last_term[u], (double)fabsl(last), (double)sizes_of_last * 4 * DBL_EPSILON);
+    ck_assert_double_eq(sums->end_impulse_size[u], fabs(impulse[0]) + fabs(impulse[a->lanes - 1]));
 }
 
 START_TEST(sums_are_compensated)
 {
-    const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
-    const int size = _i % GALERKIN_LOOPS, lanes = lanes_of[size];
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLES);
+    const int size = _i % GALERKIN_KERNEL_TABLES, lanes = lanes_of[size];
     galerkin_tables tables;
     uint64_t bits = 1;
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (int j = 0; j < lanes; j++)
-        ck_assert_double_eq_tol(tables.of.weights.late[j], 1 - tables.of.c[j], DBL_EPSILON / 2);
-    shorten(lanes, tables.of.weights.late);
+        ck_assert_double_eq_tol(tables.of.end_weights.one_minus_abscissa[j], 1 - tables.of.node_abscissa[j],
+                                DBL_EPSILON / 2);
+    shorten(lanes, tables.of.end_weights.one_minus_abscissa);
     for (int round = 0; round < ROUNDS; round++)
         for (int unknowns = 1; unknowns <= SUMMED; unknowns++) {
             _Alignas(64) double impulse[SUMMED * MOST];
             const bool is_short = round % 2 > 0;
             double left[SUMMED], all[6][SUMMED + 7];
             const galerkin_nodes nodes = {
-                .lanes = lanes, .unknowns = unknowns, .points = lanes, .width = 1, .impulse = impulse};
-            const galerkin_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
+                .lanes = lanes, .unknowns = unknowns, .node_count = lanes, .member_count = 1, .impulses = impulse};
+            const galerkin_impulse_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
             for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, is_short, &bits);
-            loops_of[isa][size]->integrate(&nodes, &tables.of.weights, &sums);
+            loops_of[isa][size]->integrate(&nodes, &tables.of.end_weights, &sums);
             for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], is_short, &sums, u);
         }
     galerkin_tables_close(&tables);
@@ -102,11 +103,15 @@ END_TEST
 /* Drift and rise of like size, and what each of them lacks. */
 START_TEST(increments_have_two_parts)
 {
-    const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLES);
     double of[6][UNKNOWNS], by[4][UNKNOWNS];
     double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
-    const galerkin_nodes nodes = {.lanes = lanes_of[_i % GALERKIN_LOOPS], .unknowns = UNKNOWNS, .scale = scale};
-    const galerkin_sums sums = {.once = once, .twice = twice, .once_low = drift_low, .twice_low = twice_low};
+    const galerkin_nodes nodes = {
+        .lanes = lanes_of[_i % GALERKIN_KERNEL_TABLES], .unknowns = UNKNOWNS, .impulse_scale = scale};
+    const galerkin_impulse_sums sums = {.single_integral = once,
+                                        .double_integral = twice,
+                                        .single_integral_low = drift_low,
+                                        .double_integral_low = twice_low};
     const tvi_increments to = {by[0], by[1], by[2], by[3]};
     uint64_t bits = 1;
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
@@ -114,7 +119,7 @@ START_TEST(increments_have_two_parts)
         for (int k = 0; k < 6 * UNKNOWNS; k++)
             of[k / UNKNOWNS][k % UNKNOWNS] =
                 (number_of(&bits) - 0.5) * (k / UNKNOWNS % 2 && k < 4 * UNKNOWNS ? 0x1p-54 : 1);
-        loops_of[isa][_i % GALERKIN_LOOPS]->end_drifting(&nodes, &sums, drift, drift_low, &to);
+        loops_of[isa][_i % GALERKIN_KERNEL_TABLES]->end_drifting(&nodes, &sums, drift, drift_low, &to);
         for (int u = 0; u < UNKNOWNS; u++) {
             const double rise = scale[u] * twice[u], rise_low = fma(scale[u], twice[u], -rise);
             const long double lacks = drift_low[u] + (rise_low + (long double)scale[u] * twice_low[u]);
@@ -139,39 +144,40 @@ typedef struct {
 static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nodes, const double *force, sample *errors)
 {
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int i = 0; i < a->points; i++) {
+        for (int i = 0; i < a->node_count; i++) {
             const int at = u * a->lanes + i;
             long double of_impulses = 0;
-            for (int j = 0; j < a->points; j++)
-                of_impulses += (long double)a->matrix[j * a->lanes + i] * (nodes->weight[j] * force[u * a->lanes + j]);
-            const long double way = nodes->base[at] + nodes->scale[u] * of_impulses;
-            sample_add(errors, (double)((nodes->x[at] - nodes->high[at]) - way) / DBL_EPSILON);
+            for (int j = 0; j < a->node_count; j++)
+                of_impulses += (long double)a->impulse_matrix[j * a->lanes + i] *
+                               (nodes->impulse_weight[j] * force[u * a->lanes + j]);
+            const long double way = nodes->free_values_low[at] + nodes->impulse_scale[u] * of_impulses;
+            sample_add(errors, (double)((nodes->values[at] - nodes->free_values[at]) - way) / DBL_EPSILON);
         }
 }
 
 /* The errors of places from 1/4 to 1, in units of roundoff, where steps have this scale. */
-static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *loops, int unknowns, double scale)
+static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *loops, int unknowns, double scale)
 {
     static blocks w;
     static const int slot[UNKNOWNS] = {0, 1, 2, 3, 4, 5, 6};
     const galerkin_nodes nodes = {.lanes = a->lanes,
-                                  .points = a->points,
-                                  .width = 1,
+                                  .node_count = a->node_count,
+                                  .member_count = 1,
                                   .unknowns = unknowns,
-                                  .half = unknowns,
-                                  .moving = unknowns,
-                                  .x = w.x,
-                                  .start = w.start,
-                                  .high = w.high,
-                                  .base = w.base,
-                                  .weight = w.weight,
-                                  .impulse = w.impulse,
-                                  .scale = w.scale,
+                                  .half_unknowns = unknowns,
+                                  .moving_unknowns = unknowns,
+                                  .values = w.x,
+                                  .start_values = w.start,
+                                  .free_values = w.high,
+                                  .free_values_low = w.base,
+                                  .impulse_weight = w.weight,
+                                  .impulses = w.impulse,
+                                  .impulse_scale = w.scale,
                                   .inverse_size = w.inverse_size};
     uint64_t bits = 1;
     sample errors = {0};
     for (int u = 0; u < unknowns; u++) w.scale[u] = scale, w.inverse_size[u] = 1;
-    for (int j = 0; j < a->lanes; j++) w.weight[j] = scale * a->b[j];
+    for (int j = 0; j < a->lanes; j++) w.weight[j] = scale * a->node_weight[j];
     for (int pass = 0; pass < PASSES; pass++) {
         for (int k = 0; k < unknowns * a->lanes; k++) {
             w.high[k] = (1 + number_of(&bits) / 8) / 4;
@@ -179,7 +185,7 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *lo
             w.force[k] = 12 + number_of(&bits);
         }
         double moved;
-        loops->move(&nodes, a->matrix, w.force, slot, &moved);
+        loops->move(&nodes, a->impulse_matrix, w.force, slot, &moved);
         add_errors(a, &nodes, w.force, &errors);
     }
     return errors;
@@ -194,8 +200,8 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *lo
 START_TEST(places_are_rounded_to_no_side)
 {
     static const int unknowns[] = {2, UNKNOWNS};
-    const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
-    const int size = _i % GALERKIN_LOOPS, lanes = lanes_of[size];
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLES);
+    const int size = _i % GALERKIN_KERNEL_TABLES, lanes = lanes_of[size];
     galerkin_tables tables;
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
@@ -213,9 +219,9 @@ Suite *suite_sums(void)
 {
     Suite *suite = suite_create("sums");
     TCase *sums = tcase_create("sums");
-    tcase_add_loop_test(sums, sums_are_compensated, 0, JET_ISA_COUNT * GALERKIN_LOOPS);
-    tcase_add_loop_test(sums, increments_have_two_parts, 0, JET_ISA_COUNT * GALERKIN_LOOPS);
-    tcase_add_loop_test(sums, places_are_rounded_to_no_side, 0, JET_ISA_COUNT * GALERKIN_LOOPS);
+    tcase_add_loop_test(sums, sums_are_compensated, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
+    tcase_add_loop_test(sums, increments_have_two_parts, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
+    tcase_add_loop_test(sums, places_are_rounded_to_no_side, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
     suite_add_tcase(suite, sums);
     return suite;
 }

@@ -365,15 +365,15 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
     const galerkin_tail_inputs of = {.n = n,
                                      .is_separable = true,
                                      .has_masses = true,
-                                     .parts = {1 + is_alone, member, end + !is_alone},
-                                     .sums = {.last = last, .reach = zero},
-                                     .scale = scale,
-                                     .per_scale = per_scale,
-                                     .q = zero,
-                                     .p = p,
-                                     .dp = zero};
+                                     .subsystems = {1 + is_alone, member, end + !is_alone},
+                                     .impulse_sums = {.last_term = last, .end_impulse_size = zero},
+                                     .impulse_scale = scale,
+                                     .inverse_impulse_scale = per_scale,
+                                     .start_q = zero,
+                                     .start_p = p,
+                                     .momentum_increment = zero};
     double tail;
-    tvi_galerkin_loops_base[0]->tail(&of, 1, share, ratio, &tail);
+    tvi_galerkin_kernels_base[0]->tail(&of, 1, share, ratio, &tail);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);
 }
 END_TEST

@@ -9,14 +9,14 @@
 
 typedef struct {
     galerkin_coefficients of;
-    galerkin_dense dense;
+    galerkin_dense_output dense;
     void *memory;
 } galerkin_tables;
 
 static inline void galerkin_tables_take(galerkin_tables *tables, tvi_arena *arena, int points, int lanes)
 {
-    tvi_galerkin_dense_take(&tables->dense, arena, points, lanes, jet_choose_sweeps_for_processor());
-    tvi_galerkin_coefficients_take(&tables->of, arena, points, lanes);
+    tvi_galerkin_allocate_dense_output(&tables->dense, arena, points, lanes, jet_choose_sweeps_for_processor());
+    tvi_galerkin_allocate_coefficients(&tables->of, arena, points, lanes);
 }
 
 static inline void galerkin_tables_open(galerkin_tables *tables, int points, int lanes, bool is_second_order)
@@ -27,7 +27,7 @@ static inline void galerkin_tables_open(galerkin_tables *tables, int points, int
     tables->memory = tvi_arena_allocate_memory(&arena);
     ck_assert_ptr_nonnull(tables->memory);
     galerkin_tables_take(tables, &arena, points, lanes);
-    tvi_galerkin_coefficients_prepare(&tables->of, &tables->dense, is_second_order);
+    tvi_galerkin_compute_coefficients(&tables->of, &tables->dense, is_second_order);
 }
 
 static inline void galerkin_tables_close(galerkin_tables *tables) { free(tables->memory); }
