@@ -259,9 +259,9 @@ JET_INLINE void linear_multiply(int width, const double a[], const double b[], d
     JET_BLOCKS(width, LINEAR_MULTIPLY, );
 }
 
-/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
- * factor->row_scale. In this layout rows are only written as a whole. The first `in_units` rows are in the units of
- * their columns. Clears is_safe [width] if a pivot needs an exchange of rows, or is no number. */
+/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 /
+ * U_jj in factor->row_scale. In this layout rows are only written as a whole. The first `in_units` rows are in the
+ * units of their columns. Clears is_safe [width] if a pivot needs an exchange of rows, or is no number. */
 JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tvi_lu_factor *factor,
                                         long long is_safe[])
 {

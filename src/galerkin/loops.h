@@ -256,8 +256,8 @@ typedef struct galerkin_kernels {
     /* Computes the tail of each member, [member_count]. share and ratio [n][member_count] are scratch space. */
     void (*tail)(const galerkin_tail_inputs *inputs, int width, double *share, double *ratio, double tail[]);
 
-    /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which members
-     * have converged in pass number `count`. It returns how many members still make passes. */
+    /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
+     * members have converged in pass number `count`. It returns how many members still make passes. */
     int (*judge)(galerkin_batch_convergence *verdicts, const tvi_passes_rule *rule, int width, int count);
 
     /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets

@@ -17,14 +17,13 @@ static const double MATRICES_NEAR = 1e-4;
 /* The factors of the curve's Jacobians. Jacobians are counted as they are computed, from 0 in each step. A factor is
  * valid if it belongs to the last Jacobians. */
 typedef struct {
-    double *jacobian_z;          /* [2n] the z at which the last Jacobians were taken */
-    int jacobian_count;          /* how often Jacobians were taken in this step */
-    int factored_jacobian_count; /* the count of those that the factor belongs to */
-    bool has_corrector_jacobian; /* the corrector has a Jacobian */
-    double *
-        distance_since_jacobian; /* [width] the path of z since that Jacobian, relative to its size, until the last were taken */
-    double *end_jacobian; /* [n][2n] scratch for Jacobians of the ends */
-    double *given;        /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
+    double *jacobian_z;              /* [2n] the z at which the last Jacobians were taken */
+    int jacobian_count;              /* how often Jacobians were taken in this step */
+    int factored_jacobian_count;     /* the count of those that the factor belongs to */
+    bool has_corrector_jacobian;     /* the corrector has a Jacobian */
+    double *distance_since_jacobian; /* [width] the path of z since that Jacobian, relative to its size */
+    double *end_jacobian;            /* [n][2n] scratch for Jacobians of the ends */
+    double *given; /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
     tvi_lu_factor half_factor; /* n x n; a generating function has this factor */
     tvi_lu_factor full_factor; /* 2n x 2n; or it has this one */
 } tvi_jacobian_factors;

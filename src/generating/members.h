@@ -1,5 +1,5 @@
-/* members.h - sums rows of several members to the bits of jet_combine_strided_rows (sums.h): four vectors at once, which load
- * each weight once. */
+/* members.h - sums rows of several members to the bits of jet_combine_strided_rows (sums.h): four vectors at once,
+ * which load each weight once. */
 #ifndef TVI_SRC_GENERATING_MEMBERS_H
 #define TVI_SRC_GENERATING_MEMBERS_H
 
