@@ -101,7 +101,7 @@ static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena,
     inputs->n = system->n;
     inputs->is_separable = system->form == TVI_SEPARABLE;
     inputs->has_masses = system->compares_movements;
-    inputs->subsystems = system->parts;
+    inputs->subsystems = system->tail_parts;
     inputs->impulse_scale = scale;
     inputs->inverse_impulse_scale = tvi_arena_doubles(arena, (size_t)system->n);
 }

@@ -27,7 +27,7 @@ JET_INLINE galerkin_tail_inputs galerkin_tail_inputs_of_constant_size(const gale
     galerkin_tail_inputs sized = *tail_inputs;
     sized.n = GALERKIN_N;
     sized.is_separable = GALERKIN_IS_SEPARABLE;
-    sized.subsystems.count = GALERKIN_PARTS;
+    sized.subsystems.count = GALERKIN_TAIL_PARTS;
     return sized;
 }
 

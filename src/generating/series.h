@@ -319,7 +319,7 @@ static inline void curve_compute_size_sums(const tvi_curve *curve)
 /* Returns the tail of a subsystem of member m, whose components are first .. end - 1 of the list. */
 static inline double curve_tail_of_subsystem(const tvi_curve *curve, int m, int first, int end)
 {
-    const tvi_subsystems *parts = &curve->system->parts;
+    const tvi_subsystems *parts = &curve->system->tail_parts;
     const bool has_masses = curve->system->compares_movements;
     const int width = curve_width(curve);
     tvi_tail_survey survey = {0, 0, 0};
@@ -338,7 +338,7 @@ static inline double curve_tail_of_subsystem(const tvi_curve *curve, int m, int 
 
 static inline double curve_compute_tail(const tvi_curve *curve, int m)
 {
-    const tvi_subsystems *parts = &curve->system->parts;
+    const tvi_subsystems *parts = &curve->system->tail_parts;
     double tail = 0;
     if (curve_p_degree(curve) < 2) return 0;
     for (int k = 0, first = 0, end; k < parts->count; k++, first = end) {
@@ -360,7 +360,7 @@ static inline void curve_tails(const tvi_curve *curve, double tail[])
         share[at] = tvi_tail_share(&part, curve->system->compares_movements);
         ratio[at] = tvi_tail_ratio(&part);
     }
-    tvi_tails_of_members(&curve->system->parts, curve_dimension(curve), width, share, ratio, tail);
+    tvi_tails_of_members(&curve->system->tail_parts, curve_dimension(curve), width, share, ratio, tail);
 }
 
 /* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:

@@ -4,6 +4,7 @@
 #include "system/system.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Finds the first slot of the set that the slot belongs to. */
 static int find_set(int set_parent[], int slot)
@@ -53,17 +54,23 @@ static void list_members(tvi_subsystems *subsystems, int n, int set_parent[], in
     for (int i = 0; i < n; i++) subsystems->component[counts[find_set(set_parent, i)]++] = i;
 }
 
+static bool allocate_lists(tvi_subsystems *subsystems, size_t n)
+{
+    subsystems->component = calloc(n, sizeof *subsystems->component);
+    subsystems->end = calloc(n, sizeof *subsystems->end);
+    return subsystems->component && subsystems->end;
+}
+
 tvi_status tvi_system_find_subsystems(tvi_system *system)
 {
     const jet_tape *tape = system->field_values;
     const size_t n = (size_t)system->n, slots = (size_t)tape->slots;
-    tvi_subsystems *subsystems = &system->parts;
-    subsystems->component = calloc(n, sizeof *subsystems->component);
-    subsystems->end = calloc(n, sizeof *subsystems->end);
+    tvi_subsystems *subsystems = &system->parts, *tail_parts = &system->tail_parts;
+    const bool has_lists = allocate_lists(subsystems, n) && allocate_lists(tail_parts, n);
     int *set_parent = calloc(slots, sizeof *set_parent);
     bool *depends = calloc(slots, sizeof *depends);
     int *counts = calloc(n, sizeof *counts);
-    const bool has_memory = subsystems->component && subsystems->end && set_parent && depends && counts;
+    const bool has_memory = has_lists && set_parent && depends && counts;
     if (has_memory) {
         for (int i = 0; i < tape->slots; i++) set_parent[i] = i;
         for (int u = 0; u < system->inputs; u++) depends[u] = true;
@@ -71,6 +78,9 @@ tvi_status tvi_system_find_subsystems(tvi_system *system)
         unite_operations(tape, depends, set_parent);
         unite_components(system, depends, set_parent);
         list_members(subsystems, system->n, set_parent, counts);
+        memcpy(tail_parts->component, subsystems->component, n * sizeof *subsystems->component);
+        memcpy(tail_parts->end, subsystems->end, n * sizeof *subsystems->end);
+        tail_parts->count = subsystems->count;
     }
     free(set_parent);
     free(depends);
@@ -78,9 +88,9 @@ tvi_status tvi_system_find_subsystems(tvi_system *system)
     return has_memory ? TVI_OK : TVI_ENOMEM;
 }
 
-void tvi_system_split_time(tvi_system *system)
+void tvi_system_split_time_from_tail(tvi_system *system)
 {
-    tvi_subsystems *parts = &system->parts;
+    tvi_subsystems *parts = &system->tail_parts;
     const int n = system->n;
     int kept = 0, k = 0;
     for (int part = 0, at = 0; part < parts->count; part++) {

@@ -18,6 +18,8 @@ void tvi_system_free(tvi_system *system)
     free(system->mass);
     free(system->parts.component);
     free(system->parts.end);
+    free(system->tail_parts.component);
+    free(system->tail_parts.end);
     free(system);
 }
 

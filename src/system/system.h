@@ -39,6 +39,8 @@ struct tvi_system {
     /* The parts of the tail are compared by the movements of the coordinates (algebra/tail.h). */
     bool compares_movements;
     tvi_subsystems parts;
+    /* The same for the tail, in which the time of a rescaled system is a part of its own. */
+    tvi_subsystems tail_parts;
     /* L_vv of the Lagrangian, or H_pp of the Hamiltonian, is regular somewhere. */
     bool regular;
     bool is_automatic; /* The time scale in K is the automatic one (automatic.h). */
@@ -102,10 +104,10 @@ TVI_NODISCARD tvi_status tvi_system_find_separable(tvi_system *system, const jet
  * mass = d. */
 void tvi_system_find_inertia(tvi_system *system, const jet linear[]);
 
-/* Finds the subsystems of the field, and sets system->parts. TVI_ENOMEM. */
+/* Finds the subsystems of the field, and sets system->parts and tail_parts. TVI_ENOMEM. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system);
-/* Makes the time, the last coordinate of a rescaled system, a subsystem of its own, whose tail counts in full. */
-void tvi_system_split_time(tvi_system *system);
+/* Makes the time, the last coordinate of a rescaled system, a part of its own of the tail, which counts in full. */
+void tvi_system_split_time_from_tail(tvi_system *system);
 
 /* Returns the number of outputs of the field. */
 static inline int tvi_system_output_count(const tvi_system *system)
