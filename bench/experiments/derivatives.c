@@ -23,19 +23,19 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
 {
     prolongation x;
     tvi_arena arena = {0};
-    tvi_curve_take(&x.curve, &arena, system, top, true, 1);
+    tvi_curve_allocate(&x.curve, &arena, system, top, true, 1);
     x.memory = tvi_arena_allocate_memory(&arena);
     if (!x.memory) exit(EXIT_FAILURE);
-    tvi_curve_take(&x.curve, &arena, system, top, true, 1);
+    tvi_curve_allocate(&x.curve, &arena, system, top, true, 1);
     tvi_blocks_prepare(arena.blocks);
-    tvi_curve_prepare(&x.curve);
+    tvi_curve_fill_constant_tables(&x.curve);
     double z[2 * BASELINE_N_MAX];
     const double tau = s->steps[3];
     for (int i = 0; i < s->n; i++) {
         z[i] = s->q[i];
         z[s->n + i] = tau * s->p[i] / (s->mass ? s->mass[i] : 1);
     }
-    tvi_curve_set(&x.curve, tau, z);
+    tvi_curve_set_time_unit_and_data(&x.curve, tau, z);
     return x;
 }
 

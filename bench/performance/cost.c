@@ -1,6 +1,6 @@
 /* cost.c - Measures what a step of type I at the midpoint costs: against n, with Jacobians as matrices and as products,
- * and against N. Linked with --wrap=tvi_curve_jacobians_for, so that both can be had at every n. Writes DIR/cost_n.md,
- * cost_n.csv and cost_degree.csv.
+ * and against N. Linked with --wrap=tvi_curve_choose_jacobian_method, so that both can be had at every n. Writes
+ * DIR/cost_n.md, cost_n.csv and cost_degree.csv.
  *     cost DIR */
 #include "curves.h"
 #include "experiments/experiment.h"

@@ -7,7 +7,7 @@
 
 static void lay_out(open_curve *c, tvi_arena *arena, const tvi_system *system, int N)
 {
-    tvi_curve_take(&c->curve, arena, system, N, TVI_JACOBIAN_PRODUCTS, 1);
+    tvi_curve_allocate(&c->curve, arena, system, N, TVI_JACOBIAN_PRODUCTS, 1);
     c->z = tvi_arena_doubles(arena, 2 * (size_t)system->n);
 }
 
@@ -21,7 +21,7 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     if (!c->memory) abort();
     lay_out(c, &arena, system, N);
     tvi_blocks_prepare(arena.blocks);
-    tvi_curve_prepare(&c->curve);
+    tvi_curve_fill_constant_tables(&c->curve);
     c->tau = h / 2;
     for (int i = 0; i < system->n; i++) {
         c->z[i] = q[i];
@@ -40,6 +40,6 @@ void curve_close(open_curve *c)
 void curve_expand(void *opened)
 {
     open_curve *c = opened;
-    tvi_curve_set(&c->curve, c->tau, c->z);
+    tvi_curve_set_time_unit_and_data(&c->curve, c->tau, c->z);
     experiment_insist(tvi_curve_expand(&c->curve, 0), "an expansion");
 }

@@ -12,7 +12,7 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve->n, points = action->points;
     tvi_roundoff *roundoff = &action->field_roundoff;
-    if (tvi_curve_factor_slope(curve) != TVI_OK) return 0;
+    if (tvi_curve_factor_velocity_hessian(curve) != TVI_OK) return 0;
     (void)tvi_roundoff_estimate_of_field(roundoff, curve->system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
         const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
@@ -30,7 +30,7 @@ tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve
     memcpy(action->gradient_by_v, v, panel);
     memcpy(action->node_momentum, p, panel);
     seeds_set_node_times(action, curve, action->field_block);
-    return seeds_lagrange_terms(action, curve);
+    return seeds_compute_lagrange_terms(action, curve);
 }
 
 /* Computes the gradient of the action at truncated nodes, where q'_i = H_p(q_i, p_i): gradient_by_q = tau (H_qp p -
@@ -70,16 +70,16 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
 static tvi_seeds_fn *const plainly_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = tvi_seeds_plainly_base,
+    [jet_isa_base] = tvi_seeds_from_field_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = tvi_seeds_plainly_avx2,
-    [jet_isa_avx512] = tvi_seeds_plainly_avx512,
+    [jet_isa_avx2] = tvi_seeds_from_field_avx2,
+    [jet_isa_avx512] = tvi_seeds_from_field_avx512,
 #endif
 };
 
 static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    if (seeds_are_plain(action)) {
+    if (seeds_need_only_field(action)) {
         if (!curve->generated_code || !curve->generated_code->seed)
             return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
         const tvi_status status = curve->generated_code->seed(action, curve, seed_Q, seed_U);
@@ -89,9 +89,9 @@ static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double see
             (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;
     }
-    seeds_begin(action, curve, seed_Q, seed_U);
+    seeds_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
     const tvi_status status = compute_truncated_node_terms(action, curve);
-    if (status == TVI_OK) seeds_end(action, curve, seed_Q, seed_U);
+    if (status == TVI_OK) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
     return status;
 }
 

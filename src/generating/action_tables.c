@@ -36,7 +36,7 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
                         .points = points,
                         .orders = top + 1,
                         .width = width};
-    if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
+    if (mirrors && seeds_need_only_field(&shape) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
         shape.half_points = half_of(system, points, width);
         shape.points = 2 * shape.half_points;
     }

@@ -17,18 +17,19 @@
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options, double sign)
+static void take_side(tvi_end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                      double sign)
 {
     tvi_options plain = *options; /* y is never truncated */
     plain.nodes = TVI_NODES_ON_CURVE;
     const int r = options->degree;
     const size_t n = (size_t)system->n;
     x->sign = x->end = sign;
-    tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
+    tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
     tvi_allocate_action(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false, 1);
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
-        *combinations[i] = tvi_combination_take(&x->curve, arena);
+        *combinations[i] = tvi_combination_allocate(&x->curve, arena);
     x->blend = tvi_arena_doubles(arena, (size_t)options->quadrature_points);
     x->P = tvi_arena_doubles(arena, (size_t)r * n);
     x->seed = tvi_arena_doubles(arena, ((size_t)r + 1) * n);
@@ -41,23 +42,23 @@ static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, c
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    tvi_both_ends *taken = tvi_arena_allocate(arena, sizeof *taken);
-    tvi_both_ends w = {.system = system,
-                       .options = options,
-                       .n = system->n,
-                       .degree = options->degree,
-                       .points = options->quadrature_points};
+    tvi_both_ends_workspace *taken = tvi_arena_allocate(arena, sizeof *taken);
+    tvi_both_ends_workspace w = {.system = system,
+                                 .options = options,
+                                 .n = system->n,
+                                 .degree = options->degree,
+                                 .points = options->quadrature_points};
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
     take_side(&w.a, arena, system, options, 1);
     take_side(&w.b, arena, system, options, -1);
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
-    tvi_newton_take(&w.newton, arena, 3, system, true, 1);
+    tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity = tvi_arena_allocate_history(arena, n * sizeof *w.velocity);
     }
-    w.q_unit = tvi_combination_take(&w.a.curve, arena);
-    w.z_unit = tvi_combination_take(&w.a.curve, arena);
+    w.q_unit = tvi_combination_allocate(&w.a.curve, arena);
+    w.z_unit = tvi_combination_allocate(&w.a.curve, arena);
     double **const panels[] = {&w.y, &w.v, &w.pi, &w.pi_rate, &w.on_q, &w.on_v, &w.apart};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
     w.row = tvi_arena_doubles(arena, points);
@@ -67,39 +68,39 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_scaled_span span)
+static void prepare_side(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
-    tvi_curve_prepare(&x->curve);
+    tvi_curve_fill_constant_tables(&x->curve);
     tvi_curve_prepare_tail(&x->curve, w->degree, w->degree - 1);
     tvi_prepare_action_tables(&x->action, w->options, span, w->degree);
-    tvi_combination_set(&x->to_end, &x->curve, false, powers);
-    tvi_combination_set(&x->near_u, &x->curve, true, zeroth);
+    tvi_combination_set_weights(&x->to_end, &x->curve, false, powers);
+    tvi_combination_set_weights(&x->near_u, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->end * x->action.node_s[node];
 }
 
 static void prepare(void *taken)
 {
-    tvi_both_ends *w = taken;
+    tvi_both_ends_workspace *w = taken;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
-    tvi_newton_prepare(&w->newton, w->options, true);
+    tvi_newton_set_rules(&w->newton, w->options, true);
     prepare_side(w, &w->a, (tvi_scaled_span){0, 1, 1});
     prepare_side(w, &w->b, (tvi_scaled_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
     }
-    tvi_combination_set(&w->q_unit, &w->a.curve, false, ones);
-    tvi_combination_set(&w->z_unit, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
+    tvi_combination_set_weights(&w->q_unit, &w->a.curve, false, ones);
+    tvi_combination_set_weights(&w->z_unit, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
     if (w->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* Solves B^T multiplier = R_v. */
-static tvi_status solve_multiplier(const tvi_both_ends *w, tvi_side *x, tvi_stats *stats)
+static tvi_status solve_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
     tvi_curve_sum_jacobian(&x->curve, &x->to_end, x->G);
@@ -112,14 +113,14 @@ static tvi_status solve_multiplier(const tvi_both_ends *w, tvi_side *x, tvi_stat
 }
 
 /* Returns component j of (A - I)^T multiplier. */
-static double pulled(const tvi_both_ends *w, const tvi_side *x, int j)
+static double pulled(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
 {
     double sum = 0;
     for (int i = 0; i < w->n; i++) sum += x->G[i * 2 * w->n + j] * x->multiplier[i];
     return sum;
 }
 
-static tvi_status close_equations(tvi_both_ends *w, tvi_stats *stats)
+static tvi_status close_equations(tvi_both_ends_workspace *w, tvi_stats *stats)
 {
     tvi_status status = solve_multiplier(w, &w->a, stats);
     if (status == TVI_OK) status = solve_multiplier(w, &w->b, stats);
@@ -134,22 +135,22 @@ static tvi_status close_equations(tvi_both_ends *w, tvi_stats *stats)
 
 /* An attempt holds the step that is being made. */
 typedef struct {
-    tvi_both_ends *work;
+    tvi_both_ends_workspace *work;
     const tvi_origin *origin;
     double h;
     tvi_stats *stats;
 } attempt;
 
-static tvi_status expand(const attempt *a, tvi_side *x, const double z[], double centre)
+static tvi_status expand(const attempt *a, tvi_end_curve *x, const double z[], double centre)
 {
     a->stats->expansions++;
-    tvi_curve_set(&x->curve, a->h, z);
+    tvi_curve_set_time_unit_and_data(&x->curve, a->h, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 
 static void set_scale(void *self, double scale[])
 {
-    const tvi_both_ends *w = ((const attempt *)self)->work;
+    const tvi_both_ends_workspace *w = ((const attempt *)self)->work;
     const int n = w->n;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
@@ -173,7 +174,7 @@ static void set_scale(void *self, double scale[])
 /* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
 static void form_residual(const attempt *a, const double q1[], double r[])
 {
-    tvi_both_ends *w = a->work;
+    tvi_both_ends_workspace *w = a->work;
     const tvi_origin *origin = a->origin;
     const int n = w->n;
     tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, r);
@@ -191,7 +192,7 @@ static void form_residual(const attempt *a, const double q1[], double r[])
 static tvi_status residual(void *self, const double x[], double r[])
 {
     const attempt *a = self;
-    tvi_both_ends *w = a->work;
+    tvi_both_ends_workspace *w = a->work;
     const tvi_origin *origin = a->origin;
     const size_t n = (size_t)w->n;
     memcpy(w->z, origin->q, n * sizeof *x);
@@ -201,7 +202,7 @@ static tvi_status residual(void *self, const double x[], double r[])
     if (status != TVI_OK) return status;
     tvi_curve_differentiate(&w->a.curve);
     tvi_curve_differentiate(&w->b.curve);
-    status = tvi_both_ends_gradient(w, a->stats);
+    status = tvi_both_ends_compute_gradient(w, a->stats);
     if (status == TVI_OK) status = close_equations(w, a->stats);
     if (status != TVI_OK) return status;
     form_residual(a, x + n, r);
@@ -213,7 +214,7 @@ static tvi_status residual(void *self, const double x[], double r[])
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
 static bool jacobian(void *self, double matrix[])
 {
-    const tvi_both_ends *w = ((const attempt *)self)->work;
+    const tvi_both_ends_workspace *w = ((const attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
     tvi_curve_sum_jacobian(&w->a.curve, &w->a.near_u, w->b.G);
@@ -233,7 +234,7 @@ static bool jacobian(void *self, double matrix[])
 static void residual_roundoff(void *self, double r[])
 {
     const attempt *a = self;
-    tvi_both_ends *w = a->work;
+    tvi_both_ends_workspace *w = a->work;
     const int n = w->n;
     double *of_u = r + 2 * n;
     a->stats->force_evaluations +=
@@ -247,7 +248,7 @@ static void residual_roundoff(void *self, double r[])
 /* Expands the curve a from (q0, p0), and predicts the data of b as the end of a. */
 static tvi_status predict(const attempt *a)
 {
-    tvi_both_ends *w = a->work;
+    tvi_both_ends_workspace *w = a->work;
     const size_t n = (size_t)w->n;
     const tvi_origin *origin = a->origin;
     tvi_status status =
@@ -261,18 +262,18 @@ static tvi_status predict(const attempt *a)
 }
 
 /* Stores in dz what z of the curves lacks: the low-order part of q0, and the last correction. */
-static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
+static void keep_missing(tvi_both_ends_workspace *w, const tvi_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
     memcpy(w->a.dz, origin->q_low, bytes);
     memcpy(w->a.dz + n, w->newton.correction, bytes);
     memcpy(w->b.dz, w->newton.correction + n, 2 * bytes);
-    tvi_curve_aim(&w->a.curve, w->a.dz);
-    tvi_curve_aim(&w->b.curve, w->b.dz);
+    tvi_curve_set_product_direction(&w->a.curve, w->a.dz);
+    tvi_curve_set_product_direction(&w->b.curve, w->b.dz);
 }
 
 /* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
-static void form_increments(tvi_both_ends *w, double dq[], double dp[])
+static void form_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
 {
     const int n = w->n;
     tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, dq);
@@ -290,7 +291,7 @@ static void form_increments(tvi_both_ends *w, double dq[], double dp[])
 static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
                        tvi_stats *stats)
 {
-    tvi_both_ends *w = taken;
+    tvi_both_ends_workspace *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *increments->dq;
     attempt a = {w, origin, h, stats};
     const tvi_equations equations = {
@@ -309,10 +310,10 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
 }
 
 /* Adds blend (x(at) - x(0)) to dq, and the same of the momenta to dp. */
-static void add_dense(tvi_both_ends *w, tvi_side *x, double at, double blend, double dq[], double dp[])
+static void add_dense(tvi_both_ends_workspace *w, tvi_end_curve *x, double at, double blend, double dq[], double dp[])
 {
-    tvi_combination_set_powers(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
-    tvi_combination_set_powers(&x->u_dense, &x->curve, true, w->degree - 1, 1, at, -1, 0);
+    tvi_combination_set_power_weights(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
+    tvi_combination_set_power_weights(&x->u_dense, &x->curve, true, w->degree - 1, 1, at, -1, 0);
     tvi_curve_sum_combination(&x->curve, &x->q_dense, w->shift);
     for (int i = 0; i < w->n; i++) dq[i] += blend * w->shift[i];
     tvi_curve_sum_combination(&x->curve, &x->u_dense, w->shift);
@@ -322,7 +323,7 @@ static void add_dense(tvi_both_ends *w, tvi_side *x, double at, double blend, do
 /* Evaluates the blend of the curves; the curve b is measured from the end of the step. */
 static void dense(void *taken, double theta, double dq[], double dp[])
 {
-    tvi_both_ends *w = taken;
+    tvi_both_ends_workspace *w = taken;
     for (int i = 0; i < w->n; i++) {
         dq[i] = theta * w->dq[i];
         dp[i] = theta * w->dp[i];
@@ -333,7 +334,8 @@ static void dense(void *taken, double theta, double dq[], double dp[])
 
 static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_used_tapes(system, options, options->degree, options->quadrature_points, TVI_JACOBIAN_MATRICES);
+    return tvi_curve_find_used_sweeps(system, options, options->degree, options->quadrature_points,
+                                      TVI_JACOBIAN_MATRICES);
 }
 
 static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};

@@ -24,14 +24,14 @@ typedef struct {
     double *multiplier;   /* [n] l or m */
     double *dz;           /* [2n] what z lacks at the end of the passes */
     tvi_lu_factor factor; /* B */
-} tvi_side;
+} tvi_end_curve;
 
 typedef struct {
     const tvi_system *system;
     const tvi_options *options;
     int n, degree, points;
     bool has_pi;
-    tvi_side a, b;
+    tvi_end_curve a, b;
     tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;
     tvi_combination q_unit, z_unit; /* the centre data of a, a unit of scaled time later */
@@ -44,9 +44,9 @@ typedef struct {
     double *rise_p;                 /* [n] p1 - p0 less p_b(0) - p_a(0) */
     double *dq, *dp;                /* [n] the increments of the last step */
     double *shift;                  /* [n] */
-} tvi_both_ends;
+} tvi_both_ends_workspace;
 
 /* Computes R of both curves, in defect form. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV. */
-TVI_NODISCARD tvi_status tvi_both_ends_gradient(tvi_both_ends *work, tvi_stats *stats);
+TVI_NODISCARD tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *work, tvi_stats *stats);
 
 #endif

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Computes row = sum_{least <= k <= degree} coefficient_k table_k, with coefficient_k at first + k * stride. */
-static void sum_at_nodes(tvi_both_ends *w, int least, int degree, const double *first, size_t stride,
+static void sum_at_nodes(tvi_both_ends_workspace *w, int least, int degree, const double *first, size_t stride,
                          const double *table)
 {
     for (int node = 0; node < w->points; node++) w->row[node] = 0;
@@ -14,8 +14,8 @@ static void sum_at_nodes(tvi_both_ends *w, int least, int degree, const double *
 }
 
 /* Adds w a or (1 - w) b of the sums to out. */
-static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
-                        const double *table, double out[])
+static void add_blended(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
+                        size_t stride, const double *table, double out[])
 {
     sum_at_nodes(w, 0, degree, first, stride, table);
     for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
@@ -23,15 +23,15 @@ static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const d
 
 /* Subtracts a from out or adds b, for a - b, whose coefficients 0 nearly cancel; `apart` is their difference a_0 -
  * b_0. */
-static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
-                           double apart, double out[])
+static void add_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
+                           size_t stride, double apart, double out[])
 {
     sum_at_nodes(w, 1, degree, first, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
 }
 
 /* Adds the part of one curve to y, v (in s), pi and pi. of component i. */
-static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
+static void add_side_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
     const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->P + i;
@@ -48,7 +48,7 @@ static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
 }
 
 /* Computes y, v, pi and pi. at the nodes. */
-static void place_nodes(tvi_both_ends *w)
+static void place_nodes(tvi_both_ends_workspace *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
     double *const panels[] = {w->y, w->v, w->pi, w->pi_rate};
@@ -63,7 +63,7 @@ static void place_nodes(tvi_both_ends *w)
 }
 
 /* Computes the seeds of one curve. */
-static void seed_side(const tvi_both_ends *w, tvi_side *x)
+static void seed_side(const tvi_both_ends_workspace *w, tvi_end_curve *x)
 {
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k <= w->degree; k++) {
@@ -79,7 +79,7 @@ static void seed_side(const tvi_both_ends *w, tvi_side *x)
         }
 }
 
-tvi_status tvi_both_ends_gradient(tvi_both_ends *w, tvi_stats *stats)
+tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *w, tvi_stats *stats)
 {
     const tvi_action *nodes = &w->a.action;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;

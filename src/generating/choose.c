@@ -2,37 +2,38 @@
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
 
-static const tvi_solver *const by_products[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_by_products_base,
+static const tvi_closure_solver *const by_products[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_solver_by_products_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_by_products_avx2,
-    [jet_isa_avx512] = &tvi_by_products_avx512,
+    [jet_isa_avx2] = &tvi_solver_by_products_avx2,
+    [jet_isa_avx512] = &tvi_solver_by_products_avx512,
 #endif
 };
 
 /* These are for one member, for several, and for several of the plain Taylor method. */
 enum { OF_ONE, OF_SEVERAL, PLAINLY, QUICK_STEPS };
-static tvi_quick_fn *const quickly_of[JET_ISA_COUNT][QUICK_STEPS] = {
-    [jet_isa_base] = {tvi_step_quickly_base, tvi_step_members_base, tvi_taylor_members_base},
+static tvi_quick_step_fn *const quickly_of[JET_ISA_COUNT][QUICK_STEPS] = {
+    [jet_isa_base] = {tvi_quick_step_single_base, tvi_quick_step_batch_base, tvi_taylor_step_batch_base},
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = {tvi_step_quickly_avx2, tvi_step_members_avx2, tvi_taylor_members_avx2},
-    [jet_isa_avx512] = {tvi_step_quickly_avx512, tvi_step_members_avx512, tvi_taylor_members_avx512},
+    [jet_isa_avx2] = {tvi_quick_step_single_avx2, tvi_quick_step_batch_avx2, tvi_taylor_step_batch_avx2},
+    [jet_isa_avx512] = {tvi_quick_step_single_avx512, tvi_quick_step_batch_avx512, tvi_taylor_step_batch_avx512},
 #endif
 };
 
-const tvi_solver *tvi_choose_products(const tvi_system *system)
+const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system)
 {
     return by_products[system->field_series->sweeps->isa];
 }
 
-tvi_quick_fn *tvi_choose_plain(const tvi_system *system)
+tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system)
 {
     return quickly_of[system->field_series->sweeps->isa][PLAINLY];
 }
 
-tvi_quick_fn *tvi_choose_quick(const tvi_closure *c, const tvi_action *action)
+tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *c, const tvi_action *action)
 {
-    if (c->close != tvi_close_mean || !seeds_are_plain(action) || tvi_curve_uses_products(&c->curve)) return NULL;
+    if (c->close != tvi_close_by_mean_of_ends || !seeds_need_only_field(action) || tvi_curve_uses_products(&c->curve))
+        return NULL;
     if (2 * c->n > LINEAR_SMALL) return NULL;
     if (c->curve.generated_code) return c->curve.generated_code->step;
     return quickly_of[c->system->field_series->sweeps->isa][c->curve.width > 1 ? OF_SEVERAL : OF_ONE];

@@ -1,19 +1,19 @@
 /* closure.c - solves the equations that the generating functions share (closure.h). */
 #include "generating/closure.h"
 
-tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
+tvi_status tvi_solve_transposed_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
-    return closure->solver->solve(closure, &(tvi_transposed){combination, NULL, half});
+    return closure->solver->solve(closure, &(tvi_transposed_equations){combination, NULL, half});
 }
 
-tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
+tvi_status tvi_solve_transposed_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
 {
-    return closure->solver->solve(closure, &(tvi_transposed){first, second, TVI_FIRST});
+    return closure->solver->solve(closure, &(tvi_transposed_equations){first, second, TVI_FIRST});
 }
 
-tvi_status tvi_close_mean(tvi_closure *c)
+tvi_status tvi_close_by_mean_of_ends(tvi_closure *c)
 {
-    const tvi_status status = tvi_close_full(c, &c->q_mean, c->mean->has_momenta ? &c->u_mean : &c->q_rise);
+    const tvi_status status = tvi_solve_transposed_full(c, &c->q_mean, c->mean->has_momenta ? &c->u_mean : &c->q_rise);
     if (status != TVI_OK) return status;
     closure_correct_ends(c);
     return TVI_OK;

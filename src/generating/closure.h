@@ -19,23 +19,24 @@ typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 typedef struct {
     const tvi_combination *first, *second; /* second NULL: one */
     tvi_half half;
-} tvi_transposed;
+} tvi_transposed_equations;
 
 /* A solver solves these equations; the generating functions do not know which one does (matrices.c, products.c). */
-typedef struct tvi_solver {
+typedef struct tvi_closure_solver {
     void (*take)(struct tvi_closure *closure, tvi_arena *arena);
     void (*begin)(struct tvi_closure *closure); /* a step: what was kept is of another one */
     /* Computes the corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
     tvi_status (*close)(struct tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats);
     /* Replaces D [2n] by x where the equations stand, and elsewhere by what is left of D_z. Returns TVI_ESINGULAR,
      * TVI_ENONFINITE or TVI_ENOCONV. */
-    tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed *equations);
+    tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed_equations *equations);
     /* The corrector has one of the next two functions. `jacobian` writes J = d(q-, u-)/dz [2n][2n], or returns false if
      * the last Jacobian still serves; `correct` replaces the correction by nearly J^-1 times it. */
     bool (*jacobian)(struct tvi_closure *closure, double matrix[]);
     void (*correct)(struct tvi_closure *closure, double correction[]);
-} tvi_solver;
-extern const tvi_solver tvi_by_matrices, tvi_by_products_base, tvi_by_products_avx2, tvi_by_products_avx512;
+} tvi_closure_solver;
+extern const tvi_closure_solver tvi_solver_by_matrices, tvi_solver_by_products_base, tvi_solver_by_products_avx2,
+    tvi_solver_by_products_avx512;
 
 typedef struct tvi_closure {
     const tvi_system *system;
@@ -50,25 +51,26 @@ typedef struct tvi_closure {
     int p_degree;                                 /* the degree of the momentum */
     double *p_size;                               /* [n] sum_k |P_k| */
     tvi_close_fn *close;                          /* the generating function's closing */
-    const tvi_mean_closing *mean;                 /* how tvi_close_mean closes, if that is the closing */
+    const tvi_mean_closing *mean;                 /* how tvi_close_by_mean_of_ends closes, if that is the closing */
     double *seed_Q, *seed_U;                      /* [top + 1][n] the seeds of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */
-    const tvi_solver *solver;
+    const tvi_closure_solver *solver;
     void *solving;                             /* the data of the solver */
     double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
 } tvi_closure;
 
 /* Solves J^T x = D_z for the half of D_z that belongs to the n x n block J of the combination's Jacobian. In D, x
  * replaces that half, and the other half becomes what the other block leaves of it. Returns the statuses of
- * tvi_solver. */
-TVI_NODISCARD tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half);
+ * tvi_closure_solver. */
+TVI_NODISCARD tvi_status tvi_solve_transposed_half(tvi_closure *closure, const tvi_combination *combination,
+                                                   tvi_half half);
 
 /* Solves [J1; J2]^T (x, y) = D_z, and replaces D by (x, y). */
-TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first,
-                                        const tvi_combination *second);
+TVI_NODISCARD tvi_status tvi_solve_transposed_full(tvi_closure *closure, const tvi_combination *first,
+                                                   const tvi_combination *second);
 
 /* Solves these equations with the mean of the ends as J1, and makes the corrections that closure->mean says. */
-tvi_close_fn tvi_close_mean;
+tvi_close_fn tvi_close_by_mean_of_ends;
 
 /* Computes the corrections from the solution in D, as closure->mean says. */
 static inline void closure_correct_ends(const tvi_closure *c)

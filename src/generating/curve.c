@@ -23,8 +23,8 @@ static const tvi_curve_code *code_of(const tvi_system *system, int top)
     return code && code->top == top ? code : NULL;
 }
 
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
-                    int width)
+void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
+                        int width)
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n, numbers = n * (size_t)width,
                  jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
@@ -40,8 +40,8 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->momentum_size = tvi_arena_doubles(arena, numbers);
     curve->share = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
     curve->ratio = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
-    curve->q_size_weights = tvi_combination_take(curve, arena);
-    curve->u_size_weights = tvi_combination_take(curve, arena);
+    curve->q_size_weights = tvi_combination_allocate(curve, arena);
+    curve->u_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal = tvi_arena_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_doubles(arena, orders + 1);
     curve->series_block = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
@@ -65,7 +65,7 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     }
 }
 
-void tvi_curve_prepare(tvi_curve *curve)
+void tvi_curve_fill_constant_tables(tvi_curve *curve)
 {
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
     for (int k = 1; k <= curve->top + 1; k++) {
@@ -76,12 +76,13 @@ void tvi_curve_prepare(tvi_curve *curve)
 
 /* ---- Combinations ------------------------------------------------------------------------------------------------ */
 
-tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena)
+tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena)
 {
     return (tvi_combination){false, tvi_arena_doubles(arena, (size_t)curve->top + 1)};
 }
 
-void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[])
+void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
+                                 const double weight[])
 {
     const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
     combination->is_of_momentum = of_momentum && !shifts;
@@ -89,17 +90,17 @@ void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, b
     for (int k = 1; k <= curve->top; k++) combination->order_weight[k] = shifts ? k * weight[k - 1] : weight[k];
 }
 
-void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
-                                double a, double at, double b, double from)
+void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
+                                       int degree, double a, double at, double b, double from)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     for (int k = 0; k <= degree; k++) weight[k] = a * pow(at, k) + b * pow(from, k);
-    tvi_combination_set(combination, curve, of_momentum, weight);
+    tvi_combination_set_weights(combination, curve, of_momentum, weight);
 }
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
+void tvi_curve_set_time_unit_and_data(tvi_curve *curve, double tau, const double z[])
 {
     curve_set_time_unit(curve, tau);
     curve_set_centre_data(curve, z);
@@ -119,7 +120,7 @@ static tvi_status expand_by_code(tvi_curve *curve)
     return status;
 }
 
-tvi_status tvi_curve_factor_slope(tvi_curve *curve)
+tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve)
 {
     orders_differentiate_by_velocity(curve);
     orders_copy_velocity_hessian(curve);
@@ -156,10 +157,10 @@ void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
     curve->q_degree = q_degree;
     curve->p_degree = p_degree;
     for (int k = 0; k <= q_degree; k++) weight[k] = k;
-    tvi_combination_set(&curve->q_size_weights, curve, false, weight);
+    tvi_combination_set_weights(&curve->q_size_weights, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_combination_set(&curve->u_size_weights, curve, true, weight);
+    tvi_combination_set_weights(&curve->u_size_weights, curve, true, weight);
 }
 
 void tvi_curve_compute_size_sums(const tvi_curve *curve)

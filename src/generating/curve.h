@@ -14,37 +14,38 @@
 #include "generating/series.h"
 #include "method/stepper.h"
 
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
-                    int width);
-void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
+void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
+                        int width);
+void tvi_curve_fill_constant_tables(tvi_curve *curve); /* once, when the memory is there */
 
-tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);
+tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
 /* Sets a combination from weights of Q, or from weights of U (which a separable system turns into weights of Q). */
-void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[]);
+void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
+                                 const double weight[]);
 
 /* Sets weight_k = a at^k + b from^k for k <= degree, and 0 above. */
-void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
-                                double a, double at, double b, double from);
+void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
+                                       int degree, double a, double at, double b, double from);
 
 /* Sets tau and z. */
-void tvi_curve_set(tvi_curve *curve, double tau, const double z[]);
+void tvi_curve_set_time_unit_and_data(tvi_curve *curve, double tau, const double z[]);
 
 /* Expands the curve from z. Returns TVI_EDOMAIN, TVI_ENONFINITE or TVI_ESINGULAR (L_vv). */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
 
 /* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. Returns
  * TVI_ESINGULAR. */
-TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
+TVI_NODISCARD tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve);
 
 /* Computes the Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
 /* Returns the Jacobians that suit the system: matrices if n is small. Only separable systems have products. */
-tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
+tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 
 /* Returns the sweeps that a stepper runs if its curves have these Jacobians and its action has `points` nodes. */
-tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
-                                    tvi_jacobians jacobians);
+tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_options *options, int top, int points,
+                                          tvi_jacobians jacobians);
 
 /* These emit tvi_curve_code (seeds.h) for tvi_used_tapes.emit_loops: without Jacobians, with products and with
  * matrices. */
@@ -58,7 +59,7 @@ void tvi_curve_compute_data_sizes(const tvi_curve *curve, double size[]);
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
 /* Sets the direction dz of the pushes that follow; a push computes out[n] = Jacobian of the combination times dz. */
-void tvi_curve_aim(tvi_curve *curve, const double dz[]);
+void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[]);
 void tvi_curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 
 /* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k] from seeds [top + 1][n]. seed_U may be NULL,
@@ -87,7 +88,7 @@ double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_toleran
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double q[], double u[]);
 
 /* These are curve_rescale_and_sum (reach.h), each compiled for one instruction set. */
-typedef void tvi_end_at_fn(tvi_curve *curve, double factor, double q[], double u[]);
-tvi_end_at_fn tvi_end_at_base, tvi_end_at_avx2, tvi_end_at_avx512;
+typedef void tvi_rescale_and_sum_fn(tvi_curve *curve, double factor, double q[], double u[]);
+tvi_rescale_and_sum_fn tvi_rescale_and_sum_base, tvi_rescale_and_sum_avx2, tvi_rescale_and_sum_avx512;
 
 #endif

@@ -16,7 +16,7 @@ enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
 
 typedef struct {
     tvi_member_stepper by_itself;
-    tvi_curve_work *lanes;
+    tvi_curve_workspace *lanes;
     long long *is_moving;    /* [width] */
     double *dq, *dp;         /* [n][width] */
     double *tail, *residual; /* [width] */
@@ -31,9 +31,9 @@ static bool serves_corrected(const tvi_system *system, const tvi_options *option
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool has_field =
         system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && expanded->action == TVI_ACTION_HAMILTON);
-    return expanded->close == tvi_close_mean && has_field && options->passes != TVI_PREDICT_ONLY &&
+    return expanded->close == tvi_close_by_mean_of_ends && has_field && options->passes != TVI_PREDICT_ONLY &&
            options->nodes == TVI_NODES_ON_CURVE && system->n <= MOST_N &&
-           tvi_curve_jacobians_for(system) == TVI_JACOBIAN_MATRICES && options->degree > 1;
+           tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES && options->degree > 1;
 }
 
 static int width_of(const tvi_system *system, const tvi_options *options)
@@ -53,7 +53,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     const size_t count = (size_t)width, numbers = (size_t)system->n * count;
     const tvi_stepper *stepper = tvi_find_method(options)->stepper;
     tvi_member_stepper_allocate(&w.by_itself, arena, stepper, system, options, width, options->quadrature_points + 1);
-    w.lanes = tvi_curve_work_take(arena, system, options, width);
+    w.lanes = tvi_curve_workspace_allocate(arena, system, options, width);
     w.is_moving = tvi_arena_allocate(arena, count * sizeof *w.is_moving);
     w.dq = tvi_arena_doubles(arena, numbers);
     w.dp = tvi_arena_doubles(arena, numbers);
@@ -70,12 +70,12 @@ static void prepare(void *work)
 {
     batch *w = work;
     tvi_member_stepper_prepare(&w->by_itself);
-    tvi_curve_work_prepare(w->lanes);
+    tvi_curve_workspace_fill_tables(w->lanes);
 }
 
 /* Copies what a member keeps. Plain steps of a given size leave nothing to the next one. A step to a tolerance leaves
  * its size, from which the member continues in later runs. */
-static void copy_history(const tvi_curve_work *from, int lane, const tvi_curve_work *to, int to_lane)
+static void copy_history(const tvi_curve_workspace *from, int lane, const tvi_curve_workspace *to, int to_lane)
 {
     if (from->corrects) to->newton.history[to_lane] = from->newton.history[lane];
     else to->chosen[to_lane] = from->chosen[lane];
@@ -87,7 +87,7 @@ static void put(void *work, int lane, const void *one) { copy_history(one, 0, ((
 
 static void forget(void *work, int lane)
 {
-    const tvi_curve_work *lanes = ((const batch *)work)->lanes;
+    const tvi_curve_workspace *lanes = ((const batch *)work)->lanes;
     if (lanes->corrects) lanes->newton.history[lane] = (tvi_newton_history){0};
     else lanes->chosen[lane] = 0;
 }
@@ -107,7 +107,7 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
     batch *w = work;
     const int n = w->by_itself.system->n, width = w->by_itself.width;
     for (int m = 0; m < width; m++) w->is_moving[m] = end->status[m] == TVI_OK ? -1 : 0;
-    const tvi_curve_end quick = {w->dq, w->dp, w->tail, w->residual, w->passes, w->is_moving};
+    const tvi_quick_step_results quick = {w->dq, w->dp, w->tail, w->residual, w->passes, w->is_moving};
     (void)w->lanes->quickly(w->lanes, w->lanes->closure.span.tau * h, origin, &quick, stats);
     for (int m = 0; m < width; m++) {
         if (end->status[m] != TVI_OK) continue;

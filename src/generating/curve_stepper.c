@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-typedef tvi_curve_work work;
+typedef tvi_curve_workspace work;
 
 /* An attempt holds the step that is being made. */
 typedef struct {
@@ -21,7 +21,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
                          const tvi_curve_definition *expanded, int degree, bool corrects, int width)
 {
     const size_t n = (size_t)system->n * (size_t)width;
-    const tvi_jacobians jacobians = corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS;
+    const tvi_jacobians jacobians = corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE; /* p_N is from Q_{N+1} */
     c->system = system;
     c->n = system->n;
@@ -30,13 +30,13 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->close = expanded->close;
     c->mean = &expanded->mean;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
-    const tvi_solver *solver = has_products ? tvi_choose_products(system) : &tvi_by_matrices;
-    tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians, width);
+    const tvi_closure_solver *solver = has_products ? tvi_choose_product_solver(system) : &tvi_solver_by_matrices;
+    tvi_curve_allocate(&c->curve, arena, system, degree + one_more, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
                                              &c->u_to,   &c->u_rise, &c->u_mean, &c->p_sizes};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
-        *combinations[i] = tvi_combination_take(&c->curve, arena);
+        *combinations[i] = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++) *corrections[i] = tvi_arena_doubles(arena, n);
     if (!corrects) return;
@@ -48,7 +48,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->seed_U = tvi_arena_doubles(arena, seeds);
 }
 
-void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
     work *taken = tvi_arena_allocate(arena, sizeof *taken);
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
@@ -60,14 +60,14 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
     const tvi_curve *curve = &w.closure.curve;
     tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.v_end, &w.dense_q, &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
-        *combinations[i] = tvi_combination_take(curve, arena);
+        *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity = tvi_arena_allocate_history(arena, n * sizeof *w.velocity);
     }
     if (!expanded->close) {
         w.chosen = tvi_arena_allocate_history(arena, (size_t)width * sizeof *w.chosen);
-        if (width > 1) w.quickly = tvi_choose_plain(system);
+        if (width > 1) w.quickly = tvi_choose_taylor_batch_step(system);
         else tvi_allocate_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
             w.field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -80,8 +80,8 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
     if (corrects) {
         tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                             expanded->span.from == -expanded->span.to, width);
-        tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
-        w.quickly = tvi_choose_quick(&w.closure, &w.action);
+        tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
+        w.quickly = tvi_choose_quick_step(&w.closure, &w.action);
     }
     if (width > 1) w.closure.curve.is_taken = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
     if (taken) *taken = w;
@@ -90,7 +90,7 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_work_take(arena, system, options, 1);
+    return tvi_curve_workspace_allocate(arena, system, options, 1);
 }
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
@@ -103,38 +103,38 @@ static void set_centre(work *w)
     const double s = -w->closure.span.from;
     double weight[TVI_MAX_DEGREE + 2] = {0};
     for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
-    tvi_combination_set(&w->z_centre, curve, hamiltonian, weight);
-    tvi_combination_set_powers(&w->q_centre, curve, false, curve->top, 1, s, 0, 0);
+    tvi_combination_set_weights(&w->z_centre, curve, hamiltonian, weight);
+    tvi_combination_set_power_weights(&w->q_centre, curve, false, curve->top, 1, s, 0, 0);
     for (int k = 0; k <= curve->top; k++) weight[k] = k > 0 ? k * pow(w->closure.span.to, k - 1) : 0;
-    tvi_combination_set(&w->v_end, curve, false, weight);
+    tvi_combination_set_weights(&w->v_end, curve, false, weight);
 }
 
-void tvi_curve_work_prepare(void *taken)
+void tvi_curve_workspace_fill_tables(void *taken)
 {
     work *w = taken;
     tvi_closure *c = &w->closure;
     tvi_combination *const ends[2][4] = {{&c->q_from, &c->q_to, &c->q_rise, &c->q_mean},
                                          {&c->u_from, &c->u_to, &c->u_rise, &c->u_mean}};
     const double from = c->span.from, to = c->span.to;
-    tvi_curve_prepare(&c->curve);
+    tvi_curve_fill_constant_tables(&c->curve);
     tvi_curve_prepare_tail(&c->curve, w->q_degree, c->p_degree);
     if (w->refinement.high_order_weight) tvi_prepare_refinement(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
         const int degree = of_momentum ? w->closure.p_degree : w->q_degree;
-        tvi_combination_set_powers(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
-        tvi_combination_set_powers(ends[of_momentum][1], &c->curve, of_momentum, degree, 1, to, 0, 0);
-        tvi_combination_set_powers(ends[of_momentum][2], &c->curve, of_momentum, degree, 1, to, -1, from);
-        tvi_combination_set_powers(ends[of_momentum][3], &c->curve, of_momentum, degree, -from / (to - from), to,
-                                   to / (to - from), from);
+        tvi_combination_set_power_weights(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
+        tvi_combination_set_power_weights(ends[of_momentum][1], &c->curve, of_momentum, degree, 1, to, 0, 0);
+        tvi_combination_set_power_weights(ends[of_momentum][2], &c->curve, of_momentum, degree, 1, to, -1, from);
+        tvi_combination_set_power_weights(ends[of_momentum][3], &c->curve, of_momentum, degree, -from / (to - from), to,
+                                          to / (to - from), from);
     }
-    tvi_combination_set_powers(&c->p_sizes, &c->curve, true, c->p_degree, 1, 1, 0, 0);
-    tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
+    tvi_combination_set_power_weights(&c->p_sizes, &c->curve, true, c->p_degree, 1, 1, 0, 0);
+    tvi_combination_set_power_weights(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
     if (!w->corrects) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span, c->curve.top);
     /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
-    tvi_newton_prepare(&w->newton, w->options, w->is_rough || w->q_degree == 0);
+    tvi_newton_set_rules(&w->newton, w->options, w->is_rough || w->q_degree == 0);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -143,7 +143,7 @@ static tvi_status expand(const attempt *a, const double z[], double centre)
 {
     tvi_curve *curve = &a->work->closure.curve;
     a->stats->expansions++;
-    tvi_curve_set(curve, a->tau, z);
+    tvi_curve_set_time_unit_and_data(curve, a->tau, z);
     return tvi_curve_expand(curve, centre);
 }
 
@@ -160,11 +160,17 @@ static tvi_status predict(const attempt *a)
     return status;
 }
 
-static double centre(const attempt *a) { return a->origin->t + (a->origin->t_low + step_later(a->work, a->tau)); }
+static double centre(const attempt *a)
+{
+    return a->origin->t + (a->origin->t_low + step_time_to_centre(a->work, a->tau));
+}
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-static void set_scale(void *self, double scale[]) { step_set_scale(&((const attempt *)self)->work->closure, scale); }
+static void set_scale(void *self, double scale[])
+{
+    step_compute_unknown_sizes(&((const attempt *)self)->work->closure, scale);
+}
 
 static tvi_status residual(void *self, const double z[], double r[])
 {
@@ -178,7 +184,7 @@ static tvi_status residual(void *self, const double z[], double r[])
     if (status != TVI_OK) return status;
     status = c->solver->close(c, z, w->newton.scale, a->stats);
     const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
-    if (status == TVI_OK) step_form_residual(w, &origin, r);
+    if (status == TVI_OK) step_compute_residual(w, &origin, r);
     return status;
 }
 
@@ -215,7 +221,7 @@ static tvi_status correct(attempt *a)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    const tvi_solver *solver = w->closure.solver;
+    const tvi_closure_solver *solver = w->closure.solver;
     const tvi_equations equations = {.self = a,
                                      .residual = residual,
                                      .scale = set_scale,
@@ -226,7 +232,7 @@ static tvi_status correct(attempt *a)
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, a->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
-    if (status == TVI_OK) tvi_curve_aim(&w->closure.curve, w->dz);
+    if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->dz);
     return status;
 }
 
@@ -236,7 +242,7 @@ static bool step_quick_one(const attempt *a, double dq[], double dp[])
     work *w = a->work;
     int passes;
     long long is_moving = -1;
-    const tvi_curve_end end = {dq, dp, &a->stats->tail, &a->stats->residual, &passes, &is_moving};
+    const tvi_quick_step_results end = {dq, dp, &a->stats->tail, &a->stats->residual, &passes, &is_moving};
     const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
     return w->quickly && w->quickly(w, a->tau, &origin, &end, a->stats);
 }
@@ -268,9 +274,9 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     if (status != TVI_OK) return status;
     if (is_plain(w)) {
         end_plainly(w, h, increments);
-        step_leave_velocity(w);
+        step_store_end_velocity(w);
         stats->tail = tvi_curve_compute_tail(&w->closure.curve, 0);
-    } else step_finish(w, increments->dq, increments->dp, &stats->tail);
+    } else step_compute_results(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
 
@@ -355,9 +361,9 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     work *w = taken;
     const tvi_closure *c = &w->closure;
     const double at = c->span.from + theta * (c->span.to - c->span.from);
-    tvi_combination_set_powers(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.from);
-    tvi_combination_set_powers(&w->dense_u, &c->curve, true, w->closure.p_degree, 1, at, -1, c->span.from);
-    step_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
+    tvi_combination_set_power_weights(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.from);
+    tvi_combination_set_power_weights(&w->dense_u, &c->curve, true, w->closure.p_degree, 1, at, -1, c->span.from);
+    step_compute_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
 static double most_change(const void *taken)
@@ -370,18 +376,18 @@ static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_get_action_sizes(system, options);
-    return tvi_curve_used_tapes(system, options, shape.orders - 1, shape.points,
-                                corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
+    return tvi_curve_find_used_sweeps(system, options, shape.orders - 1, shape.points,
+                                      corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }
 
 const tvi_stepper tvi_stepper_curve = {.take = take,
-                                       .prepare = tvi_curve_work_prepare,
+                                       .prepare = tvi_curve_workspace_fill_tables,
                                        .step = step,
                                        .dense = dense,
                                        .uses = uses,
                                        .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.take = take,
-                                        .prepare = tvi_curve_work_prepare,
+                                        .prepare = tvi_curve_workspace_fill_tables,
                                         .step = step,
                                         .dense = dense,
                                         .step_within = step_within,

@@ -9,15 +9,15 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* This is step_quickly (curve_step.h), of generated code or compiled for one instruction set. */
-typedef bool tvi_quick_fn(struct tvi_curve_work *work, double tau, const tvi_batch_origin *origin,
-                          const tvi_curve_end *end, tvi_stats *stats);
-tvi_quick_fn tvi_step_quickly_base, tvi_step_quickly_avx2, tvi_step_quickly_avx512;
-tvi_quick_fn tvi_step_members_base, tvi_step_members_avx2, tvi_step_members_avx512;
+/* This is step_by_quick_passes (curve_step.h), of generated code or compiled for one instruction set. */
+typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                               const tvi_quick_step_results *end, tvi_stats *stats);
+tvi_quick_step_fn tvi_quick_step_single_base, tvi_quick_step_single_avx2, tvi_quick_step_single_avx512;
+tvi_quick_step_fn tvi_quick_step_batch_base, tvi_quick_step_batch_avx2, tvi_quick_step_batch_avx512;
 /* This makes steps of the plain Taylor method, of several members. */
-tvi_quick_fn tvi_taylor_members_base, tvi_taylor_members_avx2, tvi_taylor_members_avx512;
+tvi_quick_step_fn tvi_taylor_step_batch_base, tvi_taylor_step_batch_avx2, tvi_taylor_step_batch_avx512;
 
-typedef struct tvi_curve_work {
+typedef struct tvi_curve_workspace {
     tvi_closure closure;
     bool corrects;
     bool is_rough;
@@ -39,25 +39,25 @@ typedef struct tvi_curve_work {
     double tolerance, log_tolerance;    /* those of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
-    tvi_quick_fn *quickly; /* makes the steps that converge as they mostly do; NULL: the method has none */
+    tvi_quick_step_fn *quickly; /* makes the steps that converge as they mostly do; NULL: the method has none */
     const struct tvi_member_stepper *by_itself; /* several members: one of them alone */
-} tvi_curve_work;
+} tvi_curve_workspace;
 
 /* Allocates the work of `width` members, and fills its tables. */
-void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
-void tvi_curve_work_prepare(void *work);
+void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
+void tvi_curve_workspace_fill_tables(void *work);
 
 /* Returns the solver by products. */
-const tvi_solver *tvi_choose_products(const tvi_system *system);
+const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system);
 /* Returns what makes steps quickly: with matrices that are small, and seeds without second derivatives. NULL:
  * nothing. */
-tvi_quick_fn *tvi_choose_quick(const tvi_closure *closure, const tvi_action *action);
+tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_action *action);
 /* Returns what makes plain steps of several members. */
-tvi_quick_fn *tvi_choose_plain(const tvi_system *system);
+tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system);
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
  * is large may not show what the body will meet. */
-bool tvi_curve_satisfies_force_at_end(tvi_curve_work *work, double h, const tvi_origin *origin,
+bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_origin *origin,
                                       const tvi_increments *increments);
 
 #endif

@@ -96,8 +96,9 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const tvi_action action = tvi_get_action_sizes(system, options);
-    const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_are_plain(&action);
-    const bool has_step = has_seed && lanes > 0 && expanded->close == tvi_close_mean && 2 * system->n <= LINEAR_SMALL;
+    const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
+    const bool has_step =
+        has_seed && lanes > 0 && expanded->close == tvi_close_by_mean_of_ends && 2 * system->n <= LINEAR_SMALL;
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
     emit_output_slots(text, system->field_series, "code_output", "CURVE_SLOT");

@@ -94,26 +94,26 @@ JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_
     action.points = code_action.points;
     action.orders = code_action.orders;
     action.half_points = code_action.half_points;
-    return seeds_plainly(&action, curve, seed_Q, seed_U);
+    return seeds_compute_from_field(&action, curve, seed_Q, seed_U);
 }
 
 #endif
 #if CURVE_HAS_STEP
 
-static inline bool code_step(tvi_curve_work *work, double tau, const tvi_batch_origin *origin, const tvi_curve_end *end,
-                             tvi_stats *stats)
+static inline bool code_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                             const tvi_quick_step_results *end, tvi_stats *stats)
 {
-    static const step_makers makers = {code_series, code_series_and_tangents, code_seed, NULL};
-    return step_quickly(work, &makers, tau, origin, end, stats);
+    static const step_curve_functions makers = {code_series, code_series_and_tangents, code_seed, NULL};
+    return step_by_quick_passes(work, &makers, tau, origin, end, stats);
 }
 
 #endif
 #if CURVE_HAS_PRODUCTS
 
-static const tvi_solver code_solver = {.begin = products_discard_guess,
-                                       .close = products_compute_corrections,
-                                       .solve = products_solve_equations,
-                                       .correct = products_apply_inverse_flow_jacobian};
+static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
+                                               .close = products_compute_corrections,
+                                               .solve = products_solve_equations,
+                                               .correct = products_apply_inverse_flow_jacobian};
 
 #endif
 

@@ -10,7 +10,7 @@
 #ifdef CURVE_MEMBERS
 enum { CURVE_MOST_WIDTH = 32 };
 #define CURVE_WIDTH(work)  ((work)->width & ~7)
-#define CURVE_COMBINE_EACH members_combine
+#define CURVE_COMBINE_EACH members_combine_rows
 #else
 enum { CURVE_MOST_WIDTH = 1 };
 #define CURVE_WIDTH(work)                                           ((void)(work), 1)
@@ -29,7 +29,7 @@ enum { CURVE_MOST_WIDTH = 1 };
  * instruction set. */
 #ifdef CURVE_MEMBERS
 #define CURVE_COMBINE(tape, count, c, of_c, width, table, out)                                                         \
-    ((void)(tape), members_combine(count, c, of_c, width, (size_t)(width), table, out))
+    ((void)(tape), members_combine_rows(count, c, of_c, width, (size_t)(width), table, out))
 #elif defined CURVE_ONE_SET
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine_rows(__VA_ARGS__))
 #else

@@ -13,7 +13,7 @@
  * large steps do better with matrices, which can be made anew by differences. */
 enum { PRODUCTS_FROM = 8 };
 
-tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
+tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system)
 {
     return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_FROM ? TVI_JACOBIAN_PRODUCTS : TVI_JACOBIAN_MATRICES;
 }
@@ -34,8 +34,8 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
 
 /* Returns the sweeps of a curve. Matrices have their directions in blocks, and the last block has those that are
  * left. */
-tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
-                                    tvi_jacobians jacobians)
+tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_options *options, int top, int points,
+                                          tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
@@ -64,7 +64,7 @@ static void pull_by_products(tvi_curve *curve, const double seed_Q[], double out
     products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
 }
 
-void tvi_curve_aim(tvi_curve *curve, const double dz[])
+void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
 {
     if (curve->generated_code && curve->generated_code->aim) curve->generated_code->aim(curve, dz);
     else if (tvi_curve_uses_products(curve)) products_compute_tangents(curve, dz);

@@ -21,7 +21,7 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
     closure->solving = taken;
 }
 
-static void discard_jacobians(tvi_closure *closure) { matrices_discard(matrices_of(closure)); }
+static void discard_jacobians(tvi_closure *closure) { matrices_discard_factors(matrices_get_factors(closure)); }
 
 static void differentiate_curve_at(tvi_closure *closure, const double z[])
 {
@@ -31,36 +31,36 @@ static void differentiate_curve_at(tvi_closure *closure, const double z[])
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_half(tvi_closure *closure, const tvi_transposed *equations)
+static tvi_status factor_half(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const size_t n = (size_t)closure->n, first = equations->half == TVI_FIRST ? 0 : n;
-    tvi_jacobian_factors *factors = matrices_of(closure);
+    tvi_jacobian_factors *factors = matrices_get_factors(closure);
     tvi_curve_sum_jacobian(&closure->curve, equations->first, factors->end_jacobian);
     for (size_t i = 0; i < n; i++)
         memcpy(factors->half_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first, n * sizeof(double));
     return tvi_factor_compute(&factors->half_factor);
 }
 
-static tvi_status factor_full(tvi_closure *closure, const tvi_transposed *equations)
+static tvi_status factor_full(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    tvi_jacobian_factors *factors = matrices_of(closure);
+    tvi_jacobian_factors *factors = matrices_get_factors(closure);
     matrices_stack_jacobians(closure, equations->first, equations->second, factors->full_factor.lu);
     return tvi_factor_compute(&factors->full_factor);
 }
 
 /* Computes D_other -= J_other^T x. */
-static void subtract_other_half(tvi_closure *closure, const tvi_transposed *equations)
+static void subtract_other_half(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const size_t n = (size_t)closure->n, solved = equations->half == TVI_FIRST ? 0 : n, other = n - solved;
-    double *G = matrices_of(closure)->end_jacobian;
+    double *G = matrices_get_factors(closure)->end_jacobian;
     tvi_curve_sum_jacobian(&closure->curve, equations->first, G);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) closure->D[other + j] -= closure->D[solved + i] * G[i * 2 * n + other + j];
 }
 
-static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed *equations)
+static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    tvi_jacobian_factors *factors = matrices_of(closure);
+    tvi_jacobian_factors *factors = matrices_get_factors(closure);
     tvi_curve_multiply_by_transposes(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     if (factors->factored_jacobian_count != factors->jacobian_count) {
         factors->factored_jacobian_count = factors->jacobian_count;
@@ -88,7 +88,7 @@ static tvi_status compute_corrections(tvi_closure *closure, const double z[], co
 {
     const long long moves = -1;
     long long is_due;
-    matrices_find_due(closure, z, scale, &moves, &is_due);
+    matrices_find_due_members(closure, z, scale, &moves, &is_due);
     if (is_due) {
         differentiate_curve_at(closure, z);
         stats->factorisations++;
@@ -96,5 +96,6 @@ static tvi_status compute_corrections(tvi_closure *closure, const double z[], co
     return closure->close(closure);
 }
 
-const tvi_solver tvi_by_matrices = {allocate_jacobian_factors, discard_jacobians,        compute_corrections,
-                                    solve_by_factors,          renew_corrector_jacobian, NULL};
+const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, discard_jacobians,
+                                                   compute_corrections,       solve_by_factors,
+                                                   renew_corrector_jacobian,  NULL};

@@ -8,11 +8,11 @@
 
 /* Jacobians are reused if the resulting error of the state, relative to the state, is at most this. It is well below
  * the roundoff of a step. */
-static const double MATRICES_STALE = DBL_EPSILON / 16;
+static const double MATRICES_MOST_STALE_ERROR = DBL_EPSILON / 16;
 
 /* The corrector's Jacobian is reused if z has moved by at most this since then: passes then contract by about this
  * factor. */
-static const double MATRICES_NEAR = 1e-4;
+static const double MATRICES_MOST_REUSE_DISTANCE = 1e-4;
 
 /* The factors of the curve's Jacobians. Jacobians are counted as they are computed, from 0 in each step. A factor is
  * valid if it belongs to the last Jacobians. */
@@ -28,9 +28,9 @@ typedef struct {
     tvi_lu_factor full_factor; /* 2n x 2n; or it has this one */
 } tvi_jacobian_factors;
 
-static inline tvi_jacobian_factors *matrices_of(const tvi_closure *closure) { return closure->solving; }
+static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solving; }
 
-static inline void matrices_discard(tvi_jacobian_factors *factors)
+static inline void matrices_discard_factors(tvi_jacobian_factors *factors)
 {
     factors->jacobian_count = factors->factored_jacobian_count = 0;
     factors->has_corrector_jacobian = false;
@@ -40,11 +40,11 @@ static inline void matrices_discard(tvi_jacobian_factors *factors)
 static inline void matrices_record_jacobians(const tvi_closure *closure, const double z[])
 {
     const tvi_curve *curve = &closure->curve;
-    double *z_taken = matrices_of(closure)->jacobian_z;
+    double *z_taken = matrices_get_factors(closure)->jacobian_z;
     if (curve_width(curve) == 1) memcpy(z_taken, z, 2 * (size_t)curve_dimension(curve) * sizeof *z);
     for (int i = 0; i < 2 * curve_dimension(curve) && curve_width(curve) > 1; i++)
-        curve_store_taken(curve, z + i * curve_width(curve), z_taken + i * curve_width(curve));
-    matrices_of(closure)->jacobian_count++;
+        curve_store_due_members(curve, z + i * curve_width(curve), z_taken + i * curve_width(curve));
+    matrices_get_factors(closure)->jacobian_count++;
 }
 
 /* Writes the Jacobians of two combinations, one above the other: [2n][2n]. */
@@ -57,17 +57,17 @@ static inline void matrices_stack_jacobians(const tvi_closure *closure, const tv
 }
 
 /* Returns whether the corrector's Jacobian no longer serves member m. */
-static inline bool matrices_are_far(const tvi_jacobian_factors *matrices, int m)
+static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
-    return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_NEAR;
+    return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_MOST_REUSE_DISTANCE;
 }
 
 /* Keeps the Jacobians that still serve, and replaces the others: given <- matrix, or matrix <- given. */
-static inline void matrices_keep(const tvi_closure *c, int m, double matrix[])
+static inline void matrices_merge_member_jacobian(const tvi_closure *c, int m, double matrix[])
 {
     const int n = curve_dimension(&c->curve), width = curve_width(&c->curve);
-    double *given = matrices_of(c)->given;
-    const bool is_far = matrices_are_far(matrices_of(c), m);
+    double *given = matrices_get_factors(c)->given;
+    const bool is_far = matrices_is_jacobian_outdated(matrices_get_factors(c), m);
     const double *from = is_far ? matrix : given;
     double *to = is_far ? given : matrix;
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
@@ -76,23 +76,24 @@ static inline void matrices_keep(const tvi_closure *c, int m, double matrix[])
 /* Computes J = d(q-, u-)/dz for the corrector. Returns false, and computes nothing, if the last one can be reused. */
 static inline bool matrices_renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
 {
-    tvi_jacobian_factors *matrices = matrices_of(closure);
+    tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     const int width = curve_width(&closure->curve);
     bool any = false;
-    for (int m = 0; m < width; m++) any |= matrices_are_far(matrices, m);
+    for (int m = 0; m < width; m++) any |= matrices_is_jacobian_outdated(matrices, m);
     if (!any) return false;
     matrices_stack_jacobians(closure, &closure->q_from, &closure->u_from, matrix);
-    for (int m = 0; m < width && width > 1; m++) matrices_keep(closure, m, matrix);
+    for (int m = 0; m < width && width > 1; m++) matrices_merge_member_jacobian(closure, m, matrix);
     for (int m = 0; m < width; m++)
-        if (matrices_are_far(matrices, m)) matrices->distance_since_jacobian[m] = 0;
+        if (matrices_is_jacobian_outdated(matrices, m)) matrices->distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;
     return true;
 }
 
 /* Computes how far z is from the point where the Jacobians were taken, relative to its size, of each member. */
-static inline void matrices_distance(const tvi_closure *c, const double z[], const double scale[], double distance[])
+static inline void matrices_compute_distance(const tvi_closure *c, const double z[], const double scale[],
+                                             double distance[])
 {
-    const double *z_taken = matrices_of(c)->jacobian_z;
+    const double *z_taken = matrices_get_factors(c)->jacobian_z;
     const int width = curve_width(&c->curve);
     for (int m = 0; m < width; m++) distance[m] = 0;
     for (int i = 0; i < 2 * curve_numbers(&c->curve); i += width)
@@ -102,8 +103,9 @@ static inline void matrices_distance(const tvi_closure *c, const double z[], con
 
 /* Enlarges part [width] to the sizes of the corrections of component i and factor times its seeds, relative to
  * `unit`. */
-static inline void matrices_measure(const tvi_curve *curve, int i, const double from[], const double rise[],
-                                    double factor, const double seed[], const double unit[], double part[])
+static inline void matrices_enlarge_relative_size(const tvi_curve *curve, int i, const double from[],
+                                                  const double rise[], double factor, const double seed[],
+                                                  const double unit[], double part[])
 {
     const int width = curve_width(curve), at = i * width;
     double size[CURVE_MOST_WIDTH] = {0};
@@ -125,23 +127,23 @@ static inline void matrices_bound_stale_error(const tvi_closure *c, const double
     for (int m = 0; m < curve_width(curve); m++) part[m] = 0;
     closure_set_p_size(c);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        matrices_measure(curve, i, c->from_q, c->rise_q, fabs(curve->kappa[i]), seed_U, scale, part);
-        matrices_measure(curve, i, c->from_p, c->rise_p, 1, c->seed_Q, c->p_size, part);
+        matrices_enlarge_relative_size(curve, i, c->from_q, c->rise_q, fabs(curve->kappa[i]), seed_U, scale, part);
+        matrices_enlarge_relative_size(curve, i, c->from_p, c->rise_p, 1, c->seed_Q, c->p_size, part);
     }
 }
 
 /* Finds the members whose Jacobians are to be taken at z, of those that move: Jacobians of the first pass, which are
  * those of all, serve the later passes as long as no effect of that shows, by the corrections of the pass before. */
-static inline void matrices_find_due(const tvi_closure *c, const double z[], const double scale[],
-                                     const long long moves[], long long is_due[])
+static inline void matrices_find_due_members(const tvi_closure *c, const double z[], const double scale[],
+                                             const long long moves[], long long is_due[])
 {
-    tvi_jacobian_factors *matrices = matrices_of(c);
+    tvi_jacobian_factors *matrices = matrices_get_factors(c);
     double distance[CURVE_MOST_WIDTH], part[CURVE_MOST_WIDTH];
     const bool is_first = matrices->jacobian_count == 0;
-    if (!is_first) matrices_distance(c, z, scale, distance);
+    if (!is_first) matrices_compute_distance(c, z, scale, distance);
     if (!is_first) matrices_bound_stale_error(c, scale, part);
     for (int m = 0; m < curve_width(&c->curve); m++) {
-        is_due[m] = is_first || (moves[m] && !(distance[m] * part[m] <= MATRICES_STALE)) ? -1 : 0;
+        is_due[m] = is_first || (moves[m] && !(distance[m] * part[m] <= MATRICES_MOST_STALE_ERROR)) ? -1 : 0;
         if (is_due[m] && !is_first) matrices->distance_since_jacobian[m] += distance[m];
     }
 }

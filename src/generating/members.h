@@ -8,8 +8,8 @@
 enum { MEMBERS_PARTS = 4, MEMBERS_VECTOR = sizeof(jet_widest) / sizeof(double) };
 
 /* Computes `parts` vectors of out from those of the rows. */
-JET_INLINE void members_combine_parts(int parts, int count, const double *c, size_t of_c, size_t stride,
-                                      const double *row, double *out)
+JET_INLINE void members_combine_vectors(int parts, int count, const double *c, size_t of_c, size_t stride,
+                                        const double *row, double *out)
 {
     jet_widest sum[MEMBERS_PARTS] = {{0}}, odd[MEMBERS_PARTS] = {{0}};
     int j = count - 1;
@@ -25,14 +25,14 @@ JET_INLINE void members_combine_parts(int parts, int count, const double *c, siz
 }
 
 /* Computes out[width] = sum_{j < count} c_j row_j[width], the last terms first; the width is a multiple of 8. */
-static inline void members_combine(int count, const double *c, size_t of_c, int width, size_t stride, const double *row,
-                                   double *out)
+static inline void members_combine_rows(int count, const double *c, size_t of_c, int width, size_t stride,
+                                        const double *row, double *out)
 {
     int here = 0;
     for (; here + MEMBERS_PARTS * MEMBERS_VECTOR <= width; here += MEMBERS_PARTS * MEMBERS_VECTOR)
-        members_combine_parts(MEMBERS_PARTS, count, c, of_c, stride, row + here, out + here);
+        members_combine_vectors(MEMBERS_PARTS, count, c, of_c, stride, row + here, out + here);
     for (; here < width; here += MEMBERS_VECTOR)
-        members_combine_parts(1, count, c, of_c, stride, row + here, out + here);
+        members_combine_vectors(1, count, c, of_c, stride, row + here, out + here);
 }
 
 #endif

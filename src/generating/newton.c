@@ -25,8 +25,8 @@ static const tvi_passes_rule of_each = {.max_passes = 64,
  * before settle last. */
 static const tvi_passes_rule of_largest = {.stall_ratio = CONTRACTION, .stall_period = 2};
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
-                     int width)
+void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
+                         int width)
 {
     const int size = groups * system->n;
     const size_t count = (size_t)size * (size_t)width;
@@ -99,7 +99,7 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
 
 /* Returns the rules of the passes. Without a matrix, or if the first contraction tells little, corrections are compared
  * over two passes: those of q follow from those of p, and those of p from those of q. */
-tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough)
+tvi_newton_rules tvi_newton_rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough)
 {
     tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
     if (has_matrix) rules.of_largest = (tvi_passes_rule){.stall_period = 1};
@@ -107,10 +107,10 @@ tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_mat
     return rules;
 }
 
-void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_rough)
+void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool is_rough)
 {
     newton->is_rough = is_rough;
-    newton->rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
+    newton->rules = tvi_newton_rules_from_options(options, newton->has_matrix, is_rough);
 }
 
 /* Returns whether corrections that no longer shrink are roundoff, by the roundoff of the residual. */
@@ -118,8 +118,8 @@ static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_
 {
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
     find_reach(newton, equations);
-    tvi_newton_sizes sizes;
-    newton_measure(newton, newton->reach, &sizes);
+    tvi_correction_sizes sizes;
+    newton_measure_corrections(newton, newton->reach, &sizes);
     if (sizes.of_group[0] > NEWTON_STAGNATION) return false;
     passes->slack = 1; /* nothing that this step has shown is known to be no roundoff */
     return true;
@@ -133,7 +133,7 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
     if (status != TVI_OK) return status;
     if (is_first) {
         equations->scale(equations->self, newton->scale);
-        newton_fill_scale(newton, 0);
+        newton_fill_missing_scales(newton, 0);
     }
     for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
     if (refresh || (!newton->is_fresh && equations->jacobian)) {
@@ -153,7 +153,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes passes;
-    tvi_newton_begin(&passes, newton->history, &newton->rules, newton->is_rough);
+    tvi_newton_begin_passes(&passes, newton->history, &newton->rules, newton->is_rough);
     int refreshes = 0;
     bool refresh = false;
     for (int count = 1; count <= rules->of_each.max_passes; count++) {
@@ -161,14 +161,14 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
-        tvi_newton_sizes sizes;
-        newton_measure(newton, newton->scale, &sizes);
-        const tvi_newton_size size = {sizes.relative[0], sizes.of_group[0]};
+        tvi_correction_sizes sizes;
+        newton_measure_corrections(newton, newton->scale, &sizes);
+        const tvi_correction_size size = {sizes.relative[0], sizes.of_group[0]};
         stats->residual = size.relative;
-        tvi_passes_verdict verdict = tvi_newton_judge(&passes, rules, size);
+        tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, size);
         if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &passes)) verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &passes);
+            tvi_newton_store_slack(newton->history, &passes);
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];

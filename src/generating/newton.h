@@ -8,7 +8,7 @@
 #include "generating/series.h"
 
 /* An unknown smaller than this part of the largest of its group in its subsystem is measured as if it had this size. */
-static const double TVI_LEAST_SHARE = 1e-20;
+static const double TVI_LEAST_RELATIVE_SCALE = 1e-20;
 
 /* These are the equations r(x) = 0 of a method. The functions are called with `self`. */
 typedef struct {
@@ -39,10 +39,10 @@ typedef struct {
  * group relative to the largest scale of the group; and those of all members. */
 typedef struct {
     double relative, of_group;
-} tvi_newton_size;
+} tvi_correction_size;
 typedef struct {
     double relative[CURVE_MOST_WIDTH], of_group[CURVE_MOST_WIDTH];
-} tvi_newton_sizes;
+} tvi_correction_sizes;
 
 /* The rules say when passes may end, by the one and by the other size; the passes hold what has been seen so far of
  * each size. */
@@ -55,7 +55,7 @@ typedef struct {
     bool checks;        /* a pass more than seems needed, until one confirms what was expected of it */
 } tvi_newton_passes;
 
-tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough);
+tvi_newton_rules tvi_newton_rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough);
 /* Corrections that no longer shrink are roundoff if they are this small against the largest unknowns, or against the
  * numbers that the residual is computed from. */
 #define NEWTON_STAGNATION (256 * DBL_EPSILON)
@@ -68,8 +68,8 @@ tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_mat
 /* Begins the passes of a solution. A first correction is mostly of the highest orders, and may have little of what the
  * matrix leaves out; then the later passes contract much less. The first solution shows this, since it makes a pass
  * more than seems needed. */
-static inline void tvi_newton_begin(tvi_newton_passes *passes, const tvi_newton_history *history,
-                                    const tvi_newton_rules *rules, bool is_rough)
+static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, const tvi_newton_history *history,
+                                           const tvi_newton_rules *rules, bool is_rough)
 {
     tvi_passes_begin(&passes->of_each, 0);
     tvi_passes_begin(&passes->of_largest, 0);
@@ -79,14 +79,14 @@ static inline void tvi_newton_begin(tvi_newton_passes *passes, const tvi_newton_
         rules->of_each.exact_passes == 0 && rules->of_each.max_contraction > 0 && (history->slack == 0 || is_rough);
 }
 
-static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes)
+static inline void tvi_newton_store_slack(tvi_newton_history *history, const tvi_newton_passes *passes)
 {
     history->slack = tvi_larger(history->slack, passes->slack);
 }
 
 /* Believes the slack that one correction showed if the next one contracts again: a correction that was roundoff has no
  * such successor. */
-static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
+static inline void tvi_newton_update_slack(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
     const tvi_passes *each = &passes->of_each;
     const bool shows = size <= rules->of_each.stall_ratio * each->size;
@@ -98,11 +98,11 @@ static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_n
 
 /* Adds a pass with a correction of this size. If it returns TVI_PASSES_STUCK, the caller measures whether that is
  * roundoff. */
-static inline tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules,
-                                                  tvi_newton_size size)
+static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes, const tvi_newton_rules *rules,
+                                                       tvi_correction_size size)
 {
     const double expected = passes->of_each.next;
-    tvi_newton_learn_slack(passes, rules, size.relative);
+    tvi_newton_update_slack(passes, rules, size.relative);
     passes->of_each.slack = tvi_larger(passes->slack, passes->seen);
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes->of_each, &rules->of_each, size.relative);
     const tvi_passes_verdict settled = tvi_passes_add_and_judge(&passes->of_largest, &rules->of_largest, size.of_group);
@@ -128,20 +128,20 @@ typedef struct {
 } tvi_newton;
 
 /* These sizes are constants in generated code, as those of series.h are. */
-static inline int newton_size(const tvi_newton *newton)
+static inline int newton_count_unknowns(const tvi_newton *newton)
 {
     (void)newton;
     return CURVE_SIZE(2 * CURVE_N, newton->size);
 }
 
-static inline int newton_group(const tvi_newton *newton)
+static inline int newton_count_group_unknowns(const tvi_newton *newton)
 {
     (void)newton;
     return CURVE_SIZE(CURVE_N, newton->group);
 }
 
 /* Returns the place of unknown i of member m. */
-static inline int newton_at(const tvi_newton *newton, int i, int m)
+static inline int newton_index_of_unknown(const tvi_newton *newton, int i, int m)
 {
     (void)newton;
     return i * CURVE_WIDTH(newton) + m;
@@ -150,15 +150,15 @@ static inline int newton_at(const tvi_newton *newton, int i, int m)
 /* Measures the corrections of one group in one subsystem. The unknowns of the group begin at `first`; member: the
  * components of the subsystem, or NULL: all. unit: the scales of the unknowns, or their reach. A correction that is no
  * number makes the sizes NaN: x - x is 0 for all other x. */
-static inline void newton_measure_of(const tvi_newton *newton, const double unit[], const int *member, int begin,
-                                     int end, tvi_newton_sizes *sizes)
+static inline void newton_measure_subsystem(const tvi_newton *newton, const double unit[], const int *member, int begin,
+                                            int end, tvi_correction_sizes *sizes)
 {
     const int width = CURVE_WIDTH(newton);
     double *restrict relative = sizes->relative, *restrict of_group = sizes->of_group;
-    for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
+    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
         double largest[CURVE_MOST_WIDTH] = {0}, scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
-            const int at = newton_at(newton, first + (member ? member[k] : k), 0);
+            const int at = newton_index_of_unknown(newton, first + (member ? member[k] : k), 0);
             for (int m = 0; m < width; m++) {
                 const double correction = newton->correction[at + m], size = fabs(correction);
                 rest[m] += correction - correction;
@@ -175,46 +175,47 @@ static inline void newton_measure_of(const tvi_newton *newton, const double unit
 }
 
 /* Measures the corrections of all members. */
-static inline void newton_measure(const tvi_newton *newton, const double unit[], tvi_newton_sizes *sizes)
+static inline void newton_measure_corrections(const tvi_newton *newton, const double unit[],
+                                              tvi_correction_sizes *sizes)
 {
     const tvi_subsystems *parts = newton->parts;
     for (int m = 0; m < CURVE_WIDTH(newton); m++) sizes->relative[m] = sizes->of_group[m] = 0;
-    if (parts->count == 1) newton_measure_of(newton, unit, NULL, 0, newton_group(newton), sizes);
+    if (parts->count == 1) newton_measure_subsystem(newton, unit, NULL, 0, newton_count_group_unknowns(newton), sizes);
     for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
-        newton_measure_of(newton, unit, parts->component, first, parts->end[k], sizes);
+        newton_measure_subsystem(newton, unit, parts->component, first, parts->end[k], sizes);
 }
 
 /* Fills in the scale of unknowns that have none: the largest of the group in the subsystem, or 1. An unknown that is
  * much smaller than others there, such as a body that a wave has not reached, has no accuracy of its own. */
-static inline void newton_fill_scale_of(const tvi_newton *newton, int m, const int *member, int begin, int end)
+static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m, const int *member, int begin, int end)
 {
-    for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
-        double largest = 0, *scale = newton->scale + newton_at(newton, first, m);
+    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
+        double largest = 0, *scale = newton->scale + newton_index_of_unknown(newton, first, m);
         for (int k = begin; k < end; k++)
-            largest = tvi_larger(scale[newton_at(newton, member ? member[k] : k, 0)], largest);
+            largest = tvi_larger(scale[newton_index_of_unknown(newton, member ? member[k] : k, 0)], largest);
         for (int k = begin; k < end; k++) {
-            const int i = newton_at(newton, member ? member[k] : k, 0);
+            const int i = newton_index_of_unknown(newton, member ? member[k] : k, 0);
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
-            else scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, scale[i]);
+            else scale[i] = tvi_larger(TVI_LEAST_RELATIVE_SCALE * largest, scale[i]);
         }
     }
 }
 
-static inline void newton_fill_scale(const tvi_newton *newton, int m)
+static inline void newton_fill_missing_scales(const tvi_newton *newton, int m)
 {
     const tvi_subsystems *parts = newton->parts;
-    if (parts->count == 1) newton_fill_scale_of(newton, m, NULL, 0, newton_group(newton));
+    if (parts->count == 1) newton_fill_subsystem_scales(newton, m, NULL, 0, newton_count_group_unknowns(newton));
     for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
-        newton_fill_scale_of(newton, m, parts->component, first, parts->end[k]);
+        newton_fill_subsystem_scales(newton, m, parts->component, first, parts->end[k]);
 }
 
 /* Allocates the corrector. has_matrix: there is room for a Jacobian; equations that bring `solve` need none. */
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
-                     int width);
+void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
+                         int width);
 
 /* Sets the rules, once. is_rough: the first contraction tells little of the later ones, so that there is always one
  * more pass than seems needed. */
-void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_rough);
+void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool is_rough);
 
 /* Solves the equations from the predictor in newton->x. On success newton->x is the point of the last residual, and
  * newton->correction is what the last pass found to be missing from it. The caller applies the correction to first

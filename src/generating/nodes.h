@@ -69,11 +69,11 @@ enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF *
 static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
 /* Returns how many numbers a row of the nodes has. */
-static inline int seeds_lanes(const tvi_action *action) { return action->points * CURVE_WIDTH(action); }
+static inline int seeds_count_lanes(const tvi_action *action) { return action->points * CURVE_WIDTH(action); }
 
 /* Computes out[o] = sum_{j < count} c_j table[j][o], o < outs, c_j = c[j * stride], for each member. */
-static inline void seeds_combine(const tvi_action *action, int count, const double *c, size_t stride, int outs,
-                                 const double *table, double *out)
+static inline void seeds_combine_rows(const tvi_action *action, int count, const double *c, size_t stride, int outs,
+                                      const double *table, double *out)
 {
     const int width = CURVE_WIDTH(action);
     if (width == 1) CURVE_COMBINE(action, count, c, stride, outs, table, out);
@@ -85,14 +85,15 @@ static inline void seeds_combine(const tvi_action *action, int count, const doub
 static inline void seeds_evaluate_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
                                            const tvi_node_table *table, double row[])
 {
-    const int lanes = seeds_lanes(action) / 2;
+    const int lanes = seeds_count_lanes(action) / 2;
     double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (action->half_points == 0) {
-        seeds_combine(action, degree + 1, first, stride, action->points, table->all_orders, row);
+        seeds_combine_rows(action, degree + 1, first, stride, action->points, table->all_orders, row);
         return;
     }
-    seeds_combine(action, degree / 2 + 1, first, 2 * stride, action->half_points, table->even_orders, even);
-    seeds_combine(action, (degree + 1) / 2, first + stride, 2 * stride, action->half_points, table->odd_orders, odd);
+    seeds_combine_rows(action, degree / 2 + 1, first, 2 * stride, action->half_points, table->even_orders, even);
+    seeds_combine_rows(action, (degree + 1) / 2, first + stride, 2 * stride, action->half_points, table->odd_orders,
+                       odd);
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) row[i] = even[i] + odd[i];
     JET_IN_VECTORS
@@ -101,7 +102,7 @@ static inline void seeds_evaluate_at_nodes(const tvi_action *action, int degree,
 
 static inline void seeds_set_node_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    double *t = x + curve_input_count(curve) * seeds_lanes(action);
+    double *t = x + curve_input_count(curve) * seeds_count_lanes(action);
     if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->points; node++)
         for (int m = 0; m < curve_width(curve); m++)
@@ -114,14 +115,15 @@ static inline void seeds_set_node_positions(const tvi_action *action, const tvi_
     const int width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                tvi_curve_slot_count(curve), &action->node_power_table, x + i * seeds_lanes(action));
+                                tvi_curve_slot_count(curve), &action->node_power_table,
+                                x + i * seeds_count_lanes(action));
     seeds_set_node_times(action, curve, x);
 }
 
 /* Writes the velocities v = (dq/ds)/tau at the nodes into the field's second input. */
 static inline void seeds_set_node_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
-    const int lanes = seeds_lanes(action), width = curve_width(curve);
+    const int lanes = seeds_count_lanes(action), width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++) {
         seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
                                 tvi_curve_slot_count(curve), &action->slope_table, v + i * lanes);
@@ -132,7 +134,7 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
 /* Computes the momentum of the curve at the nodes, if it is needed. */
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
-    const int width = curve_width(curve), lanes = seeds_lanes(action), degree = action->p_degree;
+    const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
     const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
     if (!has_momenta && !action->by_parts_error && curve_form(curve) == TVI_SEPARABLE) return;
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
@@ -155,7 +157,7 @@ static inline void seeds_divide_row(int lanes, double divisor, double row[])
 /* Computes dp/ds at the nodes, which is M q'' / tau of a separable system, with q'' the second derivative in s. */
 static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve *curve)
 {
-    const int width = curve_width(curve), lanes = seeds_lanes(action), degree = action->p_degree;
+    const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
     const size_t stride = tvi_curve_slot_count(curve);
     double *force = action->node_force;
     for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
@@ -173,21 +175,21 @@ static inline const double *seeds_field_output_row(const tvi_action *action, con
                                                    int i)
 {
     (void)tape;
-    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output)[i] * (size_t)seeds_lanes(action);
+    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output)[i] * (size_t)seeds_count_lanes(action);
 }
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */
 
 static inline tvi_status seeds_evaluate_field(const tvi_action *action)
 {
-    return SEEDS_VALUES(action->field_tape, action->field_block, seeds_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
+    return SEEDS_VALUES(action->field_tape, action->field_block, seeds_count_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
 }
 
 /* Computes panel = factor * outputs first .. first + n - 1 of the field. */
 static inline void seeds_copy_field_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
                                             double *restrict panel)
 {
-    const int lanes = seeds_lanes(action);
+    const int lanes = seeds_count_lanes(action);
     for (int i = 0; i < curve_dimension(curve); i++) {
         const double *row = seeds_field_output_row(action, action->field_tape, action->field_block, first + i);
         JET_IN_VECTORS
@@ -198,7 +200,7 @@ static inline void seeds_copy_field_outputs(const tvi_action *action, const tvi_
 /* Subtracts `other` from the panel. */
 static inline void seeds_subtract_panel(const tvi_action *action, int n, const double *other, double *restrict panel)
 {
-    for (int i = 0; i < n * seeds_lanes(action); i++) panel[i] -= other[i];
+    for (int i = 0; i < n * seeds_count_lanes(action); i++) panel[i] -= other[i];
 }
 
 #endif

@@ -20,6 +20,6 @@ const tvi_descriptor tvi_poincare = {
     .curve = {.span = {-1, 1, 0.5},
               .action = TVI_ACTION_HAMILTON,
               .has_top_momentum = true,
-              .close = tvi_close_mean,
+              .close = tvi_close_by_mean_of_ends,
               .mean = {true, .from_q = 0.5, .rise_q = -1, .from_p = {-0.5, 0}, .rise_p = {1, 0}}},
 };

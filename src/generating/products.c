@@ -23,9 +23,9 @@ static void allocate_residual_iteration(tvi_closure *closure, tvi_arena *arena)
     closure->solving = taken;
 }
 
-const tvi_solver JET_FOR_ISA(tvi_by_products) = {allocate_residual_iteration,
-                                                 products_discard_guess,
-                                                 products_compute_corrections,
-                                                 products_solve_equations,
-                                                 NULL,
-                                                 products_apply_inverse_flow_jacobian};
+const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_residual_iteration,
+                                                                products_discard_guess,
+                                                                products_compute_corrections,
+                                                                products_solve_equations,
+                                                                NULL,
+                                                                products_apply_inverse_flow_jacobian};

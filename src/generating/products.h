@@ -124,48 +124,49 @@ typedef struct {
     bool has_guess;
 } tvi_residual_iteration;
 
-static inline tvi_residual_iteration *products_iteration_of(const tvi_closure *closure) { return closure->solving; }
+static inline tvi_residual_iteration *products_get_iteration(const tvi_closure *closure) { return closure->solving; }
 
 static inline int products_padded_length(const tvi_closure *closure)
 {
     return (2 * curve_dimension(&closure->curve) + PRODUCTS_VECTOR - 1) / PRODUCTS_VECTOR * PRODUCTS_VECTOR;
 }
 
-static inline void products_discard_guess(tvi_closure *closure) { products_iteration_of(closure)->has_guess = false; }
+static inline void products_discard_guess(tvi_closure *closure) { products_get_iteration(closure)->has_guess = false; }
 
 /* Returns the number of rows that are solved for. */
-static inline int products_count_unknowns(const tvi_closure *closure, const tvi_transposed *equations)
+static inline int products_count_unknowns(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     return equations->second ? 2 * curve_dimension(&closure->curve) : curve_dimension(&closure->curve);
 }
 
-static inline int products_first_unknown(const tvi_closure *closure, const tvi_transposed *equations)
+static inline int products_find_first_unknown(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     return equations->second || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
 }
 
 /* Returns the terms of a product that the equations have. */
-static inline tvi_transpose_terms products_unknown_terms(const tvi_closure *closure, const tvi_transposed *equations,
-                                                         double factor, const double vector[])
+static inline tvi_transpose_terms products_unknown_terms(const tvi_closure *closure,
+                                                         const tvi_transposed_equations *equations, double factor,
+                                                         const double vector[])
 {
     return (tvi_transpose_terms){.factor = factor,
                                  .jacobian_of_x = equations->first,
                                  .jacobian_of_y = equations->second,
-                                 .x = vector + products_first_unknown(closure, equations),
+                                 .x = vector + products_find_first_unknown(closure, equations),
                                  .y = vector + curve_dimension(&closure->curve)};
 }
 
 /* Computes the residual D_z - A^T x, in both halves of its rows, by one transposed product. */
-static inline void products_compute_residual(tvi_closure *closure, const tvi_transposed *equations)
+static inline void products_compute_residual(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const tvi_residual_iteration *iteration = products_iteration_of(closure);
+    const tvi_residual_iteration *iteration = products_get_iteration(closure);
     tvi_transpose_terms left = products_unknown_terms(closure, equations, -1, iteration->solution);
     left.seed_Q = closure->seed_Q;
     products_multiply_by_transpose(&closure->curve, curve_highest_order(&closure->curve), &left, iteration->residual);
 }
 
 /* Computes out = A^T vector, in both halves of its rows, from orders up to `last` of the curve alone. */
-static inline void products_apply_operator(tvi_closure *closure, int last, const tvi_transposed *equations,
+static inline void products_apply_operator(tvi_closure *closure, int last, const tvi_transposed_equations *equations,
                                            const double vector[], double out[])
 {
     const tvi_transpose_terms product = products_unknown_terms(closure, equations, 1, vector);
@@ -173,10 +174,11 @@ static inline void products_apply_operator(tvi_closure *closure, int last, const
 }
 
 /* Computes vector = P r with the diagonal preconditioner P, the reciprocals of the weights of Q_0 and of Q_1. */
-static inline void products_divide_by_leading_weights(const tvi_closure *closure, const tvi_transposed *equations,
-                                                      const double r[], double vector[])
+static inline void products_divide_by_leading_weights(const tvi_closure *closure,
+                                                      const tvi_transposed_equations *equations, const double r[],
+                                                      double vector[])
 {
-    const int n = curve_dimension(&closure->curve), place = products_first_unknown(closure, equations);
+    const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
     const double first = 1 / equations->first->order_weight[place > 0],
                  second = equations->second ? 1 / equations->second->order_weight[1] : 0;
     for (int i = 0; i < n; i++) vector[place + i] = first * r[place + i];
@@ -187,10 +189,10 @@ static inline void products_divide_by_leading_weights(const tvi_closure *closure
 /* Computes s = (2 P - P A^T P) r, nearly A^-T r, from the first orders alone: those of a force linear in q whose
  * Jacobian is linear in the time. */
 enum { PRODUCTS_NEAR = 3 };
-static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_transposed *equations,
+static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_transposed_equations *equations,
                                                  const double r[], double s[])
 {
-    double *twice = products_iteration_of(closure)->scratch, *v = products_iteration_of(closure)->product;
+    double *twice = products_get_iteration(closure)->scratch, *v = products_get_iteration(closure)->product;
     memset(s, 0, (size_t)products_padded_length(closure) * sizeof *s);
     products_divide_by_leading_weights(closure, equations, r, s);
     products_apply_operator(closure,
@@ -212,7 +214,7 @@ static const double PRODUCTS_STALLED = 1e-12;
 /* Returns max_i |vector_i| / size_i. */
 static inline double products_largest_scaled_component(const tvi_closure *closure, const double vector[])
 {
-    const double *unit = products_iteration_of(closure)->inverse_size;
+    const double *unit = products_get_iteration(closure)->inverse_size;
     double most[PRODUCTS_VECTOR] = {0};
     for (int here = 0; here < products_padded_length(closure); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
@@ -223,7 +225,7 @@ static inline double products_largest_scaled_component(const tvi_closure *closur
 /* Returns sum_i vector_i y_i / size_i^2. */
 static inline double products_scaled_dot_product(const tvi_closure *closure, const double vector[], const double y[])
 {
-    const double *unit = products_iteration_of(closure)->inverse_size;
+    const double *unit = products_get_iteration(closure)->inverse_size;
     double sum[PRODUCTS_VECTOR] = {0};
     for (int here = 0; here < products_padded_length(closure); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
@@ -239,9 +241,10 @@ static inline void products_add_multiple(const tvi_closure *closure, double fact
 
 /* Makes the search direction of a step and its image orthogonal to the earlier ones, and updates the solution and
  * the residual. */
-static inline void products_minimise_residual(tvi_closure *closure, int last, const tvi_transposed *equations, int step)
+static inline void products_minimise_residual(tvi_closure *closure, int last, const tvi_transposed_equations *equations,
+                                              int step)
 {
-    tvi_residual_iteration *iteration = products_iteration_of(closure);
+    tvi_residual_iteration *iteration = products_get_iteration(closure);
     double *s = iteration->direction + step * products_padded_length(closure),
            *v = iteration->direction_image + step * products_padded_length(closure);
     products_apply_operator(closure, last, equations, s, v);
@@ -263,7 +266,7 @@ static inline void products_minimise_residual(tvi_closure *closure, int last, co
  * needed: the first order from which on |Q_k| is below a tenth of `part` |Q_0|, or the highest order. */
 static inline int products_choose_truncated_order(const tvi_closure *closure, double part)
 {
-    const double *largest = products_iteration_of(closure)->largest_coefficient, bound = part / 10 * largest[0];
+    const double *largest = products_get_iteration(closure)->largest_coefficient, bound = part / 10 * largest[0];
     int k = curve_highest_order(&closure->curve);
     while (k > 1 && !(largest[k - 1] > bound)) k--;
     return k;
@@ -271,9 +274,9 @@ static inline int products_choose_truncated_order(const tvi_closure *closure, do
 
 /* Solves A^T x = D_z by generalised conjugate residuals, from the guess x of the pass before. Returns TVI_ENOCONV if
  * corrections do not shrink. */
-static inline tvi_status products_iterate_to_solution(tvi_closure *closure, const tvi_transposed *equations)
+static inline tvi_status products_iterate_to_solution(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    tvi_residual_iteration *iteration = products_iteration_of(closure);
+    tvi_residual_iteration *iteration = products_get_iteration(closure);
     double goal = PRODUCTS_ENOUGH;
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
@@ -306,10 +309,10 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
 
 /* Replaces D by the solution x in the rows that are solved for, and by the residual of the gradient in all other
  * rows. */
-static inline tvi_status products_solve_equations(tvi_closure *closure, const tvi_transposed *equations)
+static inline tvi_status products_solve_equations(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const tvi_residual_iteration *iteration = products_iteration_of(closure);
-    const int n = curve_dimension(&closure->curve), place = products_first_unknown(closure, equations);
+    const tvi_residual_iteration *iteration = products_get_iteration(closure);
+    const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
     if (!equations->second) memset(iteration->inverse_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_size);
     const tvi_status status = products_iterate_to_solution(closure, equations);
     memcpy(closure->D, iteration->residual, 2 * (size_t)n * sizeof *closure->D);
@@ -323,15 +326,15 @@ static inline tvi_status products_solve_equations(tvi_closure *closure, const tv
 static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, double correction[])
 {
     const int n = curve_dimension(&closure->curve), last = products_choose_truncated_order(closure, PRODUCTS_ROUGH);
-    const double *kappa = closure->curve.kappa, *product = products_iteration_of(closure)->product;
-    double *of_q = products_iteration_of(closure)->scratch, *of_u = of_q + n;
+    const double *kappa = closure->curve.kappa, *product = products_get_iteration(closure)->product;
+    double *of_q = products_get_iteration(closure)->scratch, *of_u = of_q + n;
     for (int i = 0; i < n; i++) {
         of_q[i] = correction[n + i] / kappa[i];
         of_u[i] = -correction[i] / kappa[i];
     }
     const tvi_transpose_terms ends = {
         .factor = 1, .jacobian_of_x = &closure->q_from, .jacobian_of_y = &closure->u_from, .x = of_q, .y = of_u};
-    products_multiply_by_transpose(&closure->curve, last, &ends, products_iteration_of(closure)->product);
+    products_multiply_by_transpose(&closure->curve, last, &ends, products_get_iteration(closure)->product);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * product[n + i];
         correction[n + i] = kappa[i] * product[i];
@@ -348,13 +351,13 @@ static inline void products_set_units_of_subsystem(const tvi_closure *closure, c
 {
     const int n = curve_dimension(&closure->curve);
     const double *kappa = closure->curve.kappa;
-    double largest = 0, place = 0, *unit = products_iteration_of(closure)->inverse_size;
+    double largest = 0, place = 0, *unit = products_get_iteration(closure)->inverse_size;
     for (int k = first; k < end; k++)
         largest = tvi_larger(fabs(kappa[member[k]]) * closure->p_size[member[k]], largest);
     for (int order = 0; order <= curve_highest_order(&closure->curve) && largest == 0; order++)
         for (int k = first; k < end; k++)
             place = tvi_larger(fabs(tvi_curve_position_coefficients(&closure->curve, order)[member[k]]), place);
-    const double least = largest > 0 ? TVI_LEAST_SHARE * largest : place, none = largest > 0 ? largest : place;
+    const double least = largest > 0 ? TVI_LEAST_RELATIVE_SCALE * largest : place, none = largest > 0 ? largest : place;
     for (int k = first; k < end; k++) {
         const int i = member[k];
         const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = closure->p_size[i];
@@ -367,7 +370,7 @@ static inline void products_set_units_of_unknowns(tvi_closure *closure)
     const tvi_subsystems *parts = &closure->curve.system->parts;
     closure_set_p_size(closure);
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
-        products_iteration_of(closure)->largest_coefficient[k] =
+        products_get_iteration(closure)->largest_coefficient[k] =
             tvi_largest_magnitude(curve_dimension(&closure->curve), tvi_curve_inputs_of_order(&closure->curve, k), 1);
     for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
         products_set_units_of_subsystem(closure, parts->component, first, parts->end[k]);
@@ -378,7 +381,7 @@ static inline tvi_status products_compute_corrections(tvi_closure *closure, cons
                                                       tvi_stats *stats)
 {
     (void)z, (void)scale, (void)stats;
-    if (!products_iteration_of(closure)->has_guess) products_set_units_of_unknowns(closure);
+    if (!products_get_iteration(closure)->has_guess) products_set_units_of_unknowns(closure);
     return closure->close(closure);
 }
 

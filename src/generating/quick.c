@@ -3,19 +3,20 @@
 #include "generating/quick.h"
 #include "generating/reach.h"
 
-void JET_FOR_ISA(tvi_end_at)(tvi_curve *curve, double factor, double q[], double u[])
+void JET_FOR_ISA(tvi_rescale_and_sum)(tvi_curve *curve, double factor, double q[], double u[])
 {
     curve_rescale_and_sum(curve, factor, q, u);
 }
 
-tvi_status JET_FOR_ISA(tvi_seeds_plainly)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+tvi_status JET_FOR_ISA(tvi_seeds_from_field)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    return seeds_plainly(action, curve, seed_Q, seed_U);
+    return seeds_compute_from_field(action, curve, seed_Q, seed_U);
 }
 
-bool JET_FOR_ISA(tvi_step_quickly)(tvi_curve_work *work, double tau, const tvi_batch_origin *origin,
-                                   const tvi_curve_end *end, tvi_stats *stats)
+bool JET_FOR_ISA(tvi_quick_step_single)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                        const tvi_quick_step_results *end, tvi_stats *stats)
 {
-    static const step_makers makers = {quick_expand, quick_expand_all, seeds_plainly, NULL};
-    return step_quickly(work, &makers, tau, origin, end, stats);
+    static const step_curve_functions makers = {quick_expand_series, quick_expand_with_tangents,
+                                                seeds_compute_from_field, NULL};
+    return step_by_quick_passes(work, &makers, tau, origin, end, stats);
 }

@@ -8,16 +8,16 @@
 
 #include "generating/curve_step.h"
 
-static inline tvi_status quick_expand(tvi_curve *curve)
+static inline tvi_status quick_expand_series(tvi_curve *curve)
 {
     tvi_status status = TVI_OK;
     for (int k = 0; k <= curve->top; k++) curve_expand_order(curve, k, &status);
     return status;
 }
 
-static inline tvi_status quick_expand_all(tvi_curve *curve)
+static inline tvi_status quick_expand_with_tangents(tvi_curve *curve)
 {
-    const tvi_status status = quick_expand(curve);
+    const tvi_status status = quick_expand_series(curve);
     if (status == TVI_OK || curve_width(curve) > 1) curve_differentiate(curve);
     return status;
 }

@@ -3,11 +3,11 @@
 #include "generating/curve.h"
 #include "generating/seeds.h"
 
-static tvi_end_at_fn *const end_at_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = tvi_end_at_base,
+static tvi_rescale_and_sum_fn *const end_at_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = tvi_rescale_and_sum_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = tvi_end_at_avx2,
-    [jet_isa_avx512] = tvi_end_at_avx512,
+    [jet_isa_avx2] = tvi_rescale_and_sum_avx2,
+    [jet_isa_avx512] = tvi_rescale_and_sum_avx512,
 #endif
 };
 

@@ -19,7 +19,7 @@
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
 
 /* Computes the terms of a separable system: on_q = tau F; L_v = p on the curve. */
-static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *curve)
+static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_status status = seeds_evaluate_field(action);
     seeds_copy_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
@@ -28,7 +28,7 @@ static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *
 
 /* Computes on_q = tau L_q and on_v = L_v - p, from the positions in action->x, the velocities in on_v and the
  * momenta. */
-static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *curve)
+static inline tvi_status seeds_compute_lagrange_terms(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve_dimension(curve), points = action->points;
     const size_t panel = (size_t)(n * points) * sizeof(double);
@@ -36,7 +36,7 @@ static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *cur
     tvi_status status = TVI_OK;
     switch (curve_form(curve)) {
     case TVI_SEPARABLE:
-        status = seeds_force_terms(action, curve);
+        status = seeds_compute_force_terms(action, curve);
         for (int i = 0; i < n * points; i++) action->gradient_by_v[i] *= curve->system->mass[i / points];
         break;
     case TVI_LAGRANGIAN:
@@ -56,9 +56,9 @@ static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *cur
 }
 
 /* Computes the terms of on-curve nodes: on_q = -tau H_q, on_p = g. - tau H_p. */
-static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curve *curve)
+static inline tvi_status seeds_compute_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), lanes = seeds_lanes(action);
+    const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
     if (!separable)
         memcpy(action->field_block + n * lanes, action->node_momentum, (size_t)(n * lanes) * sizeof(double));
@@ -80,13 +80,14 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
 /* Computes row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
-static inline const double *seeds_over_nodes(const tvi_action *action, const tvi_node_table *weighted, const double *x)
+static inline const double *seeds_sum_over_nodes(const tvi_action *action, const tvi_node_table *weighted,
+                                                 const double *x)
 {
     const int half = action->half_points, orders = action->orders, width = CURVE_WIDTH(action);
-    const int lanes = seeds_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
+    const int lanes = seeds_count_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
     double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (half == 0) {
-        seeds_combine(action, action->points, x, (size_t)width, orders, weighted->all_orders, action->order_row);
+        seeds_combine_rows(action, action->points, x, (size_t)width, orders, weighted->all_orders, action->order_row);
         return action->order_row;
     }
     JET_IN_VECTORS
@@ -95,31 +96,31 @@ static inline const double *seeds_over_nodes(const tvi_action *action, const tvi
         difference[i] = x[i] - x[lanes + i];
     }
     const bool keeps = weighted->mirror_sign > 0;
-    seeds_combine(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even_orders, even);
-    seeds_combine(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd_orders, odd);
+    seeds_combine_rows(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even_orders, even);
+    seeds_combine_rows(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd_orders, odd);
     for (int k = 0; k < orders; k++)
         for (int m = 0; m < width; m++) action->order_row[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
     return action->order_row;
 }
 
 /* Returns the place of the seed of order k of component i. */
-static inline double *seeds_of(const tvi_curve *curve, double seed[], int k, int i)
+static inline double *seeds_at_component(const tvi_curve *curve, double seed[], int k, int i)
 {
     return seed + k * curve_numbers(curve) + i * curve_width(curve);
 }
 
 /* Computes the seeds of dq_i^T on_q - dg_i^T p. as one defect, less the term that a truncated node leaves out of
  * dq_i. */
-static inline void seeds_positions(tvi_action *action, const tvi_curve *curve, double seed[])
+static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_lanes(action);
+    const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
     const int points = action->points, N = action->q_degree;
     seeds_subtract_panel(action, n, action->node_force, action->gradient_by_q); /* the defect */
     for (int i = 0; i < n; i++) {
         const double *defect = action->gradient_by_q + i * lanes, *force = action->node_force + i * lanes;
-        const double *row = seeds_over_nodes(action, &action->weighted_power_table, defect);
+        const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
         for (int k = 0; k <= N; k++)
-            for (int m = 0; m < width; m++) seeds_of(curve, seed, k, i)[m] = row[k * width + m];
+            for (int m = 0; m < width; m++) seeds_at_component(curve, seed, k, i)[m] = row[k * width + m];
         if (!action->has_truncated_nodes) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
@@ -128,34 +129,36 @@ static inline void seeds_positions(tvi_action *action, const tvi_curve *curve, d
     }
 }
 
-static inline void seeds_velocities(const tvi_action *action, int n, double seed[])
+static inline void seeds_add_velocity_terms(const tvi_action *action, int n, double seed[])
 {
     for (int i = 0; i < n; i++) {
         const double *row =
-            seeds_over_nodes(action, &action->weighted_slope_table, action->gradient_by_v + i * action->points);
+            seeds_sum_over_nodes(action, &action->weighted_slope_table, action->gradient_by_v + i * action->points);
         for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
     }
 }
 
 /* Adds dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
-static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
+                                            double seed_U[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve);
     for (int i = 0; i < n; i++) {
-        const double *row =
-            seeds_over_nodes(action, &action->weighted_power_table, action->gradient_by_p + i * seeds_lanes(action));
+        const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table,
+                                                 action->gradient_by_p + i * seeds_count_lanes(action));
         const double kappa = curve->kappa[i];
         for (int k = 0; k <= action->p_degree; k++, row += width) {
             const bool is_of_Q = curve_form(curve) == TVI_SEPARABLE;
             if (is_of_Q && k == curve_highest_order(curve)) continue;
-            double *restrict seed = is_of_Q ? seeds_of(curve, seed_Q, k + 1, i) : seeds_of(curve, seed_U, k, i);
+            double *restrict seed =
+                is_of_Q ? seeds_at_component(curve, seed_Q, k + 1, i) : seeds_at_component(curve, seed_U, k, i);
             for (int m = 0; m < width && is_of_Q; m++) seed[m] += (k + 1) * (row[m] / kappa);
             for (int m = 0; m < width && !is_of_Q; m++) seed[m] = row[m] / kappa;
         }
     }
 }
 
-static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *curve, double seed[])
+static inline void seeds_add_quadrature_error_terms(const tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_numbers(curve);
     for (int k = 0; k <= action->q_degree; k++)
@@ -170,7 +173,8 @@ static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *cur
 
 /* Evaluates the curve at the nodes. Seeds that are not set are 0; those of U, which a separable system does not have,
  * are never set. */
-static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+static inline void seeds_evaluate_curve_at_nodes(tvi_action *action, const tvi_curve *curve, double seed_Q[],
+                                                 double seed_U[])
 {
     const int seeds = (curve_highest_order(curve) + 1) * curve_numbers(curve);
     for (int i = (action->q_degree + 1) * curve_numbers(curve); i < seeds; i++) seed_Q[i] = 0;
@@ -181,38 +185,40 @@ static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, doubl
 }
 
 /* Computes the seeds from the terms at the nodes. */
-static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_curve *curve, double seed_Q[],
+                                                 double seed_U[])
 {
     const int n = curve_dimension(curve);
     const bool is_bent = action->is_hamilton && action->has_truncated_nodes;
-    seeds_positions(action, curve, seed_Q);
-    if (is_bent || action->has_velocity_defect) seeds_velocities(action, n, seed_Q);
-    if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
-    if (action->by_parts_error) seeds_by_parts(action, curve, seed_Q);
+    seeds_set_position_terms(action, curve, seed_Q);
+    if (is_bent || action->has_velocity_defect) seeds_add_velocity_terms(action, n, seed_Q);
+    if (is_bent || action->has_momentum_defect) seeds_add_momentum_terms(action, curve, seed_Q, seed_U);
+    if (action->by_parts_error) seeds_add_quadrature_error_terms(action, curve, seed_Q);
 }
 
 /* Returns whether the seeds need the field alone, and no second derivatives. */
-static inline bool seeds_are_plain(const tvi_action *action)
+static inline bool seeds_need_only_field(const tvi_action *action)
 {
     return !(action->is_hamilton && action->has_truncated_nodes);
 }
 
-static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+static inline tvi_status seeds_compute_from_field(tvi_action *action, tvi_curve *curve, double seed_Q[],
+                                                  double seed_U[])
 {
-    seeds_begin(action, curve, seed_Q, seed_U);
+    seeds_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
     if (action->has_velocity_defect) seeds_set_node_velocities(action, curve, action->gradient_by_v);
-    const tvi_status status = action->is_hamilton           ? seeds_hamilton_terms(action, curve)
-                              : action->has_velocity_defect ? seeds_lagrange_terms(action, curve)
-                                                            : seeds_force_terms(action, curve);
-    if (status == TVI_OK || curve_width(curve) > 1) seeds_end(action, curve, seed_Q, seed_U);
+    const tvi_status status = action->is_hamilton           ? seeds_compute_hamilton_terms(action, curve)
+                              : action->has_velocity_defect ? seeds_compute_lagrange_terms(action, curve)
+                                                            : seeds_compute_force_terms(action, curve);
+    if (status == TVI_OK || curve_width(curve) > 1) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
     return status;
 }
 
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
 
 /* These are the functions of curve.h and action.h, for curves and actions of these sizes. */
-struct tvi_curve_work;
-struct tvi_solver;
+struct tvi_curve_workspace;
+struct tvi_closure_solver;
 /* This is what a quick step of several members computes: the increments [n][width], and for each member the tail, the
  * last correction and the passes, or TVI_NOT_MADE. Members that do not move have no step. */
 enum { TVI_NOT_MADE = -1 };
@@ -220,7 +226,7 @@ typedef struct {
     double *dq, *dp, *tail, *residual;
     int *passes;
     long long *is_moving;
-} tvi_curve_end;
+} tvi_quick_step_results;
 typedef struct tvi_curve_code {
     int top;
     /* Expands the whole series from the centre data; NULL: the library expands it order by order. */
@@ -238,12 +244,12 @@ typedef struct tvi_curve_code {
     void (*aim)(tvi_curve *curve, const double dz[]);
     void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
-    const struct tvi_solver *solver; /* `take` is not in it; NULL: the library's own */
+    const struct tvi_closure_solver *solver; /* `take` is not in it; NULL: the library's own */
     /* Computes plain seeds, finite or not; NULL: the library's own function serves. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Makes a step by step_quickly (curve_step.h); NULL: there is no such code. */
-    bool (*step)(struct tvi_curve_work *work, double tau, const tvi_batch_origin *origin, const tvi_curve_end *end,
-                 tvi_stats *stats);
+    /* Makes a step by step_by_quick_passes (curve_step.h); NULL: there is no such code. */
+    bool (*step)(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                 const tvi_quick_step_results *end, tvi_stats *stats);
 } tvi_curve_code;
 
 #endif

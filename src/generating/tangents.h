@@ -64,7 +64,7 @@ static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tange
 }
 
 /* Copies a row of tangents of several members, where they are taken. */
-static inline void curve_store_taken(const tvi_curve *curve, const double *in, double *restrict out)
+static inline void curve_store_due_members(const tvi_curve *curve, const double *in, double *restrict out)
 {
     const int width = curve_width(curve);
     if (curve->keeps)
@@ -82,7 +82,7 @@ static inline void curve_store_jacobian_columns(const tvi_curve *curve, const cu
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
             const double *tangent = curve_tangent_row(curve, block, k, slot);
             double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
-            if (width > 1) curve_store_taken(curve, tangent, out);
+            if (width > 1) curve_store_due_members(curve, tangent, out);
             else curve_scale_lanes((size_t)curve_count_directions(curve, block), 1, tangent, out);
         }
 }
@@ -169,8 +169,8 @@ static inline void curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_
         if (r > 0) sum += JET_OF(V, seed, 0) * JET_OF(V, J, d);                                                        \
         JET_AT(V, out, d) = sum + odd;                                                                                 \
     }
-static inline void curve_pull_each(int width, int rows, int directions, const double *seed, const double *J,
-                                   double *out)
+static inline void curve_multiply_by_transpose_in_lanes(int width, int rows, int directions, const double *seed,
+                                                        const double *J, double *out)
 {
     const size_t stride = (size_t)width;
     for (int d = 0; d < directions; d++) JET_BLOCKS(width, CURVE_PULL_EACH, );
@@ -183,7 +183,8 @@ static inline void curve_multiply_by_transposed_jacobians(const tvi_curve *curve
     const size_t stride = (size_t)directions;
     const double *J = curve_coefficient_jacobians(curve, of_momentum);
     if (curve_is_jacobian_in_tangent_block()) JET_BLOCKS(directions, CURVE_PULL, );
-    else if (curve_width(curve) > 1) curve_pull_each(curve_width(curve), rows, directions, seed, J, out);
+    else if (curve_width(curve) > 1)
+        curve_multiply_by_transpose_in_lanes(curve_width(curve), rows, directions, seed, J, out);
     else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
 }
 

@@ -8,7 +8,7 @@
  *     R_v^T d = D_v,   d1 - d0 = D_q - R_q^T d. */
 tvi_status tvi_close_type1_end(tvi_closure *closure)
 {
-    const tvi_status status = tvi_close_half(closure, &closure->q_rise, TVI_SECOND);
+    const tvi_status status = tvi_solve_transposed_half(closure, &closure->q_rise, TVI_SECOND);
     const double part = closure->span.to / (closure->span.to - closure->span.from), *rise = closure->D,
                  *other = closure->D + closure->n;
     for (int i = 0; i < closure->n && status == TVI_OK; i++) {

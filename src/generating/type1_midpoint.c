@@ -19,6 +19,6 @@ const tvi_descriptor tvi_type1_midpoint = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 1, 0.5},
               .action = TVI_ACTION_LAGRANGE,
-              .close = tvi_close_mean,
+              .close = tvi_close_by_mean_of_ends,
               .mean = {false, .from_p = {-0.5, 1}, .rise_p = {1, 0}}},
 };

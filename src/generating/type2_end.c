@@ -9,7 +9,7 @@ static tvi_status close_type2_end(tvi_closure *closure)
 {
     const int n = closure->n;
     double *minus_d0 = closure->D, *rise_u = closure->D + n;
-    const tvi_status status = tvi_close_half(closure, &closure->q_from, TVI_FIRST);
+    const tvi_status status = tvi_solve_transposed_half(closure, &closure->q_from, TVI_FIRST);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
         closure->from_q[i] = 0;

@@ -9,7 +9,7 @@ static tvi_status close_type2_start(tvi_closure *closure)
 {
     const int n = closure->n;
     double *from_p = closure->D, *minus_l = closure->D + n;
-    const tvi_status status = tvi_close_half(closure, &closure->u_to, TVI_SECOND);
+    const tvi_status status = tvi_solve_transposed_half(closure, &closure->u_to, TVI_SECOND);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
         closure->from_q[i] = 0;

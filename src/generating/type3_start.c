@@ -9,7 +9,7 @@ static tvi_status close_type3_start(tvi_closure *closure)
 {
     const int n = closure->n;
     double *d = closure->D, *from_u = closure->D + n;
-    const tvi_status status = tvi_close_half(closure, &closure->q_to, TVI_FIRST);
+    const tvi_status status = tvi_solve_transposed_half(closure, &closure->q_to, TVI_FIRST);
     if (status != TVI_OK) return status;
     for (int i = 0; i < n; i++) {
         closure->from_q[i] = closure->curve.kappa[i] * from_u[i];

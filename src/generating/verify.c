@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-bool tvi_curve_satisfies_force_at_end(tvi_curve_work *work, double h, const tvi_origin *origin,
+bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_origin *origin,
                                       const tvi_increments *increments)
 {
     const tvi_curve *curve = &work->closure.curve;

@@ -51,7 +51,7 @@ typedef struct {
     /* p is used up to degree N, as q is; otherwise only up to N - 1. */
     bool has_top_momentum;
     tvi_close_fn *close;   /* Computes the corrections; NULL: the curve is not corrected. */
-    tvi_mean_closing mean; /* Factors of the corrections, for tvi_close_mean. */
+    tvi_mean_closing mean; /* Factors of the corrections, for tvi_close_by_mean_of_ends. */
     /* The first pass reduces the residual much more than the later ones, and does not show how fast they converge. */
     bool is_rough;
 } tvi_curve_definition;

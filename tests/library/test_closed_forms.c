@@ -158,19 +158,19 @@ static expansion expand(const test_problem *problem)
     const int n = problem->scene->n;
     expansion e = {.system = problem_system(problem)};
     tvi_arena arena = {0};
-    tvi_curve_take(&e.curve, &arena, e.system, 4, true, 1);
+    tvi_curve_allocate(&e.curve, &arena, e.system, 4, true, 1);
     e.memory = tvi_arena_allocate_memory(&arena);
     ck_assert_ptr_nonnull(e.memory);
-    tvi_curve_take(&e.curve, &arena, e.system, 4, true, 1);
+    tvi_curve_allocate(&e.curve, &arena, e.system, 4, true, 1);
     tvi_blocks_prepare(arena.blocks);
-    tvi_curve_prepare(&e.curve);
+    tvi_curve_fill_constant_tables(&e.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];
     for (int i = 0; i < n; i++) {
         z[i] = start.q[i];
         z[n + i] = TAU * start.p[i] / problem_mass(problem, i);
     }
-    tvi_curve_set(&e.curve, TAU, z);
+    tvi_curve_set_time_unit_and_data(&e.curve, TAU, z);
     ck_assert_int_eq(tvi_curve_expand(&e.curve, start.t), TVI_OK);
     tvi_curve_differentiate(&e.curve);
     return e;

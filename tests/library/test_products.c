@@ -24,9 +24,9 @@ typedef struct {
 
 static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
 {
-    tvi_curve_take(&x->curve, arena, system, DEGREE, jacobians, 1);
-    x->q = tvi_combination_take(&x->curve, arena);
-    x->u = tvi_combination_take(&x->curve, arena);
+    tvi_curve_allocate(&x->curve, arena, system, DEGREE, jacobians, 1);
+    x->q = tvi_combination_allocate(&x->curve, arena);
+    x->u = tvi_combination_allocate(&x->curve, arena);
 }
 
 /* The curve from the problem's start, and sums of it at s = 0.9 for q and s = -0.8 for u. */
@@ -39,7 +39,7 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     ck_assert_ptr_nonnull(x.memory);
     lay_out(&x, &arena, system, jacobians);
     tvi_blocks_prepare(arena.blocks);
-    tvi_curve_prepare(&x.curve);
+    tvi_curve_fill_constant_tables(&x.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];
     const double tau = problem->t_end / 50;
@@ -47,10 +47,10 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
         z[i] = start.q[i];
         z[system->n + i] = tau * start.p[i] / system->mass[i];
     }
-    tvi_curve_set(&x.curve, tau, z);
+    tvi_curve_set_time_unit_and_data(&x.curve, tau, z);
     ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
-    tvi_combination_set_powers(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
-    tvi_combination_set_powers(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
+    tvi_combination_set_power_weights(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
+    tvi_combination_set_power_weights(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
     if (jacobians == TVI_JACOBIAN_MATRICES) tvi_curve_differentiate(&x.curve);
     return x;
 }
@@ -80,8 +80,8 @@ START_TEST(products_are_those_of_the_matrices)
     tvi_curve_multiply_by_transposes(&matrices.curve, seed, NULL, want);
     tvi_curve_multiply_by_transposes(&products.curve, seed, NULL, got);
     check_close(2 * n, got, want);
-    tvi_curve_aim(&matrices.curve, x);
-    tvi_curve_aim(&products.curve, x);
+    tvi_curve_set_product_direction(&matrices.curve, x);
+    tvi_curve_set_product_direction(&products.curve, x);
     tvi_curve_multiply_by_jacobian(&matrices.curve, &matrices.u, want);
     tvi_curve_multiply_by_jacobian(&products.curve, &products.u, got);
     check_close(n, got, want);
@@ -151,13 +151,13 @@ START_TEST(many_bodies_move_as_one)
     ck_assert_int_eq(tvi_options_named(product_methods[_i].name, product_methods[_i].order, &options), TVI_OK);
     for (int i = 0; i < COPIES; i++) start_copy(i, Q + 2 * i, P + 2 * i, masses + 2 * i);
     ck_assert_int_eq(tvi_system_potential(&many, 2 * COPIES, masses, copies_of_kepler, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_curve_jacobians_for(many), TVI_JACOBIAN_PRODUCTS);
+    ck_assert_int_eq(tvi_curve_choose_jacobian_method(many), TVI_JACOBIAN_PRODUCTS);
     run(many, &options, product_methods[_i].h, Q, P);
     for (int i = 0; i < COPIES; i++) {
         double q[2], p[2], mass[2];
         start_copy(i, q, p, mass);
         ck_assert_int_eq(tvi_system_potential(&one, 2, mass, one_kepler, NULL), TVI_OK);
-        ck_assert_int_eq(tvi_curve_jacobians_for(one), TVI_JACOBIAN_MATRICES);
+        ck_assert_int_eq(tvi_curve_choose_jacobian_method(one), TVI_JACOBIAN_MATRICES);
         run(one, &options, product_methods[_i].h, q, p);
         for (int j = 0; j < 2; j++) {
             ck_assert_double_eq_tol(Q[2 * i + j], q[j], 3e-13);
