@@ -1,5 +1,6 @@
-/* action.c - computes the gradient of the discrete action, as seeds for the gradient of the curve: the seeds of
- * seeds.h, and those of terms with second derivatives. */
+/* action.c - computes the gradient of the discrete action as seeds: vectors that multiply the transposed Jacobians
+ * of the curve's coefficients. The terms with first derivatives are computed by seeds.h, those with second
+ * derivatives here. curve_stepper.c and both_ends_nodes.c call it. */
 #include "generating/action.h"
 #include "algebra/passes.h"
 #include "algebra/sizes.h"

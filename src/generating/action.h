@@ -1,4 +1,5 @@
-/* action.h - declares the gradient of the discrete action of a curve, in defect form (docs/method.md section 4):
+/* action.h - declares the gradient of the discrete action of a curve, in defect form, which steppers compute in each
+ * pass (docs/method.md section 4):
  *     S_z = G+^T p+ - G-^T p- + D_z,
  * where D_z is small on the curve, because there the equations of motion nearly hold. */
 #ifndef TVI_SRC_GENERATING_ACTION_H

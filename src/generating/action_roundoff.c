@@ -1,5 +1,5 @@
-/* action_roundoff.c - estimates the roundoff of the ends of a step by that of the field at the nodes (docs/method.md
- * section 5). */
+/* action_roundoff.c - estimates the roundoff of q and p at the ends of a step from the roundoff of the field at the
+ * nodes (docs/method.md section 5). curve_stepper.c and both_ends.c call it when passes no longer converge. */
 #include "generating/action.h"
 
 #include <float.h>

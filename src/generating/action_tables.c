@@ -1,5 +1,5 @@
-/* action_tables.c - allocates the memory of an action, and fills the tables that depend on its quadrature and its span
- * alone. */
+/* action_tables.c - allocates a discrete action, and computes its tables of powers, which depend on the quadrature
+ * and the step's span in scaled time only. Steppers call it when an integrator is made. */
 #include "generating/action.h"
 #include "algebra/quadrature.h"
 #include "method/method.h"

@@ -1,5 +1,5 @@
-/* advance.h - computes one order of a curve's recurrence (curve.c). It is part of the text of generated code, where
- * every size is a constant. */
+/* advance.h - computes one order of the recurrence for the coefficients of a Taylor curve (docs/method.md section
+ * 2). orders.h calls it. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_ADVANCE_H
 #define TVI_SRC_GENERATING_ADVANCE_H
 

@@ -1,7 +1,7 @@
-/* both_ends.c - makes steps of type I with a curve from each end: the paper's symmetric Taylor variational integrator
- * (docs/method.md section 4). The curve a(s) starts at (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1).
- * Both have degree r, and each ends where the other starts, a(1) = q1 and b(-1) = q0, with multipliers l, m. With w = 1
- * - s and a dot for d/ds
+/* both_ends.c - makes steps of type I with a Taylor curve from each end of the step: the symmetric Taylor variational
+ * integrator (docs/method.md section 4). The integrator calls it through tvi_type1_both_ends. The curve a(s) starts at
+ * (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r, and each ends where the other
+ * starts, a(1) = q1 and b(-1) = q0, with multipliers l, m. With w = 1 - s and a dot for d/ds
  *     y = w a + (1-w) b,     v = w a. + (1-w) b. (truncated)   or   v = y. = w a. + (1-w) b. - (a - b) (on-curve).
  * With pi = w p_a + (1-w) p_b, the momenta of the curves, the gradient of the action in defect form is
  *     R = sum_i w_i [ dy_i^T (tau L_q - pi.)_i + dv_i^T (L_v - pi)_i ]      truncated: + sum_i w_i (da - db)_i^T pi_i,

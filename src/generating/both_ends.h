@@ -1,5 +1,5 @@
-/* both_ends.h - declares the work of type I with a curve from each end, which its step (both_ends.c) and its nodes
- * (both_ends_nodes.c) share. */
+/* both_ends.h - declares the workspace of the type I method with one Taylor curve from each end of the step
+ * (both_ends.c), and the gradient of its action, which both_ends_nodes.c computes. */
 #ifndef TVI_SRC_GENERATING_BOTH_ENDS_H
 #define TVI_SRC_GENERATING_BOTH_ENDS_H
 

@@ -1,4 +1,5 @@
-/* both_ends_nodes.c - computes the gradient of the action on the blend of two curves (both_ends.c). */
+/* both_ends_nodes.c - computes the gradient of the action on the blend y = w a + (1 - w) b of the two curves a and b
+ * from the ends of a step. both_ends.c calls it in each pass and gives the formulas. */
 #include "generating/both_ends.h"
 
 #include <string.h>

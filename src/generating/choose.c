@@ -1,4 +1,5 @@
-/* choose.c - chooses what is compiled for the instruction set of a system's tapes. */
+/* choose.c - selects the compiled variants of solvers and quick steps that fit the instruction set of a system's
+ * tapes. curve_stepper.c calls it when an integrator is made. */
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
 

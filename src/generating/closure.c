@@ -1,4 +1,5 @@
-/* closure.c - solves the equations that the generating functions share (closure.h). */
+/* closure.c - solves the equations that the closing functions of the generating functions share (closure.h). type1.c
+ * to type3_start.c and the descriptors' `close` call these functions. */
 #include "generating/closure.h"
 
 tvi_status tvi_solve_transposed_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)

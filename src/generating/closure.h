@@ -1,4 +1,5 @@
-/* closure.h - declares the closure: it computes the corrections that a generating function adds to a Taylor curve.
+/* closure.h - declares the closure, which computes the small corrections that a generating function adds to a Taylor
+ * curve. curve_stepper.c calls it in each pass.
  *
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + from_q,   p0 = p- + from_p,   q1 - q0 = (q+ - q-) + rise_q,   p1 - p0 = (p+ - p-) + rise_p.

@@ -1,5 +1,5 @@
-/* curve.c - expands the curve: it solves the equations of motion by a recurrence for the coefficients (docs/method.md
- * section 2):
+/* curve.c - expands a Taylor curve: it solves the equations of motion by a recurrence for the coefficients. Steppers
+ * call it in each pass (docs/method.md section 2):
  *
  *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
  *

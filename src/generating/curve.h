@@ -1,5 +1,5 @@
-/* curve.h - expands the Taylor curve at a centre (prolongation), and computes its Jacobians with respect to the centre
- * data.
+/* curve.h - declares the Taylor curve at a centre and its Jacobians with respect to the centre data; steppers and
+ * solvers call these functions.
  *
  * Time is scaled: t = centre + tau s, and
  *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,

@@ -1,6 +1,7 @@
-/* curve_batch.c - makes steps of curves of several members of an ensemble at once, by the quick step of one
- * (curve_step.h): lane m of a sweep is member m; at the nodes it is lane node * width + m. A member that the quick step
- * does not serve, or that is outside of the domain, makes its step by itself. */
+/* curve_batch.c - makes one step of several members of an ensemble at once, each a curve in one vector lane.
+ * Ensembles call it through tvi_curve_batch (method/single.h). It uses the quick step of curve_step.h: member m is
+ * lane m of a sweep, and lane node * width + m at the nodes. A member for which the quick step fails, or that is
+ * outside of the domain, makes its step alone. */
 #include "algebra/linear_small.h"
 #include "generating/curve.h"
 #include "generating/curve_stepper.h"

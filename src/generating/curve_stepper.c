@@ -1,6 +1,8 @@
-/* curve_stepper.c - makes the steps of every method that expands one curve: predictor, residual of the passes,
- * increments. The generating function is data: where the curve is expanded, and how its equations are closed
- * (method/descriptor.h). Without passes the corrections are left out; at the start that is the plain Taylor method. */
+/* curve_stepper.c - makes the steps of every method that expands one Taylor curve: it predicts the curve's data,
+ * runs the passes of the corrector and computes the increments. The integrator calls it through tvi_stepper_curve
+ * and tvi_stepper_taylor. A method's descriptor (method/descriptor.h) says where the curve is expanded and how the
+ * equations are closed. Without passes there are no corrections; a curve expanded at the start is then the plain
+ * Taylor method. */
 #include "generating/curve_step.h"
 #include "method/method.h"
 

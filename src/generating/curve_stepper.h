@@ -1,4 +1,5 @@
-/* curve_stepper.h - declares the work of a method that expands one curve. It is part of the text of generated code. */
+/* curve_stepper.h - declares the workspace of a method that expands one Taylor curve, for curve_stepper.c,
+ * curve_batch.c and the quick steps. Generated code includes this text. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEPPER_H
 #define TVI_SRC_GENERATING_CURVE_STEPPER_H
 

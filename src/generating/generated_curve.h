@@ -1,7 +1,8 @@
-/* generated_curve.h - defines the functions of tvi_curve_code for one system and degree. Generated code alone reads it
- * (emit.c), after the sweeps of its tapes. Before it stand the sizes of series.h, CURVE_LANES directions of one block
- * of tangents and the CURVE_REST that are left of blocks, the action's sizes CURVE_ACTION, and which functions there
- * are: CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS, CURVE_HAS_SEED, CURVE_HAS_STEP, CURVE_HAS_REACH. */
+/* generated_curve.h - defines the functions of tvi_curve_code for one system and degree. Only generated code
+ * includes it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h;
+ * CURVE_LANES, the number of directions in one block of tangents; CURVE_REST, the number of directions left for a
+ * last block; the action's sizes CURVE_ACTION; and the switches CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS,
+ * CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_REACH, which say which functions are defined. */
 #ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
 #define TVI_SRC_GENERATING_GENERATED_CURVE_H
 

@@ -1,6 +1,6 @@
-/* in_generated.h - says how the texts of a curve find their sizes and call one another in generated code (emit.c),
- * which has this file in the place of in_library.h. Sizes are constants, and what is called is inlined. Before it stand
- * the sizes CURVE_N and so on, and SEEDS_VALUES and SEEDS_TANGENTS. */
+/* in_generated.h - defines, for generated code, the macros by which the texts on curves get their sizes and call one
+ * another. Generated code (emit.c) includes it in place of in_library.h. Sizes are constants, and called functions
+ * are inlined. The generated text before it defines the sizes CURVE_N and so on, SEEDS_VALUES and SEEDS_TANGENTS. */
 #ifndef TVI_SRC_GENERATING_IN_GENERATED_H
 #define TVI_SRC_GENERATING_IN_GENERATED_H
 

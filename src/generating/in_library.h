@@ -1,5 +1,5 @@
-/* in_library.h - says how the texts of a curve (series.h and what reads it) find their sizes and call one another where
- * the library compiles them for any system. Generated code has in_generated.h in the place of this file. */
+/* in_library.h - defines, for the library, the macros by which the texts on curves (series.h and its includers) get
+ * their sizes and call one another, for any system. Generated code includes in_generated.h in place of this file. */
 #ifndef TVI_SRC_GENERATING_IN_LIBRARY_H
 #define TVI_SRC_GENERATING_IN_LIBRARY_H
 

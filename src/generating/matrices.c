@@ -1,5 +1,5 @@
-/* matrices.c - solves equations with the transposed Jacobians of the curve's ends as matrices. They are factored, and
- * reused as long as no effect of that shows. */
+/* matrices.c - solves A^T x = D_z with the Jacobians A of the curve's ends as matrices. It factors them, and reuses
+ * the factors as long as the resulting error is below roundoff. closure.c calls it through tvi_solver_by_matrices. */
 #include "generating/curve.h"
 #include "generating/matrices.h"
 #include "algebra/sizes.h"

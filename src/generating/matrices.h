@@ -1,5 +1,5 @@
-/* matrices.h - solves equations with the transposed Jacobians of the curve's ends as matrices. It is part of the text
- * of generated code (emit.c), where every size is a constant. */
+/* matrices.h - decides when the Jacobian matrices of the curve's ends are computed anew, and forms them. matrices.c
+ * and curve_step.h call it. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_MATRICES_H
 #define TVI_SRC_GENERATING_MATRICES_H
 

@@ -1,5 +1,6 @@
-/* members.h - sums rows of several members to the bits of jet_combine_strided_rows (sums.h): four vectors at once,
- * which load each weight once. */
+/* members.h - computes weighted sums of rows whose lanes are members of an ensemble, with the same bits as
+ * jet_combine_strided_rows (sums.h) computes for one member. It handles four vectors at once, so that each weight is
+ * loaded once. The quick steps of quick_members.c call it. */
 #ifndef TVI_SRC_GENERATING_MEMBERS_H
 #define TVI_SRC_GENERATING_MEMBERS_H
 

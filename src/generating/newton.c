@@ -1,4 +1,5 @@
-/* newton.c - solves the equations of a method by passes of the corrector (newton.h). */
+/* newton.c - solves the equations of a method by Newton passes with an approximate Jacobian, until the corrections
+ * are roundoff (newton.h). The steppers curve_stepper.c and both_ends.c call it. */
 #include "generating/newton.h"
 #include "algebra/sizes.h"
 #include "method/passes_rule.h"

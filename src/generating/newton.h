@@ -1,5 +1,6 @@
-/* newton.h - declares the one corrector: preconditioned passes that end at roundoff (docs/method.md section 5). It is
- * part of the text of generated code. */
+/* newton.h - declares the corrector, which solves a method's equations r(x) = 0 by passes x <- x - K^-1 r(x) with an
+ * approximate Jacobian K, until the corrections are roundoff (docs/method.md section 5). The steppers
+ * curve_stepper.c and both_ends.c call it. Generated code includes this text. */
 #ifndef TVI_SRC_GENERATING_NEWTON_H
 #define TVI_SRC_GENERATING_NEWTON_H
 

@@ -1,5 +1,5 @@
-/* nodes.h - evaluates the curve and the field at the nodes of the discrete action. It is part of the text of generated
- * code (emit.c), where every size is a constant. */
+/* nodes.h - evaluates the Taylor curve and the field at the nodes of the discrete action. seeds.h calls it in each
+ * pass. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_NODES_H
 #define TVI_SRC_GENERATING_NODES_H
 

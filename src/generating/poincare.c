@@ -1,5 +1,5 @@
-/* poincare.c - closes the equations of the Poincare generating function, of the mean of the ends (docs/method.md
- * section 4):
+/* poincare.c - describes the method of the Poincare generating function, which depends on the mean of the step's ends,
+ * to the list of methods (docs/method.md section 4). Its corrections solve
  *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),   zbar the mean of the
  * curve's ends. With the scaled momenta in zbar the solution is (a, b / kappa). */
 #include "generating/closure.h"

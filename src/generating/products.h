@@ -1,7 +1,7 @@
-/* products.h - solves equations by products with Jacobians, for separable systems of many coordinates. No Jacobian of
- * the curve is formed. One tangent or one adjoint sweep computes a product with a Jacobian, and generalised conjugate
- * residuals solve the equations (docs/method.md sections 2 and 5). This file is part of the text of generated code
- * (emit.c), where every size is a constant. */
+/* products.h - solves the closing equations A^T x = D_z without forming Jacobians, for separable systems of many
+ * coordinates. One tangent or adjoint sweep computes a product with a Jacobian, and generalised conjugate residuals
+ * solve the equations (docs/method.md sections 2 and 5). closure.c calls it through tvi_solver_by_products_*.
+ * Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 

@@ -1,5 +1,6 @@
-/* quick.c - computes the seeds of a field at nodes on the curve (seeds.h), and makes the steps of one member whose
- * passes converge as they mostly do. It is compiled once for each instruction set. */
+/* quick.c - compiles the quick step of one member (curve_step.h), the seeds of the action and the rescaling of a
+ * curve for one instruction set. The build compiles this file once for each instruction set; choose.c, action.c and
+ * reach.c select among the results. */
 #include "generating/quick.h"
 #include "generating/reach.h"
 

@@ -1,5 +1,5 @@
-/* quick.h - makes the parts of a quick step (curve_step.h) by the sweeps of the tapes, for one instruction set: of one
- * member (quick.c), or of several (quick_members.c). */
+/* quick.h - expands a curve, with or without its tangents, by the sweeps of the tapes of one instruction set. The
+ * quick steps of one member (quick.c) and of several members (quick_members.c) call it. */
 #ifndef TVI_SRC_GENERATING_QUICK_H
 #define TVI_SRC_GENERATING_QUICK_H
 

@@ -1,5 +1,6 @@
-/* quick_members.c - makes the steps of several members at once whose passes converge as they mostly do, and those of
- * the plain Taylor method. It is compiled once for each instruction set. */
+/* quick_members.c - compiles the quick step of several members (curve_step.h), and their plain Taylor step, for one
+ * instruction set. The build compiles this file once for each instruction set; choose.c selects among the results
+ * for curve_batch.c. */
 #define CURVE_MEMBERS
 #include "generating/members.h"
 #include "generating/quick.h"

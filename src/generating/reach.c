@@ -1,4 +1,5 @@
-/* reach.c - calls the functions of reach.h, or those of the curve's generated code if it has them. */
+/* reach.c - estimates the usable step of a curve and rescales the curve: it calls the functions of reach.h, or those
+ * of the system's generated code if it has them. curve_stepper.c calls it for steps of adapted size. */
 #include "generating/reach.h"
 #include "generating/curve.h"
 #include "generating/seeds.h"

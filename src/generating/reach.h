@@ -1,9 +1,10 @@
-/* reach.h - computes how far a Taylor curve serves, by its last coefficients (Jorba and Zou, A software package for the
- * numerical integration of ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005), section 3):
- * the step whose last term, of degree M, is a part tolerance / e^5 of the state. With M = 1 - ln(tolerance) / 2 this is
- * their step, the radius of convergence over e^2, times e^(-3/M). Their state is one vector, their tolerance is
- * absolute if that is below 1, and they use the last two coefficients. Here q and p are measured apart, each by its
- * size or by its movement in the step, so that no unit shows and a body may start at rest or at 0.
+/* reach.h - estimates the largest step for which a Taylor curve meets a tolerance, from its last coefficients (Jorba
+ * and Zou, A software package for the numerical integration of ODEs by means of high-order Taylor methods, Experimental
+ * Mathematics 14 (2005), section 3): the step whose last term, of degree M, is a part tolerance / e^5 of the state.
+ * With M = 1 - ln(tolerance) / 2 this is their step, the radius of convergence over e^2, times e^(-3/M). Their state is
+ * one vector, their tolerance is absolute if that is below 1, and they use the last two coefficients. Here q and p are
+ * measured apart, each by its size or by its movement in the step, so that no unit shows and a body may start at rest
+ * or at 0.
  *
  * This file is part of the text of generated code (emit.c), where every size is a constant. Other files call the
  * functions of curve.h. */

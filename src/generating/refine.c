@@ -1,5 +1,6 @@
-/* refine.c - computes the increments of a Taylor curve X(s) beyond its roundoff, by the defect d that roundoff leaves,
- * in long double (docs/method.md section 6):
+/* refine.c - computes the increments of a Taylor curve X(s) more accurately than double precision. It integrates the
+ * defect d that roundoff leaves, in long double. curve_stepper.c calls it for small tolerances (docs/method.md section
+ * 6):
  *     separable      d = h^2 M^-1 F(Q) - Q'',      dq = Q(1) - q + int (1 - s) d,   h M^-1 dp = Q'(1) - Q'(0) + int d,
  *     Hamiltonian    d = h (H_p, -H_q)(X) - X',    (dq, dp) = X(1) - X(0) + int d,
  * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of reach.h coefficient k is

@@ -1,4 +1,5 @@
-/* refine.h - declares the increments of a Taylor curve beyond its roundoff, for tolerances near roundoff. */
+/* refine.h - declares the increments of a Taylor step in long double, which steps of adapted size use for tolerances
+ * near roundoff (curve_stepper.c). */
 #ifndef TVI_SRC_GENERATING_REFINE_H
 #define TVI_SRC_GENERATING_REFINE_H
 

@@ -1,5 +1,5 @@
-/* seeds.h - computes the seeds of the gradient of the discrete action from its nodes. It is part of the text of
- * generated code (emit.c), where every size is a constant.
+/* seeds.h - computes the gradient of the discrete action as seeds, vectors that multiply the transposed Jacobians of
+ * the curve's coefficients. action.c and the quick steps call it. Generated code includes this text (emit.c).
  *
  * With p the curve's momentum series, w_i the weights in scaled time, and a dot for d/ds,
  *   Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]

@@ -1,5 +1,6 @@
-/* tangents.h - computes the Jacobian matrices of a curve, by blocks of tangents, and multiplies by them. It is part of
- * the text of generated code (emit.c), where every size is a constant. Other files call the functions of curve.h. */
+/* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre data, in blocks of
+ * tangent directions, and multiplies vectors by them. jacobian.c and the quick steps call it; other files call the
+ * functions of curve.h. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
 #define TVI_SRC_GENERATING_TANGENTS_H
 

@@ -1,5 +1,6 @@
-/* taylor.c - describes the plain Taylor method: the curve from the start to the end of the step, of order N - 1 in p,
- * without corrections. It is explicit and not symplectic. */
+/* taylor.c - describes the plain Taylor method to the list of methods (method/list.h): the step is the Taylor curve
+ * from the start to the end of the step, of order N - 1 in p, without corrections. The method is explicit and not
+ * symplectic. */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,6 +1,6 @@
-/* taylor_rows.h - scales the rows of a Taylor curve and sums them, for one vector of components. It is the text of
- * taylor_sweep.h, which reads it for each length of vectors V. SIZE(x) is |x| and SWEPT(f) the name of a function here;
- * the definitions of V, SIZE and SWEPT end here. */
+/* taylor_rows.h - rescales the coefficients of a Taylor curve and sums them, for one vector of components.
+ * taylor_sweep.h includes this text once for each vector type V. The including file defines V, SIZE(x), which is
+ * |x|, and SWEPT(f), which gives function f its name for V; this file undefines them. */
 
 /* A chain holds the sums of one of two chains of orders, which do not wait for each other. */
 typedef struct {

@@ -1,5 +1,6 @@
-/* taylor_sweep.h - scales the coefficients of a Taylor curve to another unit of time, and sums them. It is part of the
- * text of generated code (emit.c), where every size is a constant. */
+/* taylor_sweep.h - rescales the coefficients of a Taylor curve to another unit of time and sums them, in one sweep
+ * over the coefficients. reach.h calls it for steps of adapted size. Generated code includes this text (emit.c) with
+ * every size as a constant. */
 #ifndef TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 #define TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 

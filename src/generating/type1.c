@@ -1,5 +1,5 @@
-/* type1.c - closes the equations of type I at an end of the step (docs/method.md section 4): the curve joins q0 to q1,
- * and the momenta at its ends get d0 and d1 with
+/* type1.c - computes the corrections of the type I methods whose curve is expanded at the start or the end of the step
+ * (docs/method.md section 4). The curve joins q0 to q1, and the momenta at its ends get d0 and d1 with
  *     G+^T d1 - G-^T d0 = D_z.                                                                          (I-defect) */
 #include "generating/closure.h"
 

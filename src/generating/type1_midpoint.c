@@ -1,4 +1,5 @@
-/* type1_midpoint.c - describes type I, Ld(q0, q1), expanded at the midpoint (docs/method.md section 4):
+/* type1_midpoint.c - describes the type I method, Ld(q0, q1), with the Taylor curve expanded at the midpoint, to the
+ * list of methods (docs/method.md section 4):
  *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
  * With the mean M of G- and G+, and R = G+ - G-, the matrix is I + O(h):
  *     M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */

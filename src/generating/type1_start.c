@@ -1,4 +1,5 @@
-/* type1_start.c - describes type I, Ld(q0, q1), expanded at the start (docs/method.md section 4):
+/* type1_start.c - describes the type I method, Ld(q0, q1), with the Taylor curve expanded at the start, to the list of
+ * methods (docs/method.md section 4):
  *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z. */
 #include "generating/closure.h"
 #include "method/list.h"

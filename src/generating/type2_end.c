@@ -1,5 +1,5 @@
-/* type2_end.c - closes the equations of type II, Hd+(q0, p1), the right discrete Hamiltonian, at the end
- * (docs/method.md section 4). */
+/* type2_end.c - computes the corrections of the type II method, Hd+(q0, p1), the right discrete Hamiltonian, with the
+ * curve expanded at the end, and describes it to the list of methods (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,5 +1,5 @@
-/* type2_start.c - closes the equations of type II, Hd+(q0, p1), the right discrete Hamiltonian, at the start
- * (docs/method.md section 4). */
+/* type2_start.c - computes the corrections of the type II method, Hd+(q0, p1), the right discrete Hamiltonian, with the
+ * curve expanded at the start, and describes it to the list of methods (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 

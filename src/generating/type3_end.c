@@ -1,5 +1,5 @@
-/* type3_end.c - closes the equations of type III, Hd-(q1, p0), the left discrete Hamiltonian, at the end
- * (docs/method.md section 4). */
+/* type3_end.c - computes the corrections of the type III method, Hd-(q1, p0), the left discrete Hamiltonian, with the
+ * curve expanded at the end, and describes it to the list of methods (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,5 +1,5 @@
-/* type3_start.c - closes the equations of type III, Hd-(q1, p0), the left discrete Hamiltonian, at the start
- * (docs/method.md section 4). */
+/* type3_start.c - computes the corrections of the type III method, Hd-(q1, p0), the left discrete Hamiltonian, with the
+ * curve expanded at the start, and describes it to the list of methods (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 
