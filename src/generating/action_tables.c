@@ -14,7 +14,7 @@ static bool is_integration_by_parts_exact(const tvi_action *action, const tvi_op
 
 /* Returns the length of half of the rows of nodes: whole vectors, if the field at the nodes needs no more of the tape's
  * vectors for that. */
-static int half_of(const tvi_system *system, int points, int width)
+static int choose_half_row_length(const tvi_system *system, int points, int width)
 {
     if (width > 1) return (points + 1) / 2;
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2,
@@ -22,8 +22,8 @@ static int half_of(const tvi_system *system, int points, int width)
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
-static tvi_action shape_of(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
-                           int p_degree, int top, bool mirrors, int width)
+static tvi_action choose_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind,
+                                      int q_degree, int p_degree, int top, bool mirrors, int width)
 {
     const int points = options->quadrature_points;
     const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
@@ -37,7 +37,7 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
                         .orders = top + 1,
                         .width = width};
     if (mirrors && seeds_need_only_field(&shape) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        shape.half_points = half_of(system, points, width);
+        shape.half_points = choose_half_row_length(system, points, width);
         shape.points = 2 * shape.half_points;
     }
     return shape;
@@ -48,8 +48,8 @@ tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *opt
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = expanded->has_top_momentum ? degree : degree - 1;
     const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE;
-    return shape_of(system, options, expanded->action, degree, p_degree, degree + one_more,
-                    expanded->span.from == -expanded->span.to, 1);
+    return choose_action_shape(system, options, expanded->action, degree, p_degree, degree + one_more,
+                               expanded->span.from == -expanded->span.to, 1);
 }
 
 const jet_tape *tvi_select_node_field(const tvi_system *system, tvi_action_kind kind)
@@ -70,7 +70,7 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
                          tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width)
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n * (size_t)width;
-    *action = shape_of(system, options, kind, q_degree, p_degree, top, mirrors, width);
+    *action = choose_action_shape(system, options, kind, q_degree, p_degree, top, mirrors, width);
     const size_t points = (size_t)action->points;
     action->field_tape = tvi_select_node_field(system, kind);
     action->sweeps = action->field_tape->sweeps;

@@ -17,8 +17,8 @@
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static void take_side(tvi_end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                      double sign)
+static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                               double sign)
 {
     tvi_options plain = *options; /* y is never truncated */
     plain.nodes = TVI_NODES_ON_CURVE;
@@ -40,7 +40,7 @@ static void take_side(tvi_end_curve *x, tvi_arena *arena, const tvi_system *syst
     tvi_factor_allocate(&x->factor, arena, system->n);
 }
 
-static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     tvi_both_ends_workspace *taken = tvi_arena_allocate(arena, sizeof *taken);
     tvi_both_ends_workspace w = {.system = system,
@@ -49,8 +49,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
                                  .degree = options->degree,
                                  .points = options->quadrature_points};
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
-    take_side(&w.a, arena, system, options, 1);
-    take_side(&w.b, arena, system, options, -1);
+    allocate_end_curve(&w.a, arena, system, options, 1);
+    allocate_end_curve(&w.b, arena, system, options, -1);
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
     tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
@@ -68,7 +68,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-static void prepare_side(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
+static void prepare_end_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
@@ -80,14 +80,14 @@ static void prepare_side(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scale
     for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->end * x->action.node_s[node];
 }
 
-static void prepare(void *taken)
+static void prepare_stepper(void *taken)
 {
     tvi_both_ends_workspace *w = taken;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     tvi_newton_set_rules(&w->newton, w->options, true);
-    prepare_side(w, &w->a, (tvi_scaled_span){0, 1, 1});
-    prepare_side(w, &w->b, (tvi_scaled_span){-1, 0, 1});
+    prepare_end_curve(w, &w->a, (tvi_scaled_span){0, 1, 1});
+    prepare_end_curve(w, &w->b, (tvi_scaled_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
@@ -113,7 +113,7 @@ static tvi_status solve_multiplier(const tvi_both_ends_workspace *w, tvi_end_cur
 }
 
 /* Returns component j of (A - I)^T multiplier. */
-static double pulled(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
+static double sum_multiplied_column(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
 {
     double sum = 0;
     for (int i = 0; i < w->n; i++) sum += x->G[i * 2 * w->n + j] * x->multiplier[i];
@@ -126,7 +126,7 @@ static tvi_status close_equations(tvi_both_ends_workspace *w, tvi_stats *stats)
     if (status == TVI_OK) status = solve_multiplier(w, &w->b, stats);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n; i++) {
-        const double at_a = pulled(w, &w->a, i), at_b = pulled(w, &w->b, i);
+        const double at_a = sum_multiplied_column(w, &w->a, i), at_b = sum_multiplied_column(w, &w->b, i);
         w->from_p[i] = -w->a.R[i] + at_a + (w->a.multiplier[i] - w->b.multiplier[i]);
         w->rise_p[i] = w->a.R[i] + w->b.R[i] - at_a - at_b;
     }
@@ -139,18 +139,18 @@ typedef struct {
     const tvi_origin *origin;
     double h;
     tvi_stats *stats;
-} attempt;
+} step_attempt;
 
-static tvi_status expand(const attempt *a, tvi_end_curve *x, const double z[], double centre)
+static tvi_status expand_end_curve(const step_attempt *attempt, tvi_end_curve *x, const double z[], double centre)
 {
-    a->stats->expansions++;
-    tvi_curve_set_time_unit_and_data(&x->curve, a->h, z);
+    attempt->stats->expansions++;
+    tvi_curve_set_time_unit_and_data(&x->curve, attempt->h, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 
-static void set_scale(void *self, double scale[])
+static void compute_unknown_scales(void *self, double scale[])
 {
-    const tvi_both_ends_workspace *w = ((const attempt *)self)->work;
+    const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const int n = w->n;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
@@ -172,10 +172,10 @@ static void set_scale(void *self, double scale[])
 }
 
 /* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
-static void form_residual(const attempt *a, const double q1[], double r[])
+static void compute_end_differences(const step_attempt *attempt, const double q1[], double r[])
 {
-    tvi_both_ends_workspace *w = a->work;
-    const tvi_origin *origin = a->origin;
+    tvi_both_ends_workspace *w = attempt->work;
+    const tvi_origin *origin = attempt->origin;
     const int n = w->n;
     tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, r);
     tvi_curve_sum_combination(&w->b.curve, &w->b.to_end, r + n);
@@ -189,32 +189,32 @@ static void form_residual(const attempt *a, const double q1[], double r[])
     }
 }
 
-static tvi_status residual(void *self, const double x[], double r[])
+static tvi_status compute_residual(void *self, const double x[], double r[])
 {
-    const attempt *a = self;
-    tvi_both_ends_workspace *w = a->work;
-    const tvi_origin *origin = a->origin;
+    const step_attempt *attempt = self;
+    tvi_both_ends_workspace *w = attempt->work;
+    const tvi_origin *origin = attempt->origin;
     const size_t n = (size_t)w->n;
     memcpy(w->z, origin->q, n * sizeof *x);
     memcpy(w->z + n, x, n * sizeof *x);
-    tvi_status status = expand(a, &w->a, w->z, origin->t + origin->t_low);
-    if (status == TVI_OK) status = expand(a, &w->b, x + n, origin->t + (origin->t_low + a->h));
+    tvi_status status = expand_end_curve(attempt, &w->a, w->z, origin->t + origin->t_low);
+    if (status == TVI_OK) status = expand_end_curve(attempt, &w->b, x + n, origin->t + (origin->t_low + attempt->h));
     if (status != TVI_OK) return status;
     tvi_curve_differentiate(&w->a.curve);
     tvi_curve_differentiate(&w->b.curve);
-    status = tvi_both_ends_compute_gradient(w, a->stats);
-    if (status == TVI_OK) status = close_equations(w, a->stats);
+    status = tvi_both_ends_compute_gradient(w, attempt->stats);
+    if (status == TVI_OK) status = close_equations(w, attempt->stats);
     if (status != TVI_OK) return status;
-    form_residual(a, x + n, r);
+    compute_end_differences(attempt, x + n, r);
     return TVI_OK;
 }
 
 /* Fills in the residual's Jacobian without the change of the small corrections. Its columns v0,
  * q1, v1 are, by rows of r,
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
-static bool jacobian(void *self, double matrix[])
+static bool compute_jacobian(void *self, double matrix[])
 {
-    const tvi_both_ends_workspace *w = ((const attempt *)self)->work;
+    const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
     tvi_curve_sum_jacobian(&w->a.curve, &w->a.near_u, w->b.G);
@@ -231,14 +231,14 @@ static bool jacobian(void *self, double matrix[])
 }
 
 /* Computes the roundoff of (a(1), b(-1), kappa p_a(0)) from that of the field at the nodes. */
-static void residual_roundoff(void *self, double r[])
+static void estimate_residual_roundoff(void *self, double r[])
 {
-    const attempt *a = self;
-    tvi_both_ends_workspace *w = a->work;
+    const step_attempt *attempt = self;
+    tvi_both_ends_workspace *w = attempt->work;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    a->stats->force_evaluations +=
-        tvi_estimate_end_roundoff(&w->a.action, &w->a.curve, a->h, a->origin->q, a->origin->p, r, of_u);
+    attempt->stats->force_evaluations += tvi_estimate_end_roundoff(&w->a.action, &w->a.curve, attempt->h,
+                                                                   attempt->origin->q, attempt->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
     for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
 }
@@ -246,15 +246,15 @@ static void residual_roundoff(void *self, double r[])
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 /* Expands the curve a from (q0, p0), and predicts the data of b as the end of a. */
-static tvi_status predict(const attempt *a)
+static tvi_status predict_unknowns(const step_attempt *attempt)
 {
-    tvi_both_ends_workspace *w = a->work;
+    tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
-    const tvi_origin *origin = a->origin;
-    tvi_status status =
-        tvi_legendre_compute_start(&w->legendre, w->system, a->h, origin->t, origin->q, origin->p, w->velocity, w->z);
+    const tvi_origin *origin = attempt->origin;
+    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->system, attempt->h, origin->t, origin->q, origin->p,
+                                                   w->velocity, w->z);
     if (status != TVI_OK) return status;
-    status = expand(a, &w->a, w->z, origin->t + origin->t_low);
+    status = expand_end_curve(attempt, &w->a, w->z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z + n, n * sizeof(double));
     tvi_curve_sum_combination(&w->a.curve, &w->q_unit, w->newton.x + n);
     tvi_curve_sum_combination(&w->a.curve, &w->z_unit, w->newton.x + 2 * n);
@@ -262,7 +262,7 @@ static tvi_status predict(const attempt *a)
 }
 
 /* Stores in dz what z of the curves lacks: the low-order part of q0, and the last correction. */
-static void keep_missing(tvi_both_ends_workspace *w, const tvi_origin *origin)
+static void store_last_correction(tvi_both_ends_workspace *w, const tvi_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
     memcpy(w->a.dz, origin->q_low, bytes);
@@ -273,7 +273,7 @@ static void keep_missing(tvi_both_ends_workspace *w, const tvi_origin *origin)
 }
 
 /* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
-static void form_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
+static void compute_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
 {
     const int n = w->n;
     tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, dq);
@@ -288,19 +288,22 @@ static void form_increments(tvi_both_ends_workspace *w, double dq[], double dp[]
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
 }
 
-static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
-                       tvi_stats *stats)
+static tvi_status step_both_ends(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
+                                 tvi_stats *stats)
 {
     tvi_both_ends_workspace *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *increments->dq;
-    attempt a = {w, origin, h, stats};
-    const tvi_equations equations = {
-        .self = &a, .residual = residual, .scale = set_scale, .jacobian = jacobian, .roundoff = residual_roundoff};
-    tvi_status status = predict(&a);
+    step_attempt attempt = {w, origin, h, stats};
+    const tvi_equations equations = {.self = &attempt,
+                                     .residual = compute_residual,
+                                     .scale = compute_unknown_scales,
+                                     .jacobian = compute_jacobian,
+                                     .roundoff = estimate_residual_roundoff};
+    tvi_status status = predict_unknowns(&attempt);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;
-    keep_missing(w, origin);
-    form_increments(w, increments->dq, increments->dp);
+    store_last_correction(w, origin);
+    compute_increments(w, increments->dq, increments->dp);
     memcpy(w->dq, increments->dq, bytes);
     memcpy(w->dp, increments->dp, bytes);
     tvi_curve_compute_size_sums(&w->a.curve);
@@ -310,7 +313,8 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
 }
 
 /* Adds blend (x(at) - x(0)) to dq, and the same of the momenta to dp. */
-static void add_dense(tvi_both_ends_workspace *w, tvi_end_curve *x, double at, double blend, double dq[], double dp[])
+static void add_blended_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, double at, double blend, double dq[],
+                              double dp[])
 {
     tvi_combination_set_power_weights(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
     tvi_combination_set_power_weights(&x->u_dense, &x->curve, true, w->degree - 1, 1, at, -1, 0);
@@ -321,24 +325,28 @@ static void add_dense(tvi_both_ends_workspace *w, tvi_end_curve *x, double at, d
 }
 
 /* Evaluates the blend of the curves; the curve b is measured from the end of the step. */
-static void dense(void *taken, double theta, double dq[], double dp[])
+static void compute_dense_output(void *taken, double theta, double dq[], double dp[])
 {
     tvi_both_ends_workspace *w = taken;
     for (int i = 0; i < w->n; i++) {
         dq[i] = theta * w->dq[i];
         dp[i] = theta * w->dp[i];
     }
-    add_dense(w, &w->a, theta, 1 - theta, dq, dp);
-    add_dense(w, &w->b, theta - 1, theta, dq, dp);
+    add_blended_curve(w, &w->a, theta, 1 - theta, dq, dp);
+    add_blended_curve(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes find_used_sweeps(const tvi_system *system, const tvi_options *options)
 {
     return tvi_curve_find_used_sweeps(system, options, options->degree, options->quadrature_points,
                                       TVI_JACOBIAN_MATRICES);
 }
 
-static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};
+static const tvi_stepper stepper = {.take = allocate_stepper,
+                                    .prepare = prepare_stepper,
+                                    .step = step_both_ends,
+                                    .dense = compute_dense_output,
+                                    .uses = find_used_sweeps};
 
 const tvi_descriptor tvi_type1_both_ends = {
     .method = TVI_TYPE1,

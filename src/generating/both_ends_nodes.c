@@ -5,8 +5,8 @@
 #include <string.h>
 
 /* Computes row = sum_{least <= k <= degree} coefficient_k table_k, with coefficient_k at first + k * stride. */
-static void sum_at_nodes(tvi_both_ends_workspace *w, int least, int degree, const double *first, size_t stride,
-                         const double *table)
+static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int least, int degree, const double *first,
+                                     size_t stride, const double *table)
 {
     for (int node = 0; node < w->points; node++) w->row[node] = 0;
     for (int k = degree; k >= least; k--)
@@ -15,19 +15,19 @@ static void sum_at_nodes(tvi_both_ends_workspace *w, int least, int degree, cons
 }
 
 /* Adds w a or (1 - w) b of the sums to out. */
-static void add_blended(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
-                        size_t stride, const double *table, double out[])
+static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
+                               size_t stride, const double *table, double out[])
 {
-    sum_at_nodes(w, 0, degree, first, stride, table);
+    evaluate_series_at_nodes(w, 0, degree, first, stride, table);
     for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
 }
 
 /* Subtracts a from out or adds b, for a - b, whose coefficients 0 nearly cancel; `apart` is their difference a_0 -
  * b_0. */
-static void add_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
-                           size_t stride, double apart, double out[])
+static void add_curve_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
+                                 size_t stride, double apart, double out[])
 {
-    sum_at_nodes(w, 1, degree, first, stride, x->action.power_table.all_orders);
+    evaluate_series_at_nodes(w, 1, degree, first, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
 }
 
@@ -40,16 +40,17 @@ static void add_side_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int 
     const double q_apart =
         tvi_curve_position_coefficients(&w->a.curve, 0)[i] - tvi_curve_position_coefficients(&w->b.curve, 0)[i];
     const double p_apart = w->a.P[i] - w->b.P[i];
-    add_blended(w, x, w->degree, Q, stride, power, w->y + place);
-    add_blended(w, x, w->degree, Q, stride, slope, w->v + place);
-    if (w->options->nodes == TVI_NODES_ON_CURVE) add_difference(w, x, w->degree, Q, stride, q_apart, w->v + place);
-    add_blended(w, x, w->degree - 1, P, (size_t)w->n, power, w->pi + place);
-    add_blended(w, x, w->degree - 1, P, (size_t)w->n, slope, w->pi_rate + place);
-    add_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
+    add_blended_series(w, x, w->degree, Q, stride, power, w->y + place);
+    add_blended_series(w, x, w->degree, Q, stride, slope, w->v + place);
+    if (w->options->nodes == TVI_NODES_ON_CURVE)
+        add_curve_difference(w, x, w->degree, Q, stride, q_apart, w->v + place);
+    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->pi + place);
+    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->pi_rate + place);
+    add_curve_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
 }
 
 /* Computes y, v, pi and pi. at the nodes. */
-static void place_nodes(tvi_both_ends_workspace *w)
+static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
     double *const panels[] = {w->y, w->v, w->pi, w->pi_rate};
@@ -64,7 +65,7 @@ static void place_nodes(tvi_both_ends_workspace *w)
 }
 
 /* Computes the seeds of one curve. */
-static void seed_side(const tvi_both_ends_workspace *w, tvi_end_curve *x)
+static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_curve *x)
 {
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k <= w->degree; k++) {
@@ -84,7 +85,7 @@ tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *w, tvi_stats 
 {
     const tvi_action *nodes = &w->a.action;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
-    place_nodes(w);
+    compute_blend_at_nodes(w);
     stats->force_evaluations += w->points;
     const tvi_status status = tvi_evaluate_lagrangian_at_nodes(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
     if (status != TVI_OK) return status;
@@ -93,8 +94,8 @@ tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *w, tvi_stats 
         w->on_v[i] = nodes->gradient_by_v[i] + (w->has_pi ? 0 : w->pi[i]);
         w->apart[i] = on_curve ? -w->on_v[i] : w->has_pi ? w->pi[i] : 0;
     }
-    seed_side(w, &w->a);
-    seed_side(w, &w->b);
+    compute_end_curve_seeds(w, &w->a);
+    compute_end_curve_seeds(w, &w->b);
     tvi_curve_multiply_by_transposes(&w->a.curve, w->a.seed, NULL, w->a.R);
     tvi_curve_multiply_by_transposes(&w->b.curve, w->b.seed, NULL, w->b.R);
     return TVI_OK;

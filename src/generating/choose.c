@@ -31,11 +31,12 @@ tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system)
     return quickly_of[system->field_series->sweeps->isa][PLAINLY];
 }
 
-tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *c, const tvi_action *action)
+tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_action *action)
 {
-    if (c->close != tvi_close_by_mean_of_ends || !seeds_need_only_field(action) || tvi_curve_uses_products(&c->curve))
+    if (closure->close != tvi_close_by_mean_of_ends || !seeds_need_only_field(action) ||
+        tvi_curve_uses_products(&closure->curve))
         return NULL;
-    if (2 * c->n > LINEAR_SMALL) return NULL;
-    if (c->curve.generated_code) return c->curve.generated_code->step;
-    return quickly_of[c->system->field_series->sweeps->isa][c->curve.width > 1 ? OF_SEVERAL : OF_ONE];
+    if (2 * closure->n > LINEAR_SMALL) return NULL;
+    if (closure->curve.generated_code) return closure->curve.generated_code->step;
+    return quickly_of[closure->system->field_series->sweeps->isa][closure->curve.width > 1 ? OF_SEVERAL : OF_ONE];
 }

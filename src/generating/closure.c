@@ -12,10 +12,11 @@ tvi_status tvi_solve_transposed_full(tvi_closure *closure, const tvi_combination
     return closure->solver->solve(closure, &(tvi_transposed_equations){first, second, TVI_FIRST});
 }
 
-tvi_status tvi_close_by_mean_of_ends(tvi_closure *c)
+tvi_status tvi_close_by_mean_of_ends(tvi_closure *closure)
 {
-    const tvi_status status = tvi_solve_transposed_full(c, &c->q_mean, c->mean->has_momenta ? &c->u_mean : &c->q_rise);
+    const tvi_status status = tvi_solve_transposed_full(
+        closure, &closure->q_mean, closure->mean->has_momenta ? &closure->u_mean : &closure->q_rise);
     if (status != TVI_OK) return status;
-    closure_correct_ends(c);
+    closure_correct_ends(closure);
     return TVI_OK;
 }

@@ -74,15 +74,16 @@ TVI_NODISCARD tvi_status tvi_solve_transposed_full(tvi_closure *closure, const t
 tvi_close_fn tvi_close_by_mean_of_ends;
 
 /* Computes the corrections from the solution in D, as closure->mean says. */
-static inline void closure_correct_ends(const tvi_closure *c)
+static inline void closure_correct_ends(const tvi_closure *closure)
 {
-    const tvi_mean_closing *mean = c->mean;
-    const int width = curve_width(&c->curve);
-    double *restrict from_q = c->from_q, *restrict rise_q = c->rise_q;
-    double *restrict from_p = c->from_p, *restrict rise_p = c->rise_p;
-    for (int i = 0; i < curve_dimension(&c->curve); i++)
+    const tvi_mean_closing *mean = closure->mean;
+    const int width = curve_width(&closure->curve);
+    double *restrict from_q = closure->from_q, *restrict rise_q = closure->rise_q;
+    double *restrict from_p = closure->from_p, *restrict rise_p = closure->rise_p;
+    for (int i = 0; i < curve_dimension(&closure->curve); i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            const double x = c->D[at], y = c->D[curve_numbers(&c->curve) + at], of_q = c->curve.kappa[i] * y;
+            const double x = closure->D[at], y = closure->D[curve_numbers(&closure->curve) + at],
+                         of_q = closure->curve.kappa[i] * y;
             from_q[at] = mean->from_q * of_q;
             rise_q[at] = mean->rise_q * of_q;
             from_p[at] = mean->from_p[0] * x + mean->from_p[1] * y;
@@ -91,12 +92,12 @@ static inline void closure_correct_ends(const tvi_closure *c)
 }
 
 /* Sets p_size [n], the sums of the sizes of the terms of p, by which corrections of p are measured. */
-static inline void closure_set_p_size(const tvi_closure *c)
+static inline void closure_set_p_size(const tvi_closure *closure)
 {
-    curve_sum_combination_by(tvi_add_weighted_magnitudes, &c->curve, &c->p_sizes, c->p_size);
-    const int width = curve_width(&c->curve);
-    for (int i = 0; i < curve_dimension(&c->curve); i++)
-        for (int at = i * width; at < (i + 1) * width; at++) c->p_size[at] /= fabs(c->curve.kappa[i]);
+    curve_sum_combination_by(tvi_add_weighted_magnitudes, &closure->curve, &closure->p_sizes, closure->p_size);
+    const int width = curve_width(&closure->curve);
+    for (int i = 0; i < curve_dimension(&closure->curve); i++)
+        for (int at = i * width; at < (i + 1) * width; at++) closure->p_size[at] /= fabs(closure->curve.kappa[i]);
 }
 
 /* Closes type I, expanded at the start or the end of the step. */

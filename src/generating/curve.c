@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* Returns the system's generated code if it was made for this highest order, otherwise NULL. */
-static const tvi_curve_code *code_of(const tvi_system *system, int top)
+static const tvi_curve_code *find_generated_code(const tvi_system *system, int top)
 {
     const tvi_curve_code *code = system->code ? system->code->curve : NULL;
     return code && code->top == top ? code : NULL;
@@ -30,7 +30,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
                  jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
-    curve->generated_code = width > 1 ? NULL : code_of(system, top);
+    curve->generated_code = width > 1 ? NULL : find_generated_code(system, top);
     curve->jacobian_method = jacobians;
     curve->n = system->n;
     curve->width = width;

@@ -24,10 +24,10 @@ typedef struct {
     int *passes;             /* [width] */
 } batch;
 
-static bool is_plain(const tvi_options *options) { return !tvi_find_method(options)->curve.close; }
+static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.close; }
 
 /* Returns whether the field of corrected curves needs no momenta of nodes. */
-static bool serves_corrected(const tvi_system *system, const tvi_options *options)
+static bool can_step_corrected_in_lanes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool has_field =
@@ -37,10 +37,12 @@ static bool serves_corrected(const tvi_system *system, const tvi_options *option
            tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES && options->degree > 1;
 }
 
-static int width_of(const tvi_system *system, const tvi_options *options)
+static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
-    if (is_plain(options) ? system->form == TVI_LAGRANGIAN : !serves_corrected(system, options)) return 1;
-    const int orders = tvi_get_action_sizes(system, options).orders, blocks = is_plain(options) ? 1 : 2;
+    if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN
+                                        : !can_step_corrected_in_lanes(system, options))
+        return 1;
+    const int orders = tvi_get_action_sizes(system, options).orders, blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
     int width = LEAST_WIDTH;
     if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
@@ -48,88 +50,97 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     return width;
 }
 
-static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    batch *taken = tvi_arena_allocate(arena, sizeof *taken), w = {0};
+    batch *taken = tvi_arena_allocate(arena, sizeof *taken), members = {0};
     const size_t count = (size_t)width, numbers = (size_t)system->n * count;
     const tvi_stepper *stepper = tvi_find_method(options)->stepper;
-    tvi_member_stepper_allocate(&w.by_itself, arena, stepper, system, options, width, options->quadrature_points + 1);
-    w.lanes = tvi_curve_workspace_allocate(arena, system, options, width);
-    w.is_moving = tvi_arena_allocate(arena, count * sizeof *w.is_moving);
-    w.dq = tvi_arena_doubles(arena, numbers);
-    w.dp = tvi_arena_doubles(arena, numbers);
-    w.residual = tvi_arena_doubles(arena, count);
-    w.tail = tvi_arena_doubles(arena, count);
-    w.passes = tvi_arena_allocate(arena, count * sizeof *w.passes);
+    tvi_member_stepper_allocate(&members.by_itself, arena, stepper, system, options, width,
+                                options->quadrature_points + 1);
+    members.lanes = tvi_curve_workspace_allocate(arena, system, options, width);
+    members.is_moving = tvi_arena_allocate(arena, count * sizeof *members.is_moving);
+    members.dq = tvi_arena_doubles(arena, numbers);
+    members.dp = tvi_arena_doubles(arena, numbers);
+    members.residual = tvi_arena_doubles(arena, count);
+    members.tail = tvi_arena_doubles(arena, count);
+    members.passes = tvi_arena_allocate(arena, count * sizeof *members.passes);
     if (!taken) return NULL;
-    *taken = w;
-    w.lanes->by_itself = &taken->by_itself;
+    *taken = members;
+    members.lanes->by_itself = &taken->by_itself;
     return taken;
 }
 
-static void prepare(void *work)
+static void prepare_batch(void *work)
 {
-    batch *w = work;
-    tvi_member_stepper_prepare(&w->by_itself);
-    tvi_curve_workspace_fill_tables(w->lanes);
+    batch *members = work;
+    tvi_member_stepper_prepare(&members->by_itself);
+    tvi_curve_workspace_fill_tables(members->lanes);
 }
 
 /* Copies what a member keeps. Plain steps of a given size leave nothing to the next one. A step to a tolerance leaves
  * its size, from which the member continues in later runs. */
-static void copy_history(const tvi_curve_workspace *from, int lane, const tvi_curve_workspace *to, int to_lane)
+static void copy_member_history(const tvi_curve_workspace *from, int lane, const tvi_curve_workspace *to, int to_lane)
 {
     if (from->corrects) to->newton.history[to_lane] = from->newton.history[lane];
     else to->chosen[to_lane] = from->chosen[lane];
 }
 
-static void get(const void *work, int lane, void *one) { copy_history(((const batch *)work)->lanes, lane, one, 0); }
+static void copy_lane_to_member(const void *work, int lane, void *one)
+{
+    copy_member_history(((const batch *)work)->lanes, lane, one, 0);
+}
 
-static void put(void *work, int lane, const void *one) { copy_history(one, 0, ((const batch *)work)->lanes, lane); }
+static void copy_member_to_lane(void *work, int lane, const void *one)
+{
+    copy_member_history(one, 0, ((const batch *)work)->lanes, lane);
+}
 
-static void forget(void *work, int lane)
+static void forget_lane_history(void *work, int lane)
 {
     const tvi_curve_workspace *lanes = ((const batch *)work)->lanes;
     if (lanes->corrects) lanes->newton.history[lane] = (tvi_newton_history){0};
     else lanes->chosen[lane] = 0;
 }
 
-static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, int m,
-                           tvi_stats *stats)
+static void step_member_by_itself(batch *members, double h, const tvi_batch_origin *origin,
+                                  const tvi_batch_results *end, int m, tvi_stats *stats)
 {
-    const tvi_member_stepper *single = &w->by_itself;
-    get(w, m, single->work);
-    if (tvi_step_member(single, single->system->field_series, w->lanes->closure.curve.series_block, 1, h, origin, end,
-                        m, stats))
-        put(w, m, single->work);
+    const tvi_member_stepper *single = &members->by_itself;
+    copy_lane_to_member(members, m, single->work);
+    if (tvi_step_member(single, single->system->field_series, members->lanes->closure.curve.series_block, 1, h, origin,
+                        end, m, stats))
+        copy_member_to_lane(members, m, single->work);
 }
 
-static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats)
+static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end,
+                       tvi_stats *stats)
 {
-    batch *w = work;
-    const int n = w->by_itself.system->n, width = w->by_itself.width;
-    for (int m = 0; m < width; m++) w->is_moving[m] = end->status[m] == TVI_OK ? -1 : 0;
-    const tvi_quick_step_results quick = {w->dq, w->dp, w->tail, w->residual, w->passes, w->is_moving};
-    (void)w->lanes->quickly(w->lanes, w->lanes->closure.span.tau * h, origin, &quick, stats);
+    batch *members = work;
+    const int n = members->by_itself.system->n, width = members->by_itself.width;
+    for (int m = 0; m < width; m++) members->is_moving[m] = end->status[m] == TVI_OK ? -1 : 0;
+    const tvi_quick_step_results quick = {members->dq,       members->dp,     members->tail,
+                                          members->residual, members->passes, members->is_moving};
+    (void)members->lanes->quickly(members->lanes, members->lanes->closure.span.tau * h, origin, &quick, stats);
     for (int m = 0; m < width; m++) {
         if (end->status[m] != TVI_OK) continue;
-        if (w->passes[m] == TVI_NOT_MADE) {
-            step_by_itself(w, h, origin, end, m, stats);
+        if (members->passes[m] == TVI_NOT_MADE) {
+            step_member_by_itself(members, h, origin, end, m, stats);
             continue;
         }
         for (int at = m; at < n * width; at += width) {
-            end->increments.dq[at] = w->dq[at];
-            end->increments.dp[at] = w->dp[at];
+            end->increments.dq[at] = members->dq[at];
+            end->increments.dp[at] = members->dp[at];
         }
-        end->tail[m] = stats->tail = w->tail[m];
-        end->passes[m] = w->passes[m];
-        if (w->passes[m] > 0) stats->residual = w->residual[m];
+        end->tail[m] = stats->tail = members->tail[m];
+        end->passes[m] = members->passes[m];
+        if (members->passes[m] > 0) stats->residual = members->residual[m];
     }
 }
 
-const tvi_batch_stepper tvi_curve_batch = {.width = width_of,
-                                           .take = take,
-                                           .prepare = prepare,
-                                           .step = step,
-                                           .lane_to_scalar = get,
-                                           .scalar_to_lane = put,
-                                           .forget = forget};
+const tvi_batch_stepper tvi_curve_batch = {.width = choose_batch_width,
+                                           .take = allocate_batch,
+                                           .prepare = prepare_batch,
+                                           .step = step_batch,
+                                           .lane_to_scalar = copy_lane_to_member,
+                                           .scalar_to_lane = copy_member_to_lane,
+                                           .forget = forget_lane_history};

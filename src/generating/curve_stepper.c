@@ -17,10 +17,10 @@ typedef struct {
     const tvi_origin *origin;
     double tau;
     tvi_stats *stats;
-} attempt;
+} step_attempt;
 
-static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system,
-                         const tvi_curve_definition *expanded, int degree, bool corrects, int width)
+static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system,
+                             const tvi_curve_definition *expanded, int degree, bool corrects, int width)
 {
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
@@ -58,7 +58,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     const int degree = options->degree;
     const size_t n = (size_t)system->n * (size_t)width;
     work w = {.corrects = corrects, .is_rough = expanded->is_rough, .options = options, .q_degree = degree};
-    take_closure(&w.closure, arena, system, expanded, degree, corrects, width);
+    allocate_closure(&w.closure, arena, system, expanded, degree, corrects, width);
     const tvi_curve *curve = &w.closure.curve;
     tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.v_end, &w.dense_q, &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
@@ -90,7 +90,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     return taken;
 }
 
-static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     return tvi_curve_workspace_allocate(arena, system, options, 1);
 }
@@ -98,7 +98,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
 /* Sets the combination z_centre: tau v = sum k Q_k s^(k-1), or p of a Hamiltonian, at s = -from. */
-static void set_centre(work *w)
+static void set_centre_weights(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
@@ -131,7 +131,7 @@ void tvi_curve_workspace_fill_tables(void *taken)
     }
     tvi_combination_set_power_weights(&c->p_sizes, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
-    set_centre(w);
+    set_centre_weights(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
     if (!w->corrects) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span, c->curve.top);
@@ -141,116 +141,116 @@ void tvi_curve_workspace_fill_tables(void *taken)
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
-static tvi_status expand(const attempt *a, const double z[], double centre)
+static tvi_status expand_curve(const step_attempt *attempt, const double z[], double centre)
 {
-    tvi_curve *curve = &a->work->closure.curve;
-    a->stats->expansions++;
-    tvi_curve_set_time_unit_and_data(curve, a->tau, z);
+    tvi_curve *curve = &attempt->work->closure.curve;
+    attempt->stats->expansions++;
+    tvi_curve_set_time_unit_and_data(curve, attempt->tau, z);
     return tvi_curve_expand(curve, centre);
 }
 
 /* Predicts z at the centre, by the curve that starts at (q0, p0). */
-static tvi_status predict(const attempt *a)
+static tvi_status predict_centre_data(const step_attempt *attempt)
 {
-    work *w = a->work;
-    const tvi_origin *origin = a->origin;
-    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->closure.system, a->tau, origin->t, origin->q,
+    work *w = attempt->work;
+    const tvi_origin *origin = attempt->origin;
+    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->closure.system, attempt->tau, origin->t, origin->q,
                                                    origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
-    status = expand(a, w->z, origin->t + origin->t_low);
+    status = expand_curve(attempt, w->z, origin->t + origin->t_low);
     step_move_to_centre(w, w->z);
     return status;
 }
 
-static double centre(const attempt *a)
+static double compute_centre_time(const step_attempt *attempt)
 {
-    return a->origin->t + (a->origin->t_low + step_time_to_centre(a->work, a->tau));
+    return attempt->origin->t + (attempt->origin->t_low + step_time_to_centre(attempt->work, attempt->tau));
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-static void set_scale(void *self, double scale[])
+static void compute_unknown_scales(void *self, double scale[])
 {
-    step_compute_unknown_sizes(&((const attempt *)self)->work->closure, scale);
+    step_compute_unknown_sizes(&((const step_attempt *)self)->work->closure, scale);
 }
 
-static tvi_status residual(void *self, const double z[], double r[])
+static tvi_status compute_residual(void *self, const double z[], double r[])
 {
-    const attempt *a = self;
-    work *w = a->work;
+    const step_attempt *attempt = self;
+    work *w = attempt->work;
     tvi_closure *c = &w->closure;
-    tvi_status status = expand(a, z, centre(a));
+    tvi_status status = expand_curve(attempt, z, compute_centre_time(attempt));
     if (status != TVI_OK) return status;
-    a->stats->force_evaluations += w->options->quadrature_points;
+    attempt->stats->force_evaluations += w->options->quadrature_points;
     status = tvi_compute_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
-    status = c->solver->close(c, z, w->newton.scale, a->stats);
-    const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
+    status = c->solver->close(c, z, w->newton.scale, attempt->stats);
+    const tvi_batch_origin origin = tvi_origin_of_one(attempt->origin);
     if (status == TVI_OK) step_compute_residual(w, &origin, r);
     return status;
 }
 
 /* Computes d(q-, kappa p-)/dz, the residual's Jacobian without the change of the small corrections. */
-static bool jacobian(void *self, double matrix[])
+static bool compute_jacobian(void *self, double matrix[])
 {
-    tvi_closure *c = &((attempt *)self)->work->closure;
+    tvi_closure *c = &((step_attempt *)self)->work->closure;
     return c->solver->jacobian(c, matrix);
 }
 
 /* Computes the roundoff of (q-, kappa p-) from that of the field at the nodes. */
-static void residual_roundoff(void *self, double r[])
+static void estimate_residual_roundoff(void *self, double r[])
 {
-    const attempt *a = self;
-    const tvi_closure *c = &a->work->closure;
-    const double h = (c->span.to - c->span.from) * a->tau;
-    a->stats->force_evaluations +=
-        tvi_estimate_end_roundoff(&a->work->action, &c->curve, h, a->origin->q, a->origin->p, r, r + c->n);
+    const step_attempt *attempt = self;
+    const tvi_closure *c = &attempt->work->closure;
+    const double h = (c->span.to - c->span.from) * attempt->tau;
+    attempt->stats->force_evaluations += tvi_estimate_end_roundoff(&attempt->work->action, &c->curve, h,
+                                                                   attempt->origin->q, attempt->origin->p, r, r + c->n);
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
 }
 
 /* Multiplies the correction by the inverse of this Jacobian. */
-static void apply_inverse(void *self, double correction[])
+static void apply_inverse_jacobian(void *self, double correction[])
 {
-    tvi_closure *c = &((attempt *)self)->work->closure;
+    tvi_closure *c = &((step_attempt *)self)->work->closure;
     c->solver->correct(c, correction);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-static tvi_status correct(attempt *a)
+static tvi_status run_corrector(step_attempt *attempt)
 {
-    work *w = a->work;
+    work *w = attempt->work;
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     const tvi_closure_solver *solver = w->closure.solver;
-    const tvi_equations equations = {.self = a,
-                                     .residual = residual,
-                                     .scale = set_scale,
-                                     .jacobian = is_identity || !solver->jacobian ? NULL : jacobian,
-                                     .solve = is_identity || !solver->correct ? NULL : apply_inverse,
-                                     .roundoff = residual_roundoff};
+    const tvi_equations equations = {.self = attempt,
+                                     .residual = compute_residual,
+                                     .scale = compute_unknown_scales,
+                                     .jacobian = is_identity || !solver->jacobian ? NULL : compute_jacobian,
+                                     .solve = is_identity || !solver->correct ? NULL : apply_inverse_jacobian,
+                                     .roundoff = estimate_residual_roundoff};
     solver->begin(&w->closure);
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
-    const tvi_status status = tvi_newton_solve(&w->newton, &equations, a->stats);
+    const tvi_status status = tvi_newton_solve(&w->newton, &equations, attempt->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
     if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->dz);
     return status;
 }
 
 /* Makes the step as most steps are made, and returns whether that did it. */
-static bool step_quick_one(const attempt *a, double dq[], double dp[])
+static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[])
 {
-    work *w = a->work;
+    work *w = attempt->work;
     int passes;
     long long is_moving = -1;
-    const tvi_quick_step_results end = {dq, dp, &a->stats->tail, &a->stats->residual, &passes, &is_moving};
-    const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
-    return w->quickly && w->quickly(w, a->tau, &origin, &end, a->stats);
+    const tvi_quick_step_results end = {dq, dp, &attempt->stats->tail, &attempt->stats->residual, &passes, &is_moving};
+    const tvi_batch_origin origin = tvi_origin_of_one(attempt->origin);
+    return w->quickly && w->quickly(w, attempt->tau, &origin, &end, attempt->stats);
 }
 
 /* Computes the increments of the plain Taylor method's step of size h from the curve, whose tau becomes h. */
-static void end_plainly(work *w, double h, const tvi_increments *increments)
+static void finish_plain_step(work *w, double h, const tvi_increments *increments)
 {
     tvi_curve *curve = &w->closure.curve;
     tvi_curve_rescale_and_sum(curve, h / curve->tau, increments->dq, increments->dp);
@@ -259,23 +259,24 @@ static void end_plainly(work *w, double h, const tvi_increments *increments)
 
 /* Returns whether this is the plain Taylor method: a curve from the start, of a degree that the method has, all of
  * whose orders are summed. */
-static bool is_plain(const work *w)
+static bool is_plain_taylor_step(const work *w)
 {
     const tvi_closure *c = &w->closure;
     return !w->corrects && c->span.from == 0 && w->q_degree > 1 && c->curve.top == w->q_degree;
 }
 
-static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
-                       tvi_stats *stats)
+static tvi_status step_curve(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
+                             tvi_stats *stats)
 {
     work *w = taken;
-    attempt a = {w, origin, w->closure.span.tau * h, stats};
-    if (step_quick_one(&a, increments->dq, increments->dp)) return TVI_OK;
-    tvi_status status = predict(&a);
-    if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
+    step_attempt attempt = {w, origin, w->closure.span.tau * h, stats};
+    if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
+    tvi_status status = predict_centre_data(&attempt);
+    if (status == TVI_OK)
+        status = w->corrects ? run_corrector(&attempt) : expand_curve(&attempt, w->z, compute_centre_time(&attempt));
     if (status != TVI_OK) return status;
-    if (is_plain(w)) {
-        end_plainly(w, h, increments);
+    if (is_plain_taylor_step(w)) {
+        finish_plain_step(w, h, increments);
         step_store_end_velocity(w);
         stats->tail = tvi_curve_compute_tail(&w->closure.curve, 0);
     } else step_compute_results(w, increments->dq, increments->dp, &stats->tail);
@@ -290,9 +291,9 @@ enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
 
 /* Expands the curve from the start of the step, and chooses its tau: a power of 2 near its reach, or near the farthest
  * it may go. A good guess costs one expansion. *reach is the size that serves the tolerance, without sign. */
-static tvi_status expand_within(attempt *a, double guess, double most, double *reach)
+static tvi_status expand_within_domain(step_attempt *attempt, double guess, double most, double *reach)
 {
-    const work *w = a->work;
+    const work *w = attempt->work;
     const tvi_curve *curve = &w->closure.curve;
     int exponent, highest;
     double least =
@@ -300,13 +301,13 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
     (void)frexp(guess, &exponent);
     (void)frexp(most, &highest);
     for (int count = 0; count < MOST_EXPANSIONS; count++) {
-        a->tau = copysign(ldexp(1, exponent), most);
-        tvi_status status = predict(a);
-        if (status == TVI_OK) status = expand(a, w->z, centre(a));
+        attempt->tau = copysign(ldexp(1, exponent), most);
+        tvi_status status = predict_centre_data(attempt);
+        if (status == TVI_OK) status = expand_curve(attempt, w->z, compute_centre_time(attempt));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double part = 0; /* it stays 0 if the coefficients overflow */
         if (status == TVI_OK) part = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
-        *reach = fmin(part * fabs(a->tau), least);
+        *reach = fmin(part * fabs(attempt->tau), least);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
         if (part < 1 / WIDE && part > 0) {
             highest = exponent - 1;
@@ -322,32 +323,32 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
  * allow to be MUCH_LARGER times as large, have to show that they are right at their end. */
 static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
-static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin,
-                              const tvi_increments *increments, tvi_stats *stats)
+static tvi_status step_to_tolerance(void *taken, double tolerance, double *h, const tvi_origin *origin,
+                                    const tvi_increments *increments, tvi_stats *stats)
 {
     work *w = taken;
     tvi_curve *curve = &w->closure.curve;
-    attempt a = {w, origin, 0, stats};
+    step_attempt attempt = {w, origin, 0, stats};
     const double before = *w->chosen;
     double reach;
     if (tolerance != w->tolerance) {
         w->tolerance = tolerance;
         w->log_tolerance = log(tolerance);
     }
-    const tvi_status status = expand_within(&a, before != 0 ? before : *h, *h, &reach);
+    const tvi_status status = expand_within_domain(&attempt, before != 0 ? before : *h, *h, &reach);
     if (status != TVI_OK) { /* the curve of this size fails */
-        *h = a.tau;
+        *h = attempt.tau;
         return status;
     }
     const bool looks = reach > MUCH_LARGER * before;
     if (before != 0) reach = fmin(reach, MOST_GROWTH * before);
     bool is_chosen = reach < fabs(*h);
     if (is_chosen) *h = copysign(reach, *h);
-    end_plainly(w, *h, increments);
+    finish_plain_step(w, *h, increments);
     while (looks && !tvi_curve_satisfies_force_at_end(w, *h, origin, increments) && origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
-        end_plainly(w, *h, increments);
+        finish_plain_step(w, *h, increments);
     }
     if (is_chosen) *w->chosen = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
@@ -358,7 +359,7 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
 }
 
 /* Evaluates the curve, with the corrections growing linearly. */
-static void dense(void *taken, double theta, double dq[], double dp[])
+static void compute_dense_output(void *taken, double theta, double dq[], double dp[])
 {
     work *w = taken;
     const tvi_closure *c = &w->closure;
@@ -368,12 +369,12 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     step_compute_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-static double most_change(const void *taken)
+static double bound_energy_change(const void *taken)
 {
     return tvi_curve_bound_energy_change(&((const work *)taken)->closure.curve);
 }
 
-static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes find_used_sweeps(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
@@ -382,17 +383,17 @@ static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
                                       corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }
 
-const tvi_stepper tvi_stepper_curve = {.take = take,
+const tvi_stepper tvi_stepper_curve = {.take = allocate_stepper,
                                        .prepare = tvi_curve_workspace_fill_tables,
-                                       .step = step,
-                                       .dense = dense,
-                                       .uses = uses,
+                                       .step = step_curve,
+                                       .dense = compute_dense_output,
+                                       .uses = find_used_sweeps,
                                        .batch = &tvi_curve_batch};
-const tvi_stepper tvi_stepper_taylor = {.take = take,
+const tvi_stepper tvi_stepper_taylor = {.take = allocate_stepper,
                                         .prepare = tvi_curve_workspace_fill_tables,
-                                        .step = step,
-                                        .dense = dense,
-                                        .step_within = step_within,
-                                        .most_change = most_change,
-                                        .uses = uses,
+                                        .step = step_curve,
+                                        .dense = compute_dense_output,
+                                        .step_within = step_to_tolerance,
+                                        .most_change = bound_energy_change,
+                                        .uses = find_used_sweeps,
                                         .batch = &tvi_curve_batch};

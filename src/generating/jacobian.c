@@ -60,7 +60,7 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
 
 /* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
-static void pull_by_products(tvi_curve *curve, const double seed_Q[], double out[])
+static void multiply_by_transposes_in_adjoints(tvi_curve *curve, const double seed_Q[], double out[])
 {
     products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
 }
@@ -81,7 +81,7 @@ void tvi_curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combinatio
 
 void tvi_curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (tvi_curve_uses_products(curve)) pull_by_products(curve, seed_Q, out);
+    if (tvi_curve_uses_products(curve)) multiply_by_transposes_in_adjoints(curve, seed_Q, out);
     else if (curve->generated_code) curve->generated_code->pull(curve, seed_Q, seed_U, out);
     else curve_multiply_by_transposes(curve, seed_Q, seed_U, out);
 }

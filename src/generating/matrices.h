@@ -63,11 +63,11 @@ static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *mat
 }
 
 /* Keeps the Jacobians that still serve, and replaces the others: given <- matrix, or matrix <- given. */
-static inline void matrices_merge_member_jacobian(const tvi_closure *c, int m, double matrix[])
+static inline void matrices_merge_member_jacobian(const tvi_closure *closure, int m, double matrix[])
 {
-    const int n = curve_dimension(&c->curve), width = curve_width(&c->curve);
-    double *given = matrices_get_factors(c)->given;
-    const bool is_far = matrices_is_jacobian_outdated(matrices_get_factors(c), m);
+    const int n = curve_dimension(&closure->curve), width = curve_width(&closure->curve);
+    double *given = matrices_get_factors(closure)->given;
+    const bool is_far = matrices_is_jacobian_outdated(matrices_get_factors(closure), m);
     const double *from = is_far ? matrix : given;
     double *to = is_far ? given : matrix;
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
@@ -90,13 +90,13 @@ static inline bool matrices_renew_corrector_jacobian(const tvi_closure *closure,
 }
 
 /* Computes how far z is from the point where the Jacobians were taken, relative to its size, of each member. */
-static inline void matrices_compute_distance(const tvi_closure *c, const double z[], const double scale[],
+static inline void matrices_compute_distance(const tvi_closure *closure, const double z[], const double scale[],
                                              double distance[])
 {
-    const double *z_taken = matrices_get_factors(c)->jacobian_z;
-    const int width = curve_width(&c->curve);
+    const double *z_taken = matrices_get_factors(closure)->jacobian_z;
+    const int width = curve_width(&closure->curve);
     for (int m = 0; m < width; m++) distance[m] = 0;
-    for (int i = 0; i < 2 * curve_numbers(&c->curve); i += width)
+    for (int i = 0; i < 2 * curve_numbers(&closure->curve); i += width)
         for (int m = 0; m < width; m++)
             distance[m] = tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - z_taken[i + m]), scale[i + m]), distance[m]);
 }
@@ -120,29 +120,31 @@ static inline void matrices_enlarge_relative_size(const tvi_curve *curve, int i,
 /* Computes bounds of the errors of the states, relative to the states, by old Jacobians, per distance. Jacobians that
  * were taken at another z are wrong by about the relative distance to it. They multiply the corrections, and the seeds,
  * which need not be as small as the D_z that they add up to. */
-static inline void matrices_bound_stale_error(const tvi_closure *c, const double scale[], double part[])
+static inline void matrices_bound_stale_error(const tvi_closure *closure, const double scale[], double part[])
 {
-    const tvi_curve *curve = &c->curve;
-    const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? c->seed_U : NULL;
+    const tvi_curve *curve = &closure->curve;
+    const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? closure->seed_U : NULL;
     for (int m = 0; m < curve_width(curve); m++) part[m] = 0;
-    closure_set_p_size(c);
+    closure_set_p_size(closure);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        matrices_enlarge_relative_size(curve, i, c->from_q, c->rise_q, fabs(curve->kappa[i]), seed_U, scale, part);
-        matrices_enlarge_relative_size(curve, i, c->from_p, c->rise_p, 1, c->seed_Q, c->p_size, part);
+        matrices_enlarge_relative_size(curve, i, closure->from_q, closure->rise_q, fabs(curve->kappa[i]), seed_U, scale,
+                                       part);
+        matrices_enlarge_relative_size(curve, i, closure->from_p, closure->rise_p, 1, closure->seed_Q, closure->p_size,
+                                       part);
     }
 }
 
 /* Finds the members whose Jacobians are to be taken at z, of those that move: Jacobians of the first pass, which are
  * those of all, serve the later passes as long as no effect of that shows, by the corrections of the pass before. */
-static inline void matrices_find_due_members(const tvi_closure *c, const double z[], const double scale[],
+static inline void matrices_find_due_members(const tvi_closure *closure, const double z[], const double scale[],
                                              const long long moves[], long long is_due[])
 {
-    tvi_jacobian_factors *matrices = matrices_get_factors(c);
+    tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     double distance[CURVE_MOST_WIDTH], part[CURVE_MOST_WIDTH];
     const bool is_first = matrices->jacobian_count == 0;
-    if (!is_first) matrices_compute_distance(c, z, scale, distance);
-    if (!is_first) matrices_bound_stale_error(c, scale, part);
-    for (int m = 0; m < curve_width(&c->curve); m++) {
+    if (!is_first) matrices_compute_distance(closure, z, scale, distance);
+    if (!is_first) matrices_bound_stale_error(closure, scale, part);
+    for (int m = 0; m < curve_width(&closure->curve); m++) {
         is_due[m] = is_first || (moves[m] && !(distance[m] * part[m] <= MATRICES_MOST_STALE_ERROR)) ? -1 : 0;
         if (is_due[m] && !is_first) matrices->distance_since_jacobian[m] += distance[m];
     }

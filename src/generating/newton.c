@@ -48,7 +48,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const
 
 /* Computes dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not
  * contract. The correction holds -r(x). */
-static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *equations)
+static tvi_status compute_jacobian_by_differences(tvi_newton *newton, const tvi_equations *equations)
 {
     const int size = newton->size;
     for (int column = 0; column < size; column++) {
@@ -66,7 +66,7 @@ static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *e
 static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equations, bool fresh, tvi_stats *stats)
 {
     if (fresh) {
-        const tvi_status status = difference_jacobian(newton, equations);
+        const tvi_status status = compute_jacobian_by_differences(newton, equations);
         if (status != TVI_OK) return status;
     } else if (!equations->jacobian(equations->self, newton->factor.lu)) {
         return TVI_OK;
@@ -76,7 +76,7 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
 }
 
 /* Computes vector <- K^-1 vector, with K the approximate Jacobian or, once it was needed, a fresh one. */
-static void solve(const tvi_newton *newton, const tvi_equations *equations, double vector[])
+static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *equations, double vector[])
 {
     if (newton->is_fresh || equations->jacobian) tvi_factor_solve(&newton->factor, vector);
     else if (equations->solve) equations->solve(equations->self, vector);
@@ -84,14 +84,14 @@ static void solve(const tvi_newton *newton, const tvi_equations *equations, doub
 
 /* Adds to the reach of each unknown, which holds its scale, the size of which the roundoff of the residual is the part
  * NEWTON_STAGNATION. Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
-static void find_reach(tvi_newton *newton, const tvi_equations *equations)
+static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equations)
 {
     const size_t bytes = (size_t)newton->group * sizeof(double);
     equations->roundoff(equations->self, newton->difference);
     for (int first = 0; first < newton->size; first += newton->group) {
         memset(newton->trial, 0, (size_t)newton->size * sizeof *newton->trial);
         memcpy(newton->trial + first, newton->difference + first, bytes);
-        solve(newton, equations, newton->trial);
+        solve_with_jacobian(newton, equations, newton->trial);
         for (int i = 0; i < newton->size; i++)
             if (isfinite(newton->trial[i]))
                 newton->reach[i] += TVI_ROUNDOFF_UNITS / NEWTON_STAGNATION * fabs(newton->trial[i]);
@@ -115,10 +115,10 @@ void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool i
 }
 
 /* Returns whether corrections that no longer shrink are roundoff, by the roundoff of the residual. */
-static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
+static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
 {
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
-    find_reach(newton, equations);
+    compute_roundoff_scales(newton, equations);
     tvi_correction_sizes sizes;
     newton_measure_corrections(newton, newton->reach, &sizes);
     if (sizes.of_group[0] > NEWTON_STAGNATION) return false;
@@ -127,8 +127,8 @@ static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_
 }
 
 /* Makes one pass: correction = -K^-1 r(x). */
-static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool refresh,
-                       tvi_stats *stats)
+static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool refresh,
+                                  tvi_stats *stats)
 {
     tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
     if (status != TVI_OK) return status;
@@ -143,7 +143,7 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
         if (status == TVI_OK && refresh) status = equations->residual(equations->self, newton->x, newton->difference);
         if (status != TVI_OK) return status;
     }
-    solve(newton, equations, newton->correction);
+    solve_with_jacobian(newton, equations, newton->correction);
     for (int i = 0; i < newton->size; i++)
         if (!isfinite(newton->correction[i])) return TVI_ENONFINITE;
     stats->passes++;
@@ -160,14 +160,15 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     for (int count = 1; count <= rules->of_each.max_passes; count++) {
         refreshes += refresh;
         newton->is_fresh = newton->has_matrix && refreshes > 0;
-        const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
+        const tvi_status status = run_newton_pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
         tvi_correction_sizes sizes;
         newton_measure_corrections(newton, newton->scale, &sizes);
         const tvi_correction_size size = {sizes.relative[0], sizes.of_group[0]};
         stats->residual = size.relative;
         tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, size);
-        if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &passes)) verdict = TVI_PASSES_MAY_END;
+        if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
+            verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
             tvi_newton_store_slack(newton->history, &passes);
             return TVI_OK;

@@ -7,13 +7,14 @@
 #include "generating/reach.h"
 #include "method/single.h"
 
-static void leave_outside(const tvi_curve_workspace *w, bool at_nodes, long long is_moving[])
+static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at_nodes, long long is_moving[])
 {
-    const tvi_curve *curve = &w->closure.curve;
-    const jet_tape *tape = at_nodes ? w->action.field_tape : curve->system->field_series;
-    const double *x = at_nodes ? w->action.field_block : curve->series_block;
+    const tvi_curve *curve = &work->closure.curve;
+    const jet_tape *tape = at_nodes ? work->action.field_tape : curve->system->field_series;
+    const double *x = at_nodes ? work->action.field_block : curve->series_block;
     for (int m = 0; m < curve->width; m++)
-        if (is_moving[m] && !tvi_is_member_inside_domain(w->by_itself, tape, x, at_nodes ? w->action.points : 1, m))
+        if (is_moving[m] &&
+            !tvi_is_member_inside_domain(work->by_itself, tape, x, at_nodes ? work->action.points : 1, m))
             is_moving[m] = 0;
 }
 
@@ -21,7 +22,7 @@ bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, co
                                        const tvi_quick_step_results *end, tvi_stats *stats)
 {
     static const step_curve_functions makers = {quick_expand_series, quick_expand_with_tangents,
-                                                seeds_compute_from_field, leave_outside};
+                                                seeds_compute_from_field, drop_members_outside_domain};
     return step_by_quick_passes(work, &makers, tau, origin, end, stats);
 }
 
@@ -32,7 +33,7 @@ bool JET_FOR_ISA(tvi_taylor_step_batch)(tvi_curve_workspace *work, double h, con
     const int n = curve_dimension(curve), width = curve_width(curve);
     curve_set_time_unit(curve, h);
     (void)step_set_start_data(work, origin, work->z);
-    if (quick_expand_series(curve) != TVI_OK) leave_outside(work, false, end->is_moving);
+    if (quick_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, end->is_moving);
     curve_rescale_and_sum(curve, 1, end->dq, end->dp);
     for (int i = 0; i < n * width; i++) end->dp[i] /= curve->kappa[i / width];
     step_compute_tails(curve, end->tail);
