@@ -11,7 +11,7 @@ static const tvi_closure_solver *const by_products[JET_ISA_COUNT] = {
 #endif
 };
 
-/* These are for one member, for several, and for several of the plain Taylor method. */
+/* The quick steps are those of one member, of several members, and of several members by the plain Taylor method. */
 enum { OF_ONE, OF_SEVERAL, PLAINLY, QUICK_STEPS };
 static tvi_quick_step_fn *const quickly_of[JET_ISA_COUNT][QUICK_STEPS] = {
     [jet_isa_base] = {tvi_quick_step_single_base, tvi_quick_step_batch_base, tvi_taylor_step_batch_base},

@@ -12,24 +12,24 @@
 #include "generating/seeds.h"
 #include "method/closing.h"
 
-/* A half names one block of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
+/* Names the n x n block of a Jacobian [n][2n] that has the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
 /* These are equations A^T x = D_z with Jacobians of the curve's ends: A is the n x n block `half` of one Jacobian, or
  * two Jacobians whole. */
 typedef struct {
-    const tvi_combination *first, *second; /* second NULL: one */
-    tvi_half half;
+    const tvi_combination *first, *second; /* the Jacobians' combinations; second is NULL if there is only one */
+    tvi_half half;                         /* the block, if there is only one Jacobian */
 } tvi_transposed_equations;
 
 /* A solver solves these equations; the generating functions do not know which one does (matrices.c, products.c). */
 typedef struct tvi_closure_solver {
     void (*take)(struct tvi_closure *closure, tvi_arena *arena);
-    void (*begin)(struct tvi_closure *closure); /* a step: what was kept is of another one */
+    void (*begin)(struct tvi_closure *closure); /* begins a step: discards the factors of the step before */
     /* Computes the corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
     tvi_status (*close)(struct tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats);
-    /* Replaces D [2n] by x where the equations stand, and elsewhere by what is left of D_z. Returns TVI_ESINGULAR,
-     * TVI_ENONFINITE or TVI_ENOCONV. */
+    /* Replaces D [2n] by the solution x in the rows of the unknowns, and by the residual of D_z in the others. Returns
+     * TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV. */
     tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed_equations *equations);
     /* The corrector has one of the next two functions. `jacobian` writes J = d(q-, u-)/dz [2n][2n], or returns false if
      * the last Jacobian still serves; `correct` replaces the correction by nearly J^-1 times it. */
@@ -44,19 +44,19 @@ typedef struct tvi_closure {
     int n;
     tvi_scaled_span span;
     tvi_curve curve;
-    /* These give q-, q+, q+ - q-, and (to q- - from q+)/(to - from). The last has no Q_1 in it, and is the mean of the
-     * ends if the expansion is at the midpoint. */
+    /* The combinations whose sums are q-, q+, q+ - q-, and (to q- - from q+)/(to - from). The last one has no term in
+     * Q_1; it is the mean of the ends if the curve is expanded at the midpoint. */
     tvi_combination q_from, q_to, q_rise, q_mean;
-    tvi_combination u_from, u_to, u_rise, u_mean; /* these of the scaled momentum u = kappa p */
-    tvi_combination p_sizes;                      /* the sums of p_size */
+    tvi_combination u_from, u_to, u_rise, u_mean; /* the same combinations of the scaled momentum u */
+    tvi_combination p_sizes;                      /* the weights whose sum over |U_k| is p_size */
     int p_degree;                                 /* the degree of the momentum */
     double *p_size;                               /* [n] sum_k |P_k| */
     tvi_close_fn *close;                          /* the generating function's closing */
-    const tvi_mean_closing *mean;                 /* how tvi_close_by_mean_of_ends closes, if that is the closing */
+    const tvi_mean_closing *mean;                 /* the factors of tvi_close_by_mean_of_ends, or NULL */
     double *seed_Q, *seed_U;                      /* [top + 1][n] the seeds of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */
     const tvi_closure_solver *solver;
-    void *solving;                             /* the data of the solver */
+    void *solving;                             /* the solver's own data, such as factors */
     double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
 } tvi_closure;
 

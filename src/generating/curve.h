@@ -16,7 +16,7 @@
 
 void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
                         int width);
-void tvi_curve_fill_constant_tables(tvi_curve *curve); /* once, when the memory is there */
+void tvi_curve_fill_constant_tables(tvi_curve *curve); /* called once, after allocation */
 
 tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
 /* Sets a combination from weights of Q, or from weights of U (which a separable system turns into weights of Q). */
@@ -43,7 +43,7 @@ void tvi_curve_differentiate(tvi_curve *curve);
 /* Returns the Jacobians that suit the system: matrices if n is small. Only separable systems have products. */
 tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 
-/* Returns the sweeps that a stepper runs if its curves have these Jacobians and its action has `points` nodes. */
+/* Returns the tape sweeps that a stepper runs if its curves have these Jacobians and its action has `points` nodes. */
 tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_options *options, int top, int points,
                                           tvi_jacobians jacobians);
 

@@ -77,8 +77,8 @@ static void prepare_batch(void *work)
     tvi_curve_workspace_fill_tables(members->lanes);
 }
 
-/* Copies what a member keeps. Plain steps of a given size leave nothing to the next one. A step to a tolerance leaves
- * its size, from which the member continues in later runs. */
+/* Copies the history of a member. Plain steps of a given size leave nothing to the next one. A step to a tolerance
+ * leaves its size, from which the member continues in later runs. */
 static void copy_member_history(const tvi_curve_workspace *from, int lane, const tvi_curve_workspace *to, int to_lane)
 {
     if (from->corrects) to->newton.history[to_lane] = from->newton.history[lane];

@@ -9,7 +9,7 @@
 #include "generating/orders.h"
 #include "generating/matrices.h"
 
-/* Returns by how much the centre of the step is later than its start. */
+/* Returns the time from the start of the step to the centre of the curve's expansion. */
 static inline double step_time_to_centre(const tvi_curve_workspace *work, double tau)
 {
     return -work->closure.span.from * tau;
@@ -74,7 +74,8 @@ static inline void step_sum_with_correction(const tvi_curve_workspace *work, con
     for (int i = 0; i < curve_numbers(&work->closure.curve); i++) out[i] += work->shift[i];
 }
 
-/* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
+/* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p. Dense output computes increments to a point within the
+ * step; then only the fraction `part` of the corrections is added. */
 static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_rise,
                                            const tvi_combination *u_rise, double part, double dq[], double dp[])
 {
@@ -118,8 +119,8 @@ static inline void step_compute_results(const tvi_curve_workspace *work, double 
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* The caller gives these functions of a curve: the series without Jacobians and with them, and the seeds, finite or
- * not. */
+/* A quick step calls these functions to expand the curve, without and with its Jacobians, and to compute the seeds,
+ * which need not be finite. */
 typedef struct {
     tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
@@ -127,7 +128,7 @@ typedef struct {
     void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long is_moving[]);
 } step_curve_functions;
 
-/* A quick step holds the step that is being made, of the members that still move. */
+/* This is the state of a quick step while its passes run. Members whose passes have ended no longer move. */
 typedef struct {
     tvi_curve_workspace *work;
     const step_curve_functions *makers;
@@ -136,7 +137,7 @@ typedef struct {
     long factorisations;
 } step_state;
 
-/* Returns how many members move. */
+/* Returns the number of members whose passes have not ended. */
 static inline int step_count_moving_members(const step_state *state)
 {
     int count = 0;
@@ -144,7 +145,8 @@ static inline int step_count_moving_members(const step_state *state)
     return count;
 }
 
-/* Leaves out the members that a status of all is of. Returns whether some move on. */
+/* Handles the status of an evaluation: a single member's step fails; of several members, those outside of the domain
+ * stop moving. Returns whether the step continues. */
 static inline bool step_drop_failed_members(const step_state *state, tvi_status status, bool at_nodes)
 {
     if (status == TVI_OK) return true;
@@ -153,7 +155,7 @@ static inline bool step_drop_failed_members(const step_state *state, tvi_status 
     return true;
 }
 
-/* Finds the members whose Jacobians are to be taken at z. Returns how many there are. */
+/* Finds the members whose Jacobians must be computed anew at z, and returns their number. */
 static inline int step_find_due_jacobians(const step_state *state, const double z[])
 {
     tvi_closure *closure = &state->work->closure;
@@ -233,7 +235,7 @@ static inline void step_judge_member(const step_state *state, tvi_newton_passes 
     end->passes[m] = passes->of_each.count;
 }
 
-/* Adds the corrections of the members that move. */
+/* Adds the corrections to the unknowns of the members that still move. */
 static inline void step_apply_corrections(const step_state *state)
 {
     const tvi_newton *newton = &state->work->newton;
@@ -244,7 +246,7 @@ static inline void step_apply_corrections(const step_state *state)
         for (int m = 0; m < width; m++) x[m] = state->is_moving[m] ? x[m] + correction[m] : x[m];
 }
 
-/* Passes of the corrector run until each member's may end. */
+/* Runs passes of the corrector until the passes of every member may end. */
 static inline void step_run_passes(step_state *state, const tvi_quick_step_results *end)
 {
     const tvi_newton *newton = &state->work->newton;

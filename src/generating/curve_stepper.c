@@ -238,7 +238,7 @@ static tvi_status run_corrector(step_attempt *attempt)
     return status;
 }
 
-/* Makes the step as most steps are made, and returns whether that did it. */
+/* Tries the quick step, whose passes must converge as usual. Returns whether it succeeded. */
 static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[])
 {
     work *w = attempt->work;
@@ -285,7 +285,7 @@ static tvi_status step_curve(void *taken, double h, const tvi_origin *origin, co
 
 /* ---- Steps that adapt -------------------------------------------------------------------------------------------- */
 
-/* A step's size is found from a curve whose tau is within this factor of it. */
+/* A step's size is accepted from a curve only if its tau is within this factor of that size. */
 static const double WIDE = 16;
 enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
 

@@ -40,20 +40,19 @@ typedef struct tvi_curve_workspace {
     double tolerance, log_tolerance;    /* those of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
-    tvi_quick_step_fn *quickly; /* makes the steps that converge as they mostly do; NULL: the method has none */
-    const struct tvi_member_stepper *by_itself; /* several members: one of them alone */
+    tvi_quick_step_fn *quickly;                 /* the quick step, or NULL */
+    const struct tvi_member_stepper *by_itself; /* batches: steps one member alone */
 } tvi_curve_workspace;
 
 /* Allocates the work of `width` members, and fills its tables. */
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
 void tvi_curve_workspace_fill_tables(void *work);
 
-/* Returns the solver by products. */
+/* Returns the solver by products with Jacobians, for the system's instruction set. */
 const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system);
-/* Returns what makes steps quickly: with matrices that are small, and seeds without second derivatives. NULL:
- * nothing. */
+/* Returns the quick step for small matrices and seeds without second derivatives; NULL: there is none for these. */
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_action *action);
-/* Returns what makes plain steps of several members. */
+/* Returns the function that makes plain Taylor steps of several members. */
 tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system);
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that

@@ -18,14 +18,14 @@ static const double MATRICES_MOST_REUSE_DISTANCE = 1e-4;
  * valid if it belongs to the last Jacobians. */
 typedef struct {
     double *jacobian_z;              /* [2n] the z at which the last Jacobians were taken */
-    int jacobian_count;              /* how often Jacobians were taken in this step */
-    int factored_jacobian_count;     /* the count of those that the factor belongs to */
-    bool has_corrector_jacobian;     /* the corrector has a Jacobian */
+    int jacobian_count;              /* how many times Jacobians were computed in this step */
+    int factored_jacobian_count;     /* jacobian_count when the factor was computed */
+    bool has_corrector_jacobian;     /* whether the corrector's Jacobian was computed in this step */
     double *distance_since_jacobian; /* [width] the path of z since that Jacobian, relative to its size */
     double *end_jacobian;            /* [n][2n] scratch for Jacobians of the ends */
     double *given; /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
-    tvi_lu_factor half_factor; /* n x n; a generating function has this factor */
-    tvi_lu_factor full_factor; /* 2n x 2n; or it has this one */
+    tvi_lu_factor half_factor; /* the factor of an n x n block, or */
+    tvi_lu_factor full_factor; /* the factor of the 2n x 2n matrix; a method uses one of both */
 } tvi_jacobian_factors;
 
 static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solving; }
@@ -62,7 +62,8 @@ static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *mat
     return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_MOST_REUSE_DISTANCE;
 }
 
-/* Keeps the Jacobians that still serve, and replaces the others: given <- matrix, or matrix <- given. */
+/* Merges the corrector's new Jacobian of member m with the stored one: an outdated stored Jacobian is replaced by the
+ * new one, otherwise the stored one replaces the new one in `matrix`. */
 static inline void matrices_merge_member_jacobian(const tvi_closure *closure, int m, double matrix[])
 {
     const int n = curve_dimension(&closure->curve), width = curve_width(&closure->curve);
@@ -134,8 +135,9 @@ static inline void matrices_bound_stale_error(const tvi_closure *closure, const 
     }
 }
 
-/* Finds the members whose Jacobians are to be taken at z, of those that move: Jacobians of the first pass, which are
- * those of all, serve the later passes as long as no effect of that shows, by the corrections of the pass before. */
+/* Finds the moving members whose Jacobians must be computed anew at z. The first pass computes those of all members.
+ * Later passes reuse them as long as the bound of the resulting error, estimated from the corrections of the pass
+ * before, is below roundoff. */
 static inline void matrices_find_due_members(const tvi_closure *closure, const double z[], const double scale[],
                                              const long long moves[], long long is_due[])
 {

@@ -31,9 +31,9 @@ typedef struct {
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 
-/* The history keeps these results of earlier solutions. */
+/* The corrector keeps these results of earlier solutions. */
 typedef struct {
-    double slack; /* how much slower a later pass was seen to contract than the one before it; 0: none was */
+    double slack; /* the largest ratio of a pass's contraction factor to that of the pass before; 0: not yet measured */
 } tvi_newton_history;
 
 /* These are the sizes of the corrections of a pass: the largest relative to its unknown's scale; and the largest of a
@@ -52,8 +52,8 @@ typedef struct {
 } tvi_newton_rules;
 typedef struct {
     tvi_passes of_each, of_largest;
-    double slack, seen; /* how much slower passes are than they showed: as is believed, and by the last correction */
-    bool checks;        /* a pass more than seems needed, until one confirms what was expected of it */
+    double slack, seen; /* the slack in use, and the slack that the last correction showed */
+    bool checks;        /* whether one more pass must confirm the expected convergence */
 } tvi_newton_passes;
 
 tvi_newton_rules tvi_newton_rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough);
@@ -115,15 +115,15 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 }
 
 typedef struct {
-    bool has_matrix, is_fresh; /* is_fresh: the matrix is one by differences */
+    bool has_matrix, is_fresh; /* is_fresh: the matrix was computed by finite differences */
     bool is_rough;
     tvi_newton_rules rules;
-    int size, group;                /* unknowns come in groups that share a unit, each of the components of all */
-    int width;                      /* how many members; the member is the fastest */
+    int size, group;                /* the number of unknowns, and of those in a group, which share a unit */
+    int width;                      /* the number of members; the member is the fastest index */
     const tvi_subsystems *parts;    /* the subsystems of the components */
     double *x, *correction, *scale; /* [size][width] */
-    double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
-    double *trial, *difference; /* [size] scratch */
+    double *reach;                  /* [size] the scale, enlarged by the residual's roundoff */
+    double *trial, *difference;     /* [size] scratch */
     tvi_lu_factor factor;
     tvi_newton_history *history; /* [width] */
 } tvi_newton;
@@ -141,7 +141,7 @@ static inline int newton_count_group_unknowns(const tvi_newton *newton)
     return CURVE_SIZE(CURVE_N, newton->group);
 }
 
-/* Returns the place of unknown i of member m. */
+/* Returns the index of unknown i of member m in arrays [size][width]. */
 static inline int newton_index_of_unknown(const tvi_newton *newton, int i, int m)
 {
     (void)newton;

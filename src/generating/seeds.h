@@ -103,7 +103,7 @@ static inline const double *seeds_sum_over_nodes(const tvi_action *action, const
     return action->order_row;
 }
 
-/* Returns the place of the seed of order k of component i. */
+/* Returns a pointer to the seed of order k and component i. */
 static inline double *seeds_at_component(const tvi_curve *curve, double seed[], int k, int i)
 {
     return seed + k * curve_numbers(curve) + i * curve_width(curve);
