@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-/* As a stall ratio: passes are stuck only if the correction does not shrink at all. */
+/* A stall ratio with which passes are stuck only if the correction does not shrink at all. */
 #define TVI_PASSES_ALL (1 - DBL_EPSILON)
 
 /* The rule of an iteration. Sizes of corrections are absolute or relative, as the iteration has it. Ratios are those

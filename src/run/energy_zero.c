@@ -27,10 +27,11 @@ static double direction_of(line along, double dq, double dp, double time)
     return along == FORWARD ? dq : along == BACK ? -dq : copysign(dq, dp * time);
 }
 
-static double energy_of(tvi_integrator *it, int m)
+double tvi_energy_value(tvi_integrator *it, int m, const double *q, const double *p)
 {
     double H;
-    return tvi_member_compute_energy(it, m, it->end.q, it->end.p, &H) == TVI_OK ? H : NAN;
+    const tvi_status status = tvi_member_compute_energy(it, m, q, p, &H);
+    return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
 /* H(factor q + distance d, 0), where q is where the member's step starts and d the direction of the line. */
@@ -43,7 +44,7 @@ static double energy_at_rest(tvi_integrator *it, int m, double factor, double di
         it->end.p[k] = 0;
     }
     it->end.q[end + m] = it->state.q[end + m];
-    return energy_of(it, m);
+    return tvi_energy_value(it, m, it->end.q, it->end.p);
 }
 
 static double energy_at_rest_here(tvi_integrator *it, int m) { return energy_at_rest(it, m, 1, 0, FORWARD); }
@@ -57,7 +58,7 @@ static bool is_even(tvi_integrator *it, int m, double H, double roundoff)
         it->end.p[k] = -it->state.p[k];
     }
     it->end.q[end + m] = it->state.q[end + m];
-    return fabs(H - energy_of(it, m)) <= roundoff;
+    return fabs(H - tvi_energy_value(it, m, it->end.q, it->end.p)) <= roundoff;
 }
 
 /* The lowest energy at rest along the line, from `here` to where it rises. */
@@ -83,9 +84,8 @@ static double lowest_nearby(tvi_integrator *it, int m, double roundoff)
 /* |H| where the member's run began. */
 static double first_size(tvi_integrator *it, int m)
 {
-    double H;
     const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    return tvi_member_compute_energy(it, m, q, p, &H) == TVI_OK ? fabs(H) : NAN;
+    return fabs(tvi_energy_value(it, m, q, p));
 }
 
 void tvi_energy_zero_find(tvi_integrator *it, int m, double H, double roundoff)
@@ -95,10 +95,10 @@ void tvi_energy_zero_find(tvi_integrator *it, int m, double H, double roundoff)
     const bool has_rest = is_even(it, m, H, roundoff),
                has_limit = has_rest && fabs(far - farther) <= MOST_DIFFERENCE * fabs(H - farther);
     reference->zero = has_limit ? farther : has_rest ? lowest_nearby(it, m, roundoff) : 0;
-    reference->is_lowered = has_rest && !has_limit;
     reference->scale = has_rest ? fabs(H - reference->zero) : first_size(it, m);
-    reference->has_scale = reference->scale > roundoff;
-    if (!reference->has_scale) reference->zero = reference->scale = 0; /* may be NaN */
+    reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
+    reference->is_lowered = reference->has_scale && has_rest && !has_limit;
+    if (!reference->has_scale) reference->zero = reference->scale = 0; /* they may be NaN */
 }
 
 void tvi_energy_zero_lower(tvi_integrator *it, int m)

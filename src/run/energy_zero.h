@@ -5,6 +5,10 @@
 
 #include "run/integrator.h"
 
+/* Returns the energy of the member at (q, p), whose rows are those of a tvi_run_state. It is infinite if it overflows,
+ * and NAN if it has no value. */
+double tvi_energy_value(tvi_integrator *integrator, int member, const double *q, const double *p);
+
 /* Sets the member's reference zero and scale at the state where its step starts. The state has the energy H, with this
  * roundoff. */
 void tvi_energy_zero_find(tvi_integrator *integrator, int member, double H, double roundoff);

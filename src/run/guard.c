@@ -32,15 +32,6 @@ static bool conserves_energy(const tvi_integrator *it)
 
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
-/* The energy of the member at (q, p), whose rows are those of a tvi_run_state. It is infinite if it overflows, and NAN
- * if it has no value. */
-static double energy_of(tvi_integrator *it, int m, const double *q, const double *p)
-{
-    double H;
-    const tvi_status status = tvi_member_compute_energy(it, m, q, p, &H);
-    return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
-}
-
 /* Computes H[width] of the members whose energy is asked for. */
 static void find_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
@@ -49,7 +40,7 @@ static void find_energies(tvi_integrator *it, const double *q, const double *p, 
         return;
     }
     for (int m = 0; m < it->width; m++)
-        if (it->needs_energy[m]) H[m] = energy_of(it, m, q, p);
+        if (it->needs_energy[m]) H[m] = tvi_energy_value(it, m, q, p);
 }
 
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
