@@ -334,7 +334,7 @@ do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
 check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; plain words" $(DO)
-WORDED := $(wildcard $(foreach folder,run galerkin system method compiled algebra generating,src/$(folder)/*.[ch]) ad/*.[ch] include/* tests/*/*.[ch] bench/*/*.[ch] bench/*/*/*.[ch])
+WORDED := $(wildcard $(foreach folder,run galerkin system method compiled algebra generating,src/$(folder)/*.[ch]) ad/*.[ch] include/* tests/*/*.[ch] bench/*/*.[ch] bench/*/*/*.[ch] docs/examples/*.[ch] docs/examples/*.hpp docs/examples/*.cpp tests/*/*.cpp tests/*/*.hpp)
 do-floors:
 	tests/floors.sh
 	tests/sizes.sh

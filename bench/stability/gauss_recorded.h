@@ -5,7 +5,7 @@
 
 #include "baselines/baseline.h"
 
-/* As baseline.run, of order 4, 6, ... 16. Not for several threads. */
+/* Does what baseline.run does, with order 4, 6, ... 16. It is not for several threads. */
 tvi_status gauss_recorded(const tvi_system *system, int order, const baseline_task *task, double q[], double p[],
                           baseline_counts *counts);
 

@@ -14,7 +14,7 @@ static jet potential(const jet q[], jet t, void *ctx)
     return jet_neg(jet_cos(q[0]));
 }
 
-/* What is added to dp/dt: -v/2 + 0.9 cos(2 t / 3). */
+/* The force that is added to dp/dt: -v/2 + 0.9 cos(2 t / 3). */
 static void drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 {
     (void)q, (void)ctx;

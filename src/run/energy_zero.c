@@ -1,7 +1,8 @@
 /* energy_zero.c - Finds the zero from which the guard counts the energy of a member (energy_zero.h).
  *
  * The zero is an energy of the system at rest, H(q, 0):
- *   - the limit of H(c q, 0) for large c, if there is one, as where bodies attract each other; or else
+ *   - the limit of H(c q, 0) for large c, if there is one, as where bodies attract each other; q is where the step
+ *     ends, so that a start at q = 0 makes no limit; or else
  *   - the lowest energy at rest along straight lines from the state, up to where it rises. This is about the energy of
  *     an equilibrium. It is lowered later, wherever the member's energy at rest is found to be lower.
  * A constant added to H is added to the zero, too. An H that is not even in p, as in a magnetic field, has no energy at
@@ -10,9 +11,10 @@
 
 #include <math.h>
 
-/* Two factors of q that are so large that the forces of bodies are negligible, and the part of the energy by which H
- * may differ between them. */
-static const double FAR = 0x1p60, FARTHER = 0x1p90, MOST_DIFFERENCE = 1e-9;
+/* The factors of q are powers of 2 with these exponents. At the last two the forces of bodies are negligible, and H may
+ * differ by this part of the energy. */
+static const int FACTORS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
+static const double MOST_DIFFERENCE = 1e-9;
 /* The lines are searched from NEAREST increments of the step to FARTHEST, by factors of RATIO. A step from rest that is
  * too large may be a billion times as long as it should be. */
 static const double NEAREST = 0x1p-30, FARTHEST = 0x1p12, RATIO = 2;
@@ -49,16 +51,37 @@ static double energy_at_rest(tvi_integrator *it, int m, double factor, double di
 
 static double energy_at_rest_here(tvi_integrator *it, int m) { return energy_at_rest(it, m, 1, 0, FORWARD); }
 
-/* Tells whether H(q, -p) is H, to roundoff. */
-static bool is_even(tvi_integrator *it, int m, double H, double roundoff)
+/* Tells whether H(q, -p) is H(q, p) to roundoff, at the end of the step: where it starts p may be 0. */
+static bool is_even(tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
-    for (int k = m; k < end; k += width) {
-        it->end.q[k] = it->state.q[k];
-        it->end.p[k] = -it->state.p[k];
+    double H[2];
+    for (int sign = 0; sign < 2; sign++) {
+        for (int k = m; k < end; k += width) {
+            const double p = it->state.p[k] + it->increments.dp[k];
+            it->end.q[k] = it->state.q[k] + it->increments.dq[k];
+            it->end.p[k] = sign ? -p : p;
+        }
+        it->end.q[end + m] = it->state.q[end + m];
+        H[sign] = tvi_energy_value(it, m, it->end.q, it->end.p);
     }
-    it->end.q[end + m] = it->state.q[end + m];
-    return fabs(H - tvi_energy_value(it, m, it->end.q, it->end.p)) <= roundoff;
+    return fabs(H[1] - H[0]) <= MOST_DIFFERENCE * fabs(H[0]);
+}
+
+/* The limit of H(c q, 0) for large c. NAN if there is none, or if H does not rise or fall all the way: behind a pole
+ * the energy says nothing of the motion before it. */
+static double limit_far_away(tvi_integrator *it, int m, double H, double roundoff)
+{
+    double last = energy_at_rest(it, m, 1, 1, FORWARD), difference = INFINITY;
+    bool rises = true, falls = true;
+    for (size_t k = 0; k < sizeof FACTORS / sizeof *FACTORS; k++) {
+        const double factor = ldexp(1, FACTORS[k]), next = energy_at_rest(it, m, factor, factor, FORWARD);
+        difference = next - last;
+        rises = rises && difference >= -roundoff;
+        falls = falls && difference <= roundoff;
+        last = next;
+    }
+    return (rises || falls) && fabs(difference) <= MOST_DIFFERENCE * fabs(H - last) ? last : NAN;
 }
 
 /* The lowest energy at rest along the line, from `here` to where it rises. */
@@ -91,11 +114,11 @@ static double first_size(tvi_integrator *it, int m)
 void tvi_energy_zero_find(tvi_integrator *it, int m, double H, double roundoff)
 {
     tvi_reference_energy *reference = &it->reference[m];
-    const double far = energy_at_rest(it, m, FAR, 0, FORWARD), farther = energy_at_rest(it, m, FARTHER, 0, FORWARD);
-    const bool has_rest = is_even(it, m, H, roundoff),
-               has_limit = has_rest && fabs(far - farther) <= MOST_DIFFERENCE * fabs(H - farther);
-    reference->zero = has_limit ? farther : has_rest ? lowest_nearby(it, m, roundoff) : 0;
+    const double limit = limit_far_away(it, m, H, roundoff);
+    const bool has_rest = is_even(it, m), has_limit = has_rest && !isnan(limit);
+    reference->zero = has_limit ? limit : has_rest ? lowest_nearby(it, m, roundoff) : 0;
     reference->scale = has_rest ? fabs(H - reference->zero) : first_size(it, m);
+    reference->is_sought = true;
     reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
     reference->is_lowered = reference->has_scale && has_rest && !has_limit;
     if (!reference->has_scale) reference->zero = reference->scale = 0; /* they may be NaN */

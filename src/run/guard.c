@@ -30,6 +30,10 @@ static bool conserves_energy(const tvi_integrator *it)
     return it->energy.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
+/* Tells whether the stepper bounds the change of the energy. The energy is then computed only where the bound is larger
+ * than its size allows. */
+static bool knows_change(const tvi_integrator *it) { return it->stepper->most_change && !tvi_is_rescaled(it); }
+
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
 /* Computes H[width] of the members whose energy is asked for. */
@@ -86,8 +90,9 @@ static bool loses_energy(tvi_integrator *it, int m, double after)
     const double action = action_of(it, m), roundoff = roundoff_of(it, m, before),
                  change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0,
                  change = fabs(after - before + change_of_e);
+    const bool needs_scale = change > roundoff || (knows_change(it) && !reference->is_sought);
+    if (!reference->has_scale && needs_scale) tvi_energy_zero_find(it, m, before, roundoff);
     if (change <= roundoff) return false;
-    if (!reference->has_scale) tvi_energy_zero_find(it, m, before, roundoff);
     if (!reference->has_scale && action == 0) return false;
     if (change <= MOST_CHANGE * size_of_energy(reference, before, action) + roundoff) return false;
     tvi_energy_zero_lower(it, m);
@@ -113,8 +118,6 @@ static void check_energies(tvi_integrator *it)
 }
 
 /* ---- Which steps are in doubt ------------------------------------------------------------------------------------ */
-
-static bool knows_change(const tvi_integrator *it) { return it->stepper->most_change && !tvi_is_rescaled(it); }
 
 /* Sets energy_change to bounds that the stepper knows of the change of each member's energy; otherwise to infinity. */
 static void find_changes(tvi_integrator *it)

@@ -5,8 +5,6 @@
 
 #include "run/integrator.h"
 
-#include <math.h>
-
 /* The limits up to which steps need no check of their energies. */
 tvi_unchecked_step_limits tvi_guard_skip_limits(const tvi_integrator *integrator);
 

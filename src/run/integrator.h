@@ -13,9 +13,10 @@
 /* The energy that the guard compares with (energy_zero.h). */
 typedef struct {
     double zero;     /* the energy from which it is counted */
-    double scale;    /* its size, where it was first asked for */
+    double scale;    /* its size above the zero, at the first step in doubt; it grows when the zero is lowered */
     double H;        /* its value at the current state */
-    long has_scale;  /* zero and scale are set */
+    long is_sought;  /* zero and scale have been looked for */
+    long has_scale;  /* they were found */
     long is_lowered; /* the zero is an estimate, which may be lowered */
     long is_known;   /* H is set */
 } tvi_reference_energy;
@@ -85,13 +86,13 @@ struct tvi_integrator {
     double *energy_change;           /* [width] a bound of the energy's change in the step, from the stepper */
     bool *needs_energy;              /* [width] true if the energy must be computed to judge the step */
     double *energy_before, *energy_after; /* [width] the energies at the start and at the end of the step */
-    tvi_run_state end;                    /* the states at the end of the step, without low-order parts */
-    tvi_run_state member_state;           /* the state of one member, without low-order parts */
-    tvi_energy_work energy;      /* memory to compute the energy of one member; block = NULL if it is not needed */
+    tvi_run_state end; /* the states at the end of the step, without low-order parts; scratch of energy_zero.c */
+    tvi_run_state member_state;  /* the state of one member, without low-order parts */
+    tvi_energy_work energy;      /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
     tvi_energy_work transformed; /* memory to compute the Hamiltonian K of a rescaled system */
-    tvi_energy_batch energies;   /* memory to compute the energies of all members at once; block = NULL if unused */
-    double *field;               /* memory to evaluate the forces, or the derivatives of L or H, at one point */
-    tvi_tangent *tangent;        /* memory for tangent vectors; NULL if they have not been used */
+    tvi_energy_batch energies; /* memory to compute the energies of all members at once; tape_block = NULL if unused */
+    double *field;             /* memory to evaluate the forces, or the derivatives of L or H, at one point */
+    tvi_tangent *tangent;      /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
 };
 
@@ -172,7 +173,7 @@ int tvi_integrator_best_batch_width(const tvi_integrator *integrator);
 void tvi_integrator_apply_parameters(tvi_integrator *integrator);
 
 /* Sets the parameters of the first `count` members to value[tvi_system_parameters][stride], and those of other members
- * to the first member's. The run goes on as if it had always had these values. */
+ * to the first member's. Unlike tvi_integrator_set_parameters it forgets nothing of the run. */
 void tvi_integrator_load_parameters(tvi_integrator *integrator, const double value[], size_t stride, int count);
 
 /* Allocates the memory for this number of tangent vectors (tangent.c). */

@@ -1,6 +1,5 @@
 /* member.c - Copies the state of one member from the user's arrays to an integrator and back, copies members from one
  * integrator to another, and computes the energy of a member (integrator.h). */
-#include "run/guard.h"
 #include "run/integrator.h"
 #include "method/single.h"
 #include "algebra/sizes.h"
@@ -113,10 +112,7 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
     const tvi_run_state *alone = &it->member_state;
     tvi_gather_member(n + 1, it->width, q, member, alone->q);
     tvi_gather_member(n, it->width, p, member, alone->p);
-    if (it->width > 1) {
-        tvi_member_load_parameters(it, member);
-        tvi_energy_reset_start(&it->energy);
-    }
+    if (it->width > 1) tvi_member_load_parameters(it, member);
     return tvi_energy_compute(&it->energy, alone->q[n], alone->q, alone->p, H);
 }
 

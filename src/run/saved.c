@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STATE_VERSION = 13 };
+enum { STATE_VERSION = 14 };
 
 static const char MAGIC[] = "tvistate";
 

@@ -50,7 +50,7 @@ void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_syst
     work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_allocate(&work->legendre, arena, system);
-    work->velocity = tvi_arena_allocate_history(arena, (size_t)system->n * sizeof *work->velocity);
+    work->velocity = tvi_arena_doubles(arena, (size_t)system->n);
 }
 
 void tvi_energy_prepare(tvi_energy_work *work)
@@ -91,11 +91,9 @@ static tvi_status compute_lagrangian_energy(tvi_energy_work *work, double t, con
                                             double *H)
 {
     double *v = work->velocity;
+    memset(v, 0, (size_t)work->system->n * sizeof *v); /* Newton's method starts at rest. */
     tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
-    if (status != TVI_OK) {
-        memset(v, 0, (size_t)work->system->n * sizeof *v); /* The next call must not start from these velocities. */
-        return status;
-    }
+    if (status != TVI_OK) return status;
     status = evaluate_energy_tape(work, t, q, v, H);
     *H = -*H;
     for (int i = 0; i < work->system->n; i++) *H += p[i] * v[i];

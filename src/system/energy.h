@@ -10,7 +10,7 @@ typedef struct {
     const tvi_system *system;
     double *tape_block;    /* Block of the energy's tape. */
     tvi_legendre legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
-    /* [n] Velocities: the first iterate of Newton's method, and its result. */
+    /* [n] The velocities that Newton's method finds for a Lagrangian. It starts at rest. */
     double *velocity;
     /* [slots of the tape] Values in long double of a Hamiltonian; NULL if they are not asked for. */
     long double *long_double_values;
@@ -26,11 +26,6 @@ TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, co
 TVI_NODISCARD tvi_status tvi_transform_velocities(const tvi_system *system, const double parameters[], double t,
                                                   const double q[], const double input[], double output[],
                                                   bool to_momenta);
-/* Sets the first iterate of Newton's method to 0, so that the next energy does not depend on the one before. */
-static inline void tvi_energy_reset_start(tvi_energy_work *work)
-{
-    if (work->velocity) memset(work->velocity, 0, (size_t)work->system->n * sizeof *work->velocity);
-}
 /* Computes the energy of a finite state, as tvi_energy does. */
 TVI_NODISCARD tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[],
                                             double *H);

@@ -50,9 +50,8 @@ struct tvi_system {
     jet *field;
     jet_tape *field_series;
     jet_tape *field_values;
-    jet_tape *
-        /* Hamiltonian: the gradient of r.H_p in q and p, for truncated nodes. The inputs are q, p, t, r. */
-        bend_values;
+    /* Hamiltonian: the gradient of r.H_p in q and p, for truncated nodes. The inputs are q, p, t, r. */
+    jet_tape *bend_values;
     /* Computes the field and then second derivatives. Lagrangian: those of L in (q, v) that are not 0 everywhere,
      * one of each symmetric pair. Hamiltonian: those that hessian.h describes, or NULL. */
     jet_tape *hessian_values;

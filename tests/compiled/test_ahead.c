@@ -27,7 +27,7 @@ enum { CASES = sizeof cases / sizeof *cases, FIRST_OF_ALL = 2 };
 
 typedef const tvi_compiled *ahead_fn(void);
 
-/* As a program that is linked with it has it. */
+/* Builds the code as a program has it that is linked with it. */
 static ahead_fn *build(const char *directory, const char *compiler, const char *flags, void **library)
 {
     char command[600];

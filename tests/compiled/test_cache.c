@@ -243,7 +243,7 @@ START_TEST(what_others_may_exchange_is_refused)
 }
 END_TEST
 
-/* As on a full disk, writing ends after some bytes. */
+/* Writing ends after some bytes, as on a full disk. */
 START_TEST(a_file_that_cannot_be_written_is_refused)
 {
     const char *cache = directory_make();
@@ -374,7 +374,7 @@ START_TEST(two_processes_at_once)
 }
 END_TEST
 
-/* What is compiled fastest. */
+/* Chooses the instruction set whose code is compiled fastest. */
 static void pin(void) { setenv("TVI_ISA", "base", 1); }
 
 Suite *suite_cache(void)

@@ -1,4 +1,4 @@
-// consumer.cpp - Writes consumer.c as a user of C++ does.
+/* consumer.cpp - Writes consumer.c as a user of C++ does. */
 #include <tvi.hpp>
 
 #include <cstdio>

@@ -173,7 +173,7 @@ const motion motions[MOTIONS] = {
     {.name = "spring", .potential = spring, .n = 1, .most = 1, .h = 0.2},
     {.name = "Morse", .potential = morse, .n = 1, .most = 1, .cancels = 1, .h = 0.2},
     {.name = "pendulum", .potential = pendulum, .n = 1, .most = 1, .h = 0.2},
-    {.name = "poles", .potential = poles, .n = 1, .most = 0.25, .cancels = 1, .h = 0.125},
+    {.name = "poles", .potential = poles, .n = 1, .most = 0.25, .cancels = 1, .h = 0.0625},
     {.name = "driven", .force = driven, .n = 3, .most = 1, .h = 0.125},
     {.name = "uneven H", .hamiltonian = uneven_hamiltonian, .n = 1, .most = 1, .h = 0.2},
     {.name = "uneven L", .lagrangian = uneven_lagrangian, .n = 1, .most = 1, .h = 0.2},

@@ -17,7 +17,7 @@ static_assert(std::is_trivially_destructible<jet>::value, "a jet is passed in re
 static_assert(std::is_standard_layout<jet>::value, "a jet is laid out as in C");
 static_assert(sizeof(jet) == sizeof(double) + sizeof(void *), "a jet is laid out as in C");
 static_assert(offsetof(jet, number) == 0 && offsetof(jet, node) == sizeof(double), "a jet is laid out as in C");
-/* What docs/bindings.md promises. */
+/* The codes that docs/bindings.md promises. */
 static_assert(JET_NEG == 0 && JET_SQR == 1 && JET_SQRT == 2 && JET_EXP == 3 && JET_LOG == 4 && JET_SIN == 5,
               "codes stay");
 static_assert(JET_COS == 6 && JET_TAN == 7 && JET_ASIN == 8 && JET_ACOS == 9 && JET_ATAN == 10, "codes stay");
