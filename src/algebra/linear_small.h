@@ -7,6 +7,7 @@
 
 #include "algebra/linear.h"
 #include "algebra/sizes.h"
+#include "algebra/width.h"
 #include "vector.h"
 
 #include <float.h>
@@ -242,7 +243,6 @@ JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, doubl
 }
 
 /* The systems of several members stand side by side: `width` numbers in the place of each, the member fastest. */
-enum { LINEAR_MOST_WIDTH = 32 };
 
 #define LINEAR_TAKE_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
 #define LINEAR_MULTIPLY(V, S)     JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
@@ -266,7 +266,7 @@ JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tv
                                         long long is_safe[])
 {
     const size_t stride = (size_t)n;
-    double before[LINEAR_SMALL * LINEAR_MOST_WIDTH];
+    double before[LINEAR_SMALL * TVI_MOST_WIDTH];
     JET_UNROLLED
     for (int j = 0; j < n; j++)
         for (int m = 0; m < width; m++) before[j * width + m] = factor->lu[(j * n + j) * width + m];

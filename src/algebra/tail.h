@@ -6,6 +6,7 @@
 
 #include "algebra/sizes.h"
 #include "algebra/subsystems.h"
+#include "algebra/width.h"
 
 #include <float.h>
 #include <math.h>
@@ -73,15 +74,14 @@ static inline double tvi_tail_of(double ratio, double share, double largest)
 }
 
 /* Computes out[width], the tails of several members, from share and ratio [n][width]. */
-enum { TVI_TAIL_MOST_WIDTH = 64 };
 static inline void tvi_tails_of_members(const tvi_subsystems *parts, int n, int width, const double *share,
                                         const double *ratio, double *out)
 {
-    double most[TVI_TAIL_MOST_WIDTH];
+    double most[TVI_MOST_WIDTH];
     for (int m = 0; m < width; m++) most[m] = 0;
     for (int part = 0, k = 0; part < parts->count; part++) {
         const int first = k, end = tvi_subsystems_end(parts, part, n);
-        double largest[TVI_TAIL_MOST_WIDTH];
+        double largest[TVI_MOST_WIDTH];
         for (int m = 0; m < width; m++) largest[m] = 0;
         for (; k < end; k++)
             for (int m = 0; m < width; m++) {

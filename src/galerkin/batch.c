@@ -8,7 +8,7 @@
 #include "galerkin/step.h"
 #include "method/single.h"
 
-enum { MOST_LANES = 256, LEAST_WIDTH = 8 };
+enum { MOST_LANES = 256 };
 /* The largest block of the tape, which is partly in the second-level cache. A block of the least width may be larger,
  * except if a whole step is generated code, which then is faster. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
@@ -54,9 +54,9 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
     const int node_count = options->degree, bytes = system->field_values->slots * node_count * (int)sizeof(double);
     if (!tvi_galerkin_needs_no_hessian(system) || options->passes == TVI_PREDICT_ONLY) return 1;
     const bool has_steps = system->code && system->code->galerkin;
-    if (LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
-    int member_count = LEAST_WIDTH;
-    while (2 * member_count <= GALERKIN_MOST_WIDTH && 2 * member_count * node_count <= MOST_LANES &&
+    if (TVI_LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
+    int member_count = TVI_LEAST_WIDTH;
+    while (2 * member_count <= TVI_MOST_WIDTH && 2 * member_count * node_count <= MOST_LANES &&
            2 * member_count * bytes <= MOST_BYTES)
         member_count *= 2;
     return member_count;

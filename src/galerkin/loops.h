@@ -33,16 +33,15 @@ typedef struct {
 } galerkin_convergence;
 
 /* The state of the iteration of each member of a batch, as tvi_passes of algebra/passes.h has it for one member. */
-enum { GALERKIN_MOST_WIDTH = 32 };
 typedef struct {
-    double movement[GALERKIN_MOST_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
+    double movement[TVI_MOST_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
     /* The members of tvi_passes. */
-    double correction[GALERKIN_MOST_WIDTH], correction_before[GALERKIN_MOST_WIDTH], contraction[GALERKIN_MOST_WIDTH];
-    double slowest_contraction[GALERKIN_MOST_WIDTH], correction_without_roundoff[GALERKIN_MOST_WIDTH];
-    double first_movement[GALERKIN_MOST_WIDTH]; /* the movement of the first pass */
-    double pass_count[GALERKIN_MOST_WIDTH];     /* the number of passes that were made */
+    double correction[TVI_MOST_WIDTH], correction_before[TVI_MOST_WIDTH], contraction[TVI_MOST_WIDTH];
+    double slowest_contraction[TVI_MOST_WIDTH], correction_without_roundoff[TVI_MOST_WIDTH];
+    double first_movement[TVI_MOST_WIDTH]; /* the movement of the first pass */
+    double pass_count[TVI_MOST_WIDTH];     /* the number of passes that were made */
     /* Masks, with all bits set or none: has_ended if the member has converged, is_moving if it still makes passes. */
-    long long has_ended[GALERKIN_MOST_WIDTH], is_moving[GALERKIN_MOST_WIDTH];
+    long long has_ended[TVI_MOST_WIDTH], is_moving[TVI_MOST_WIDTH];
 } galerkin_batch_convergence;
 
 /* The impulses from which a step is predicted. Usually both of the last two steps are used, with the factors of

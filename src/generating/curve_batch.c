@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-enum { MOST_WIDTH = 32, LEAST_WIDTH = 8, MOST_N = 7 };
+enum { MOST_N = 7 };
 /* These bound the blocks of the series and of its tangents along one direction, which are to stay in the first-level
  * cache; a block of the least width may be larger. */
 enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
@@ -44,9 +44,9 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
         return 1;
     const int orders = tvi_get_action_sizes(system, options).orders, blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
-    int width = LEAST_WIDTH;
-    if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
-    while (2 * width <= MOST_WIDTH && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    int width = TVI_LEAST_WIDTH;
+    if (TVI_LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
+    while (2 * width <= TVI_MOST_WIDTH && 2 * width * bytes <= MOST_BYTES) width *= 2;
     return width;
 }
 

@@ -3,13 +3,16 @@
 #ifndef TVI_SRC_GENERATING_IN_LIBRARY_H
 #define TVI_SRC_GENERATING_IN_LIBRARY_H
 
+#include "algebra/width.h"
+
 /* CURVE_SIZE is a size: a constant in generated code, otherwise a variable. */
 #define CURVE_SIZE(constant, otherwise) (otherwise)
 
-/* CURVE_WIDTH is the number of members: one, but for CURVE_MEMBERS, which only code of one instruction set serves. */
+/* CURVE_WIDTH is the number of members: one, but for CURVE_MEMBERS, which only code of one instruction set serves. It
+ * tells the compiler that a width is a multiple of the least one. */
 #ifdef CURVE_MEMBERS
-enum { CURVE_MOST_WIDTH = 32 };
-#define CURVE_WIDTH(work)  ((work)->width & ~7)
+enum { CURVE_MOST_WIDTH = TVI_MOST_WIDTH };
+#define CURVE_WIDTH(work)  ((work)->width & -TVI_LEAST_WIDTH)
 #define CURVE_COMBINE_EACH members_combine_rows
 #else
 enum { CURVE_MOST_WIDTH = 1 };
