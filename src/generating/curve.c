@@ -106,13 +106,6 @@ void tvi_curve_set_time_unit_and_data(tvi_curve *curve, double tau, const double
     curve_set_centre_data(curve, z);
 }
 
-static tvi_status expand_by_orders(tvi_curve *curve)
-{
-    tvi_status status = TVI_OK;
-    for (int k = 0; k <= curve->top; k++) curve_expand_order(curve, k, &status);
-    return status;
-}
-
 static tvi_status expand_by_code(tvi_curve *curve)
 {
     const tvi_status status = curve->generated_code->expand(curve);
@@ -132,7 +125,7 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
     static const double none = 0;
     curve_set_centre_time(curve, &centre, &none, 0);
     const bool has_code = curve->generated_code && curve->generated_code->expand;
-    const tvi_status status = has_code ? expand_by_code(curve) : expand_by_orders(curve);
+    const tvi_status status = has_code ? expand_by_code(curve) : curve_expand_series(curve);
     if (has_code || status != TVI_OK) return status;
     return curve_has_finite_coefficients(curve) ? TVI_OK : TVI_ENONFINITE;
 }

@@ -192,6 +192,14 @@ static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *statu
     }
 }
 
+/* Expands the curve from its centre data. Returns TVI_EDOMAIN, TVI_ESINGULAR or otherwise TVI_OK, finite or not. */
+static inline tvi_status curve_expand_series(tvi_curve *curve)
+{
+    tvi_status status = TVI_OK;
+    for (int k = 0; k <= curve_highest_order(curve); k++) curve_expand_order(curve, k, &status);
+    return status;
+}
+
 /* Computes order k of the tangents of a block of directions. */
 static inline void curve_differentiate_order(tvi_curve *curve, const curve_tangent_block *b, int k)
 {

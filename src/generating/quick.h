@@ -1,5 +1,5 @@
-/* quick.h - expands a curve, with or without its tangents, by the sweeps of the tapes of one instruction set. The
- * quick steps of one member (quick.c) and of several members (quick_members.c) call it. */
+/* quick.h - expands a curve with its tangents by the sweeps of the tapes of one instruction set. The quick steps of
+ * one member (quick.c) and of several members (quick_members.c) call it. */
 #ifndef TVI_SRC_GENERATING_QUICK_H
 #define TVI_SRC_GENERATING_QUICK_H
 
@@ -8,16 +8,9 @@
 
 #include "generating/curve_step.h"
 
-static inline tvi_status quick_expand_series(tvi_curve *curve)
-{
-    tvi_status status = TVI_OK;
-    for (int k = 0; k <= curve->top; k++) curve_expand_order(curve, k, &status);
-    return status;
-}
-
 static inline tvi_status quick_expand_with_tangents(tvi_curve *curve)
 {
-    const tvi_status status = quick_expand_series(curve);
+    const tvi_status status = curve_expand_series(curve);
     if (status == TVI_OK || curve_width(curve) > 1) curve_differentiate(curve);
     return status;
 }

@@ -21,7 +21,7 @@ static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at
 bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                        const tvi_quick_step_results *end, tvi_stats *stats)
 {
-    static const step_curve_functions makers = {quick_expand_series, quick_expand_with_tangents,
+    static const step_curve_functions makers = {curve_expand_series, quick_expand_with_tangents,
                                                 seeds_compute_from_field, drop_members_outside_domain};
     return step_by_quick_passes(work, &makers, tau, origin, end, stats);
 }
@@ -33,7 +33,7 @@ bool JET_FOR_ISA(tvi_taylor_step_batch)(tvi_curve_workspace *work, double h, con
     const int n = curve_dimension(curve), width = curve_width(curve);
     curve_set_time_unit(curve, h);
     (void)step_set_start_data(work, origin, work->z);
-    if (quick_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, end->is_moving);
+    if (curve_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, end->is_moving);
     curve_rescale_and_sum(curve, 1, end->dq, end->dp);
     for (int i = 0; i < n * width; i++) end->dp[i] /= curve->kappa[i / width];
     step_compute_tails(curve, end->tail);
