@@ -308,7 +308,7 @@ static tvi_status step_both_ends(void *taken, double h, const tvi_origin *origin
     memcpy(w->dp, increments->dp, bytes);
     tvi_curve_compute_size_sums(&w->a.curve);
     tvi_curve_compute_size_sums(&w->b.curve);
-    stats->tail = fmax(tvi_curve_compute_tail(&w->a.curve, 0), tvi_curve_compute_tail(&w->b.curve, 0));
+    stats->tail = fmax(tvi_curve_compute_tail(&w->a.curve), tvi_curve_compute_tail(&w->b.curve));
     return TVI_OK;
 }
 

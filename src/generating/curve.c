@@ -161,7 +161,7 @@ void tvi_curve_compute_size_sums(const tvi_curve *curve)
     curve->generated_code ? curve->generated_code->measure(curve) : curve_compute_size_sums(curve);
 }
 
-double tvi_curve_compute_tail(const tvi_curve *curve, int m)
+double tvi_curve_compute_tail(const tvi_curve *curve)
 {
-    return curve->generated_code ? curve->generated_code->tail(curve, m) : curve_compute_tail(curve, m);
+    return curve->generated_code ? curve->generated_code->tail(curve) : curve_compute_tail(curve);
 }

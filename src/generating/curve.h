@@ -67,11 +67,11 @@ void tvi_curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combinatio
 void tvi_curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
 /* tvi_curve_prepare_tail is called once: Q and P are summed to these degrees. tvi_curve_compute_size_sums computes the
- * sizes of movement and momentum of each curve, and tvi_curve_compute_tail computes tvi_stats.tail of member m from
- * them (tail.h); it is 0 if p' has one term only. */
+ * sizes of movement and momentum of each curve, and tvi_curve_compute_tail computes tvi_stats.tail of a single member
+ * from them (tail.h); it is 0 if p' has one term only. */
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree);
 void tvi_curve_compute_size_sums(const tvi_curve *curve);
-double tvi_curve_compute_tail(const tvi_curve *curve, int m);
+double tvi_curve_compute_tail(const tvi_curve *curve);
 
 /* Returns more than the terms that are left out change the energy by, for a step that is the curve, after its tail was
  * computed; INFINITY if these terms are not known. */

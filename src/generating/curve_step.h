@@ -102,9 +102,8 @@ static inline void step_store_end_velocity(const tvi_curve_workspace *work)
 
 static inline void step_compute_tails(const tvi_curve *curve, double tail[])
 {
-    const int width = curve_width(curve);
-    if (width == 1) tail[0] = CURVE_CALL(compute_tail, curve, 0);
-    else curve_tails(curve, tail);
+    if (curve_width(curve) == 1) tail[0] = CURVE_CALL(compute_tail, curve);
+    else curve_compute_member_tails(curve, tail);
 }
 
 /* Computes the increments that the step returns from the curve, and the tails of the members. */

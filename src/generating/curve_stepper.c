@@ -278,7 +278,7 @@ static tvi_status step_curve(void *taken, double h, const tvi_origin *origin, co
     if (is_plain_taylor_step(w)) {
         finish_plain_step(w, h, increments);
         step_store_end_velocity(w);
-        stats->tail = tvi_curve_compute_tail(&w->closure.curve, 0);
+        stats->tail = tvi_curve_compute_tail(&w->closure.curve);
     } else step_compute_results(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
@@ -352,7 +352,7 @@ static tvi_status step_to_tolerance(void *taken, double tolerance, double *h, co
     }
     if (is_chosen) *w->chosen = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
-    stats->tail = tvi_curve_compute_tail(curve, 0);
+    stats->tail = tvi_curve_compute_tail(curve);
     if (tvi_needs_refinement(w->closure.system, tolerance))
         tvi_compute_refined_increments(&w->refinement, curve, *h, origin, increments);
     return TVI_OK;

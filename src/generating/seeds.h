@@ -235,7 +235,7 @@ typedef struct tvi_curve_code {
     void (*sizes)(const tvi_curve *curve, double size[]);
     void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*measure)(const tvi_curve *curve);
-    double (*tail)(const tvi_curve *curve, int m);
+    double (*tail)(const tvi_curve *curve);
     /* Steps that adapt call these three. */
     double (*reach)(const tvi_curve *curve, double log_tolerance);
     void (*end_at)(tvi_curve *curve, double factor, double q[], double u[]);

@@ -316,40 +316,39 @@ static inline void curve_compute_size_sums(const tvi_curve *curve)
     curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
 }
 
-/* Returns the tail of a subsystem of member m, whose components are first .. end - 1 of the list. */
-static inline double curve_tail_of_subsystem(const tvi_curve *curve, int m, int first, int end)
+/* Returns the tail of a subsystem of a single member, whose components are first .. end - 1 of the list. */
+static inline double curve_tail_of_subsystem(const tvi_curve *curve, int first, int end)
 {
     const tvi_subsystems *parts = &curve->system->tail_parts;
     const bool has_masses = curve->system->compares_movements;
-    const int width = curve_width(curve);
     tvi_tail_survey survey = {0, 0, 0};
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k) * width + m);
+        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k) * width + m);
+        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
 }
 
-static inline double curve_compute_tail(const tvi_curve *curve, int m)
+static inline double curve_compute_tail(const tvi_curve *curve)
 {
     const tvi_subsystems *parts = &curve->system->tail_parts;
     double tail = 0;
     if (curve_p_degree(curve) < 2) return 0;
     for (int k = 0, first = 0, end; k < parts->count; k++, first = end) {
         end = tvi_subsystems_end(parts, k, curve_dimension(curve));
-        tail = fmax(tail, curve_tail_of_subsystem(curve, m, first, end));
+        tail = fmax(tail, curve_tail_of_subsystem(curve, first, end));
     }
     return tail;
 }
 
 /* Computes the tails of several members. */
-static inline void curve_tails(const tvi_curve *curve, double tail[])
+static inline void curve_compute_member_tails(const tvi_curve *curve, double tail[])
 {
     const int width = curve_width(curve);
     double *share = curve->share, *ratio = curve->ratio;
