@@ -78,7 +78,6 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     }
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
-    w.dz = tvi_arena_doubles(arena, 2 * n);
     if (corrects) {
         tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                             expanded->span.from == -expanded->span.to, width);
@@ -220,7 +219,6 @@ static void apply_inverse_jacobian(void *self, double correction[])
 static tvi_status run_corrector(step_attempt *attempt)
 {
     work *w = attempt->work;
-    const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     const tvi_closure_solver *solver = w->closure.solver;
@@ -231,10 +229,9 @@ static tvi_status run_corrector(step_attempt *attempt)
                                      .solve = is_identity || !solver->correct ? NULL : apply_inverse_jacobian,
                                      .roundoff = estimate_residual_roundoff};
     solver->begin(&w->closure);
-    memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
+    memcpy(w->newton.x, w->z, 2 * (size_t)w->closure.n * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, attempt->stats);
-    memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
-    if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->dz);
+    if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->newton.correction);
     return status;
 }
 

@@ -32,7 +32,6 @@ typedef struct tvi_curve_workspace {
     tvi_combination v_end;              /* tau v at the end of the step, of a Lagrangian */
     tvi_combination dense_q, dense_u;   /* for one point of dense output */
     double *z;                          /* [2n] predictor */
-    double *dz;                         /* [2n] what z lacks at the end of the passes */
     double *velocity;                   /* [n] the first guess of the next predictor's, Lagrangian; in the history */
     double *chosen;                     /* [width] sizes of the last steps that adapted, 0: none; in the history */
     double *field;                      /* the field's values at the end of such a step, separable systems */
