@@ -15,7 +15,7 @@ tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *opt
 /* Returns the tape of the field at the nodes of the action. */
 const jet_tape *tvi_select_node_field(const tvi_system *system, tvi_action_kind kind);
 /* Allocates an action. q_degree and p_degree are the degrees of the curve that the action uses; all options are
- * resolved. mirrors: the span is symmetric, and nodes may be there twice (seeds.h). width: that of the curve. */
+ * resolved. mirrors: the span is symmetric, and nodes may be there twice (nodes.h). width: that of the curve. */
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                          tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width);
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top);

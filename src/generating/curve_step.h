@@ -1,6 +1,6 @@
 /* curve_step.h - makes the parts of a step of a method that expands one Taylor curve, and whole steps whose passes
- * converge as usual. curve_stepper.c and quick.h call it. Generated code includes this text (emit.c) with every size
- * as a constant. */
+ * converge as usual. curve_stepper.c, quick.c, quick_members.c and generated code (generated_curve.h) call it;
+ * generated code has every size as a constant. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 

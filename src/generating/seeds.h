@@ -18,7 +18,7 @@
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
 
-/* Computes the terms of a separable system: on_q = tau F; L_v = p on the curve. */
+/* Computes the terms of a separable system: gradient_by_q = tau F; L_v = p on the curve. */
 static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_status status = seeds_evaluate_field(action);
@@ -26,8 +26,8 @@ static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi
     return status;
 }
 
-/* Computes on_q = tau L_q and on_v = L_v - p, from the positions in action->x, the velocities in on_v and the
- * momenta. */
+/* Computes gradient_by_q = tau L_q and gradient_by_v = L_v - p, from the positions in field_block, the velocities in
+ * gradient_by_v and the momenta. */
 static inline tvi_status seeds_compute_lagrange_terms(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve_dimension(curve), points = action->points;
@@ -55,7 +55,7 @@ static inline tvi_status seeds_compute_lagrange_terms(tvi_action *action, tvi_cu
     return status;
 }
 
-/* Computes the terms of on-curve nodes: on_q = -tau H_q, on_p = g. - tau H_p. */
+/* Computes the terms of on-curve nodes: gradient_by_q = -tau H_q, gradient_by_p = g. - tau H_p. */
 static inline tvi_status seeds_compute_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
@@ -71,8 +71,8 @@ static inline tvi_status seeds_compute_hamilton_terms(tvi_action *action, const 
         const double *H_p = separable ? action->node_momentum + i * lanes
                                       : seeds_field_output_row(action, action->field_tape, action->field_block, n + i);
         const double tau = curve->tau, mass = separable ? curve->system->mass[i] : 1;
-        double *restrict on_p = action->gradient_by_p + i * lanes;
-        for (int node = 0; node < lanes; node++) on_p[node] = tau * (on_p[node] - H_p[node] / mass);
+        double *restrict by_p = action->gradient_by_p + i * lanes;
+        for (int node = 0; node < lanes; node++) by_p[node] = tau * (by_p[node] - H_p[node] / mass);
     }
     return status;
 }
@@ -109,8 +109,8 @@ static inline double *seeds_at_component(const tvi_curve *curve, double seed[], 
     return seed + k * curve_numbers(curve) + i * curve_width(curve);
 }
 
-/* Computes the seeds of dq_i^T on_q - dg_i^T p. as one defect, less the term that a truncated node leaves out of
- * dq_i. */
+/* Computes the seeds of dq_i^T gradient_by_q - dg_i^T p. as one defect, less the term that a truncated node leaves out
+ * of dq_i. */
 static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
@@ -138,7 +138,7 @@ static inline void seeds_add_velocity_terms(const tvi_action *action, int n, dou
     }
 }
 
-/* Adds dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
+/* Adds dp^T gradient_by_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                             double seed_U[])
 {

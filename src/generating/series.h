@@ -34,8 +34,8 @@ typedef struct {
     double tau;
     double *kappa;              /* [n] */
     double *series_block;       /* block of the field's series, orders 0 .. top */
-    double *tangent_block;      /* tangents of x in CURVE_LANES directions; products, and several members: in one */
-    size_t tangent_block_lanes; /* the lanes of the block in dx; 0: none */
+    double *tangent_block;      /* tangents of x in TVI_CURVE_LANES directions; products, and several members: in one */
+    size_t tangent_block_lanes; /* the lanes of the tangents in tangent_block; 0: none */
     bool keeps;                 /* several members: Jacobians of some are kept when those of others are taken: */
     long long *is_taken;        /* [width] of which they are taken */
     double *adjoint_block;      /* products: the adjoints of x */
@@ -46,10 +46,10 @@ typedef struct {
     double *reciprocal, *log_integer; /* [top + 2] 1 / k and log k */
     int q_degree, p_degree;           /* the degrees of the tail */
     tvi_combination q_size_weights, u_size_weights;
-    double *movement_size, *momentum_size; /* [n] the values of q_sizes and u_sizes */
+    double *movement_size, *momentum_size; /* [n] the sums with q_size_weights and u_size_weights */
     double *share, *ratio;                 /* several members: [n] the shares and ratios of their tails */
     tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
-    bool is_hessian_inverted;              /* slope.lu is its inverse */
+    bool is_hessian_inverted;              /* velocity_hessian.lu is its inverse */
     double *velocity_derivatives;          /* [slots][n] derivatives of all slots in the second input at the centre */
     double *velocity_residual, *column;    /* scratch of its solutions, [n][lanes] and [n] */
 } tvi_curve;
