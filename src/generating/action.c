@@ -6,7 +6,6 @@
 #include "algebra/sizes.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
@@ -70,22 +69,14 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-static tvi_seeds_fn *const plainly_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = tvi_seeds_from_field_base,
-#ifdef JET_ISA_X86
-    [jet_isa_avx2] = tvi_seeds_from_field_avx2,
-    [jet_isa_avx512] = tvi_seeds_from_field_avx512,
-#endif
-};
-
 static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     if (seeds_need_only_field(action)) {
         if (!curve->generated_code || !curve->generated_code->seed)
-            return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
+            return tvi_choose_seeds(action)(action, curve, seed_Q, seed_U);
         const tvi_status status = curve->generated_code->seed(action, curve, seed_Q, seed_U);
         /* The library solves for the momenta again if the iteration is stuck, and measures whether that is roundoff. */
-        if (status == TVI_ENOCONV) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
+        if (status == TVI_ENOCONV) return tvi_choose_seeds(action)(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
             (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;

@@ -1,5 +1,6 @@
-/* choose.c - selects the compiled variants of solvers and quick steps that fit the instruction set of a system's
- * tapes. curve_stepper.c calls it when an integrator is made. */
+/* choose.c - selects the compiled variants of solvers, quick steps, seeds and rescaled curves that fit the instruction
+ * set of a system's tapes. curve_stepper.c calls it when an integrator is made; action.c and reach.c call it in
+ * steps. */
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
 
@@ -20,6 +21,29 @@ static tvi_quick_step_fn *const quickly_of[JET_ISA_COUNT][QUICK_STEPS] = {
     [jet_isa_avx512] = {tvi_quick_step_single_avx512, tvi_quick_step_batch_avx512, tvi_taylor_step_batch_avx512},
 #endif
 };
+
+static tvi_seeds_fn *const seeds_from_field[JET_ISA_COUNT] = {
+    [jet_isa_base] = tvi_seeds_from_field_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = tvi_seeds_from_field_avx2,
+    [jet_isa_avx512] = tvi_seeds_from_field_avx512,
+#endif
+};
+
+static tvi_rescale_and_sum_fn *const rescale_and_sum[JET_ISA_COUNT] = {
+    [jet_isa_base] = tvi_rescale_and_sum_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = tvi_rescale_and_sum_avx2,
+    [jet_isa_avx512] = tvi_rescale_and_sum_avx512,
+#endif
+};
+
+tvi_seeds_fn *tvi_choose_seeds(const tvi_action *action) { return seeds_from_field[action->sweeps->isa]; }
+
+tvi_rescale_and_sum_fn *tvi_choose_rescale_and_sum(const tvi_system *system)
+{
+    return rescale_and_sum[system->field_series->sweeps->isa];
+}
 
 const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system)
 {

@@ -90,5 +90,6 @@ void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double q[], doub
 /* These are curve_rescale_and_sum (reach.h), each compiled for one instruction set. */
 typedef void tvi_rescale_and_sum_fn(tvi_curve *curve, double factor, double q[], double u[]);
 tvi_rescale_and_sum_fn tvi_rescale_and_sum_base, tvi_rescale_and_sum_avx2, tvi_rescale_and_sum_avx512;
+tvi_rescale_and_sum_fn *tvi_choose_rescale_and_sum(const tvi_system *system);
 
 #endif

@@ -1,6 +1,6 @@
 /* quick.c - compiles the quick step of one member (curve_step.h), the seeds of the action and the rescaling of a
- * curve for one instruction set. The build compiles this file once for each instruction set; choose.c, action.c and
- * reach.c select among the results. */
+ * curve for one instruction set. The build compiles this file once for each instruction set; choose.c selects
+ * among the results. */
 #include "generating/quick.h"
 #include "generating/reach.h"
 

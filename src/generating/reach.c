@@ -4,14 +4,6 @@
 #include "generating/curve.h"
 #include "generating/seeds.h"
 
-static tvi_rescale_and_sum_fn *const end_at_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = tvi_rescale_and_sum_base,
-#ifdef JET_ISA_X86
-    [jet_isa_avx2] = tvi_rescale_and_sum_avx2,
-    [jet_isa_avx512] = tvi_rescale_and_sum_avx512,
-#endif
-};
-
 static bool has_generated_functions(const tvi_curve *curve)
 {
     return curve->generated_code && curve->generated_code->reach;
@@ -26,7 +18,7 @@ double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_toleran
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double q[], double u[])
 {
     if (has_generated_functions(curve)) curve->generated_code->end_at(curve, factor, q, u);
-    else end_at_of[curve->system->field_series->sweeps->isa](curve, factor, q, u);
+    else tvi_choose_rescale_and_sum(curve->system)(curve, factor, q, u);
 }
 
 double tvi_curve_bound_energy_change(const tvi_curve *curve)
