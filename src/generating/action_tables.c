@@ -4,9 +4,6 @@
 #include "algebra/quadrature.h"
 #include "method/method.h"
 
-#include <math.h>
-#include <string.h>
-
 static bool is_integration_by_parts_exact(const tvi_action *action, const tvi_options *options)
 {
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;

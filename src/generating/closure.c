@@ -14,8 +14,7 @@ tvi_status tvi_solve_transposed_full(tvi_closure *closure, const tvi_combination
 
 tvi_status tvi_close_by_mean_of_ends(tvi_closure *closure)
 {
-    const tvi_status status = tvi_solve_transposed_full(
-        closure, &closure->q_mean, closure->mean->has_momenta ? &closure->u_mean : &closure->q_rise);
+    const tvi_status status = tvi_solve_transposed_full(closure, &closure->q_mean, closure_partner_of_mean(closure));
     if (status != TVI_OK) return status;
     closure_correct_ends(closure);
     return TVI_OK;

@@ -33,7 +33,7 @@ typedef struct tvi_closure_solver {
     tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed_equations *equations);
     /* The corrector has one of the next two functions. `jacobian` writes J = d(q-, u-)/dz [2n][2n], or returns false if
      * the last Jacobian still serves; `correct` replaces the correction by nearly J^-1 times it. */
-    bool (*jacobian)(struct tvi_closure *closure, double matrix[]);
+    bool (*jacobian)(const struct tvi_closure *closure, double matrix[]);
     void (*correct)(struct tvi_closure *closure, double correction[]);
 } tvi_closure_solver;
 extern const tvi_closure_solver tvi_solver_by_matrices, tvi_solver_by_products_base, tvi_solver_by_products_avx2,
@@ -69,6 +69,12 @@ TVI_NODISCARD tvi_status tvi_solve_transposed_half(tvi_closure *closure, const t
 /* Solves [J1; J2]^T (x, y) = D_z, and replaces D by (x, y). */
 TVI_NODISCARD tvi_status tvi_solve_transposed_full(tvi_closure *closure, const tvi_combination *first,
                                                    const tvi_combination *second);
+
+/* Returns the combination whose Jacobian is J2 if the mean of the ends is J1. */
+static inline const tvi_combination *closure_partner_of_mean(const tvi_closure *closure)
+{
+    return closure->mean->has_momenta ? &closure->u_mean : &closure->q_rise;
+}
 
 /* Solves these equations with the mean of the ends as J1, and makes the corrections that closure->mean says. */
 tvi_close_fn tvi_close_by_mean_of_ends;

@@ -2,13 +2,10 @@
  * Ensembles call it through tvi_curve_batch (method/single.h). It uses the quick step of curve_step.h: member m is
  * lane m of a sweep, and lane node * width + m at the nodes. A member for which the quick step fails, or that is
  * outside of the domain, makes its step alone. */
-#include "algebra/linear_small.h"
 #include "generating/curve.h"
 #include "generating/curve_stepper.h"
 #include "method/method.h"
 #include "method/single.h"
-
-#include <string.h>
 
 enum { MOST_N = 7 };
 /* These bound the blocks of the series and of its tangents along one direction, which are to stay in the first-level

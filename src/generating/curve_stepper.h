@@ -10,9 +10,7 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* This is step_by_quick_passes (curve_step.h), of generated code or compiled for one instruction set. */
-typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                               const tvi_quick_step_results *end, tvi_stats *stats);
+/* These are the quick steps (seeds.h) compiled for each instruction set, of one member and of several members. */
 tvi_quick_step_fn tvi_quick_step_single_base, tvi_quick_step_single_avx2, tvi_quick_step_single_avx512;
 tvi_quick_step_fn tvi_quick_step_batch_base, tvi_quick_step_batch_avx2, tvi_quick_step_batch_avx512;
 /* This makes steps of the plain Taylor method, of several members. */

@@ -4,7 +4,6 @@
 #include "generating/matrices.h"
 #include "algebra/sizes.h"
 
-#include <math.h>
 #include <string.h>
 
 static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
@@ -77,11 +76,6 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
     return TVI_OK;
 }
 
-static bool renew_corrector_jacobian(tvi_closure *closure, double matrix[])
-{
-    return matrices_renew_corrector_jacobian(closure, matrix);
-}
-
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
@@ -96,6 +90,9 @@ static tvi_status compute_corrections(tvi_closure *closure, const double z[], co
     return closure->close(closure);
 }
 
-const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, discard_jacobians,
-                                                   compute_corrections,       solve_by_factors,
-                                                   renew_corrector_jacobian,  NULL};
+const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors,
+                                                   discard_jacobians,
+                                                   compute_corrections,
+                                                   solve_by_factors,
+                                                   matrices_renew_corrector_jacobian,
+                                                   NULL};

@@ -100,7 +100,7 @@ static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equ
 
 /* Returns the rules of the passes. Without a matrix, or if the first contraction tells little, corrections are compared
  * over two passes: those of q follow from those of p, and those of p from those of q. */
-tvi_newton_rules tvi_newton_rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough)
+static tvi_newton_rules rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough)
 {
     tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
     if (has_matrix) rules.of_largest = (tvi_passes_rule){.stall_period = 1};
@@ -111,7 +111,7 @@ tvi_newton_rules tvi_newton_rules_from_options(const tvi_options *options, bool 
 void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool is_rough)
 {
     newton->is_rough = is_rough;
-    newton->rules = tvi_newton_rules_from_options(options, newton->has_matrix, is_rough);
+    newton->rules = rules_from_options(options, newton->has_matrix, is_rough);
 }
 
 /* Returns whether corrections that no longer shrink are roundoff, by the roundoff of the residual. */

@@ -37,26 +37,26 @@ typedef struct {
 } tvi_newton_history;
 
 /* These are the sizes of the corrections of a pass: the largest relative to its unknown's scale; and the largest of a
- * group relative to the largest scale of the group; and those of all members. */
+ * group relative to the largest scale of the group. */
 typedef struct {
     double relative, of_group;
 } tvi_correction_size;
+/* These are the same sizes of all members. */
 typedef struct {
     double relative[CURVE_MOST_WIDTH], of_group[CURVE_MOST_WIDTH];
 } tvi_correction_sizes;
 
-/* The rules say when passes may end, by the one and by the other size; the passes hold what has been seen so far of
- * each size. */
+/* The rules say when passes may end, by the one and by the other size. */
 typedef struct {
     tvi_passes_rule of_each, of_largest;
 } tvi_newton_rules;
+/* The passes hold what has been seen so far of each size. */
 typedef struct {
     tvi_passes of_each, of_largest;
     double slack, seen; /* the slack in use, and the slack that the last correction showed */
     bool checks;        /* whether one more pass must confirm the expected convergence */
 } tvi_newton_passes;
 
-tvi_newton_rules tvi_newton_rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough);
 /* Corrections that no longer shrink are roundoff if they are this small against the largest unknowns, or against the
  * numbers that the residual is computed from. */
 #define NEWTON_STAGNATION (256 * DBL_EPSILON)

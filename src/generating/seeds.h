@@ -227,6 +227,9 @@ typedef struct {
     int *passes;
     long long *is_moving;
 } tvi_quick_step_results;
+/* This is step_by_quick_passes (curve_step.h), of generated code or compiled for one instruction set. */
+typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                               const tvi_quick_step_results *end, tvi_stats *stats);
 typedef struct tvi_curve_code {
     int top;
     /* Expands the whole series from the centre data; NULL: the library expands it order by order. */
@@ -248,8 +251,7 @@ typedef struct tvi_curve_code {
     /* Computes plain seeds, finite or not; NULL: the library's own function serves. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Makes a step by step_by_quick_passes (curve_step.h); NULL: there is no such code. */
-    bool (*step)(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                 const tvi_quick_step_results *end, tvi_stats *stats);
+    tvi_quick_step_fn *step;
 } tvi_curve_code;
 
 #endif
