@@ -284,11 +284,13 @@ JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tv
         for (int i = j + 1; i < n; i++) {
             double *other_row = factor->lu + i * n * width, *l = factor->matrix + (i * n + j) * width;
             linear_multiply(width, other_row + j * width, inverse, l);
-            const double multiplier = *l;
-            if (width == 1 && n >= 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
-            JET_UNROLLED
-            for (int k = j + 1; (width > 1 || n < 4) && k < n; k++)
-                linear_take_product(width, l, row + k * width, other_row + k * width);
+            if (width == 1 && n >= 4) {
+                const double multiplier = *l;
+                JET_BLOCKS(n, LINEAR_ELIMINATE, );
+            } else {
+                JET_UNROLLED
+                for (int k = j + 1; k < n; k++) linear_take_product(width, l, row + k * width, other_row + k * width);
+            }
         }
     }
 }

@@ -138,7 +138,8 @@ static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curv
     const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
     if (!has_momenta && !action->by_parts_error && curve_form(curve) == TVI_SEPARABLE) return;
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
-    for (int i = 0; i < curve_dimension(curve) && has_momenta; i++)
+    if (!has_momenta) return;
+    for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width, (size_t)curve_numbers(curve),
                                 &action->power_table, action->node_momentum + i * lanes);
 }

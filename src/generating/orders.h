@@ -71,9 +71,11 @@ static inline void orders_solve_for_velocity(const tvi_curve *curve, int lanes, 
     const int n = curve_dimension(curve);
     const size_t stride = (size_t)lanes;
     const double *inverse = curve->velocity_hessian.lu;
-    for (int i = 0; i < n && curve->is_hessian_inverted; i++, inverse += n, out += lanes)
-        JET_BLOCKS(lanes, ORDERS_DIVIDE, );
-    for (int lane = 0; lane < lanes && !curve->is_hessian_inverted; lane++) {
+    if (curve->is_hessian_inverted) {
+        for (int i = 0; i < n; i++, inverse += n, out += lanes) JET_BLOCKS(lanes, ORDERS_DIVIDE, );
+        return;
+    }
+    for (int lane = 0; lane < lanes; lane++) {
         double *column = curve->column;
         for (int i = 0; i < n; i++) column[i] = rest[i * lanes + lane];
         CURVE_SOLVE(&curve->velocity_hessian, column);

@@ -152,8 +152,10 @@ static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_
             if (is_of_Q && k == curve_highest_order(curve)) continue;
             double *restrict seed =
                 is_of_Q ? seeds_at_component(curve, seed_Q, k + 1, i) : seeds_at_component(curve, seed_U, k, i);
-            for (int m = 0; m < width && is_of_Q; m++) seed[m] += (k + 1) * (row[m] / kappa);
-            for (int m = 0; m < width && !is_of_Q; m++) seed[m] = row[m] / kappa;
+            if (is_of_Q)
+                for (int m = 0; m < width; m++) seed[m] += (k + 1) * (row[m] / kappa);
+            else
+                for (int m = 0; m < width; m++) seed[m] = row[m] / kappa;
         }
     }
 }
