@@ -158,14 +158,12 @@ static inline bool step_drop_failed_members(const step_state *state, tvi_status 
 static inline int step_find_due_jacobians(const step_state *state, const double z[])
 {
     tvi_closure *closure = &state->work->closure;
-    long long is_due[CURVE_MOST_WIDTH];
+    const int width = curve_width(&closure->curve);
+    long long is_one_due, *is_due = width > 1 ? closure->curve.is_taken : &is_one_due;
     int count = 0;
     matrices_find_due_members(closure, z, state->work->newton.scale, state->is_moving, is_due);
-    for (int m = 0; m < curve_width(&closure->curve); m++) {
-        count += (is_due[m] & state->is_moving[m]) != 0;
-        if (curve_width(&closure->curve) > 1) closure->curve.is_taken[m] = is_due[m];
-    }
-    closure->curve.keeps = count < curve_width(&closure->curve) && matrices_get_factors(closure)->jacobian_count > 0;
+    for (int m = 0; m < width; m++) count += (is_due[m] & state->is_moving[m]) != 0;
+    if (width > 1) closure->curve.keeps = count < width && matrices_get_factors(closure)->jacobian_count > 0;
     return count;
 }
 

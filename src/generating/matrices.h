@@ -41,9 +41,8 @@ static inline void matrices_record_jacobians(const tvi_closure *closure, const d
 {
     const tvi_curve *curve = &closure->curve;
     double *z_taken = matrices_get_factors(closure)->jacobian_z;
-    if (curve_width(curve) == 1) memcpy(z_taken, z, 2 * (size_t)curve_dimension(curve) * sizeof *z);
-    for (int i = 0; i < 2 * curve_dimension(curve) && curve_width(curve) > 1; i++)
-        curve_store_due_members(curve, z + i * curve_width(curve), z_taken + i * curve_width(curve));
+    const int numbers = 2 * curve_numbers(curve), width = curve_width(curve);
+    for (int at = 0; at < numbers; at += width) curve_store_due_members(curve, z + at, z_taken + at);
     matrices_get_factors(closure)->jacobian_count++;
 }
 
@@ -83,7 +82,8 @@ static inline bool matrices_renew_corrector_jacobian(const tvi_closure *closure,
     for (int m = 0; m < width; m++) any |= matrices_is_jacobian_outdated(matrices, m);
     if (!any) return false;
     matrices_stack_jacobians(closure, &closure->q_from, &closure->u_from, matrix);
-    for (int m = 0; m < width && width > 1; m++) matrices_merge_member_jacobian(closure, m, matrix);
+    if (width > 1)
+        for (int m = 0; m < width; m++) matrices_merge_member_jacobian(closure, m, matrix);
     for (int m = 0; m < width; m++)
         if (matrices_is_jacobian_outdated(matrices, m)) matrices->distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;

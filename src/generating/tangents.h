@@ -64,11 +64,11 @@ static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tange
     curve_set_unit_directions(curve, block);
 }
 
-/* Copies a row of tangents of several members, where they are taken. */
+/* Copies one number of each member whose Jacobians are computed anew. */
 static inline void curve_store_due_members(const tvi_curve *curve, const double *in, double *restrict out)
 {
     const int width = curve_width(curve);
-    if (curve->keeps)
+    if (width > 1 && curve->keeps)
         for (int m = 0; m < width; m++) out[m] = curve->is_taken[m] ? in[m] : out[m];
     else curve_scale_lanes((size_t)width, 1, in, out);
 }
