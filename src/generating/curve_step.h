@@ -179,10 +179,10 @@ static inline void step_factor_jacobians(step_state *state, int due, const doubl
     tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
     matrices_record_jacobians(closure, z);
     matrices_stack_jacobians(closure, &closure->q_mean, closure_partner_of_mean(closure), full->lu);
-    const bool has_back = matrices_renew_corrector_jacobian(closure, back->lu);
+    const int renewed = matrices_renew_corrector_jacobian(closure, state->is_moving, back->lu);
     linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, width, full, state->is_moving);
-    if (has_back) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->is_moving);
-    state->factorisations += due * (1 + has_back);
+    if (renewed > 0) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->is_moving);
+    state->factorisations += due + renewed;
 }
 
 /* Computes the corrections of a pass. Returns false if no member goes on. */

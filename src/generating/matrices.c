@@ -6,6 +6,9 @@
 
 #include <string.h>
 
+/* The mask of a single member, whose passes have not ended. */
+static const long long moves_alone = -1;
+
 static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
@@ -76,13 +79,17 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
     return TVI_OK;
 }
 
+static bool renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
+{
+    return matrices_renew_corrector_jacobian(closure, &moves_alone, matrix) > 0;
+}
+
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
 {
-    const long long moves = -1;
     long long is_due;
-    matrices_find_due_members(closure, z, scale, &moves, &is_due);
+    matrices_find_due_members(closure, z, scale, &moves_alone, &is_due);
     if (is_due) {
         differentiate_curve_at(closure, z);
         stats->factorisations++;
@@ -90,9 +97,6 @@ static tvi_status compute_corrections(tvi_closure *closure, const double z[], co
     return closure->close(closure);
 }
 
-const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors,
-                                                   discard_jacobians,
-                                                   compute_corrections,
-                                                   solve_by_factors,
-                                                   matrices_renew_corrector_jacobian,
-                                                   NULL};
+const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, discard_jacobians,
+                                                   compute_corrections,       solve_by_factors,
+                                                   renew_corrector_jacobian,  NULL};

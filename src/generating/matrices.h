@@ -73,21 +73,23 @@ static inline void matrices_merge_member_jacobian(const tvi_closure *closure, in
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
 }
 
-/* Computes J = d(q-, u-)/dz for the corrector. Returns false, and computes nothing, if the last one can be reused. */
-static inline bool matrices_renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
+/* Computes J = d(q-, u-)/dz for the corrector. Returns for how many moving members it did; it computes nothing if the
+ * last Jacobians of all of them can be reused. */
+static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long moves[],
+                                                    double matrix[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     const int width = curve_width(&closure->curve);
-    bool any = false;
-    for (int m = 0; m < width; m++) any |= matrices_is_jacobian_outdated(matrices, m);
-    if (!any) return false;
+    int count = 0;
+    for (int m = 0; m < width; m++) count += moves[m] && matrices_is_jacobian_outdated(matrices, m);
+    if (count == 0) return 0;
     matrices_stack_jacobians(closure, &closure->q_from, &closure->u_from, matrix);
     if (width > 1)
         for (int m = 0; m < width; m++) matrices_merge_member_jacobian(closure, m, matrix);
     for (int m = 0; m < width; m++)
         if (matrices_is_jacobian_outdated(matrices, m)) matrices->distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;
-    return true;
+    return count;
 }
 
 /* Computes how far z is from the point where the Jacobians were taken, relative to its size, of each member. */
