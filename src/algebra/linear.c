@@ -22,10 +22,10 @@ enum { DGETRF_BELOW = 100 };
 
 void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n)
 {
-    tvi_factor_take_several(factor, arena, n, 1);
+    tvi_factor_allocate_members(factor, arena, n, 1);
 }
 
-void tvi_factor_take_several(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
+void tvi_factor_allocate_members(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
 {
     const size_t numbers = (size_t)n * (size_t)width;
     factor->n = n;

@@ -21,8 +21,8 @@ typedef struct {
 } tvi_lu_factor;
 
 void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n);
-/* Takes the factors of several members (linear_small.h), which stand side by side. */
-void tvi_factor_take_several(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
+/* Allocates the factors of several members (linear_small.h), which stand side by side. */
+void tvi_factor_allocate_members(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
 
 /* Factors the matrix in place. TVI_ESINGULAR; TVI_ENONFINITE if the matrix is not finite. */
 TVI_NODISCARD tvi_status tvi_factor_compute(tvi_lu_factor *factor);

@@ -244,15 +244,16 @@ JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, doubl
 
 /* The systems of several members stand side by side: `width` numbers in the place of each, the member fastest. */
 
-#define LINEAR_TAKE_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
-#define LINEAR_MULTIPLY(V, S)     JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
+#define LINEAR_SUBTRACT_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
+#define LINEAR_MULTIPLY(V, S)         JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
 
-/* x <- x - a b, and x <- a b, [width] */
-JET_INLINE void linear_take_product(int width, const double a[], const double b[], double x[])
+/* Computes x <- x - a b, [width]. */
+JET_INLINE void linear_subtract_product(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
-    JET_BLOCKS(width, LINEAR_TAKE_PRODUCT, );
+    JET_BLOCKS(width, LINEAR_SUBTRACT_PRODUCT, );
 }
+/* Computes x <- a b, [width]. */
 JET_INLINE void linear_multiply(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
@@ -289,7 +290,8 @@ JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tv
                 JET_BLOCKS(n, LINEAR_ELIMINATE, );
             } else {
                 JET_UNROLLED
-                for (int k = j + 1; k < n; k++) linear_take_product(width, l, row + k * width, other_row + k * width);
+                for (int k = j + 1; k < n; k++)
+                    linear_subtract_product(width, l, row + k * width, other_row + k * width);
             }
         }
     }
@@ -302,29 +304,31 @@ JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *fa
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) JET_UNROLLED
-    for (int j = 0; j < i; j++) linear_take_product(width, l + (i * n + j) * width, x + j * width, x + i * width);
+    for (int j = 0; j < i; j++) linear_subtract_product(width, l + (i * n + j) * width, x + j * width, x + i * width);
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
         JET_UNROLLED
         for (int j = n - 1; j > i; j--)
-            linear_take_product(width, u + (i * n + j) * width, x + j * width, x + i * width);
+            linear_subtract_product(width, u + (i * n + j) * width, x + j * width, x + i * width);
         linear_multiply(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
 }
 
-/* x <- A^-T x */
+/* Computes x <- A^-T x. */
 JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) {
         JET_UNROLLED
-        for (int j = 0; j < i; j++) linear_take_product(width, u + (j * n + i) * width, x + j * width, x + i * width);
+        for (int j = 0; j < i; j++)
+            linear_subtract_product(width, u + (j * n + i) * width, x + j * width, x + i * width);
         linear_multiply(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) JET_UNROLLED
-    for (int j = n - 1; j > i; j--) linear_take_product(width, l + (j * n + i) * width, x + j * width, x + i * width);
+    for (int j = n - 1; j > i; j--)
+        linear_subtract_product(width, l + (j * n + i) * width, x + j * width, x + i * width);
 }
 
 /* Computes A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; A is then undefined. */

@@ -13,8 +13,8 @@ static const tvi_closure_solver *const by_products[JET_ISA_COUNT] = {
 };
 
 /* The quick steps are those of one member, of several members, and of several members by the plain Taylor method. */
-enum { OF_ONE, OF_SEVERAL, PLAINLY, QUICK_STEPS };
-static tvi_quick_step_fn *const quickly_of[JET_ISA_COUNT][QUICK_STEPS] = {
+enum { ONE_MEMBER, SEVERAL_MEMBERS, PLAIN_TAYLOR, QUICK_STEPS };
+static tvi_quick_step_fn *const quick_steps[JET_ISA_COUNT][QUICK_STEPS] = {
     [jet_isa_base] = {tvi_quick_step_single_base, tvi_quick_step_batch_base, tvi_taylor_step_batch_base},
 #ifdef JET_ISA_X86
     [jet_isa_avx2] = {tvi_quick_step_single_avx2, tvi_quick_step_batch_avx2, tvi_taylor_step_batch_avx2},
@@ -52,7 +52,7 @@ const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system)
 
 tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system)
 {
-    return quickly_of[system->field_series->sweeps->isa][PLAINLY];
+    return quick_steps[system->field_series->sweeps->isa][PLAIN_TAYLOR];
 }
 
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_action *action)
@@ -62,5 +62,6 @@ tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_a
         return NULL;
     if (2 * closure->n > LINEAR_SMALL) return NULL;
     if (closure->curve.generated_code) return closure->curve.generated_code->step;
-    return quickly_of[closure->system->field_series->sweeps->isa][closure->curve.width > 1 ? OF_SEVERAL : OF_ONE];
+    return quick_steps[closure->system->field_series->sweeps->isa]
+                      [closure->curve.width > 1 ? SEVERAL_MEMBERS : ONE_MEMBER];
 }

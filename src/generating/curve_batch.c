@@ -117,7 +117,7 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
     for (int m = 0; m < width; m++) members->is_moving[m] = end->status[m] == TVI_OK ? -1 : 0;
     const tvi_quick_step_results quick = {members->dq,       members->dp,     members->tail,
                                           members->residual, members->passes, members->is_moving};
-    (void)members->lanes->quickly(members->lanes, members->lanes->closure.span.tau * h, origin, &quick, stats);
+    (void)members->lanes->quick_step(members->lanes, members->lanes->closure.span.tau * h, origin, &quick, stats);
     for (int m = 0; m < width; m++) {
         if (end->status[m] != TVI_OK) continue;
         if (members->passes[m] == TVI_NOT_MADE) {

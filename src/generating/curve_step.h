@@ -130,7 +130,7 @@ typedef struct {
 /* This is the state of a quick step while its passes run. Members whose passes have ended no longer move. */
 typedef struct {
     tvi_curve_workspace *work;
-    const step_curve_functions *makers;
+    const step_curve_functions *functions;
     const tvi_batch_origin *origin;
     long long *is_moving;
     long factorisations;
@@ -150,7 +150,7 @@ static inline bool step_drop_failed_members(const step_state *state, tvi_status 
 {
     if (status == TVI_OK) return true;
     if (curve_width(&state->work->closure.curve) == 1) return false;
-    state->makers->drop_members_outside_domain(state->work, at_nodes, state->is_moving);
+    state->functions->drop_members_outside_domain(state->work, at_nodes, state->is_moving);
     return true;
 }
 
@@ -189,18 +189,17 @@ static inline void step_factor_jacobians(step_state *state, int due, const doubl
 static inline bool step_run_pass(step_state *state, bool is_first)
 {
     tvi_curve_workspace *work = state->work;
+    const step_curve_functions *functions = state->functions;
     tvi_closure *closure = &work->closure;
     tvi_newton *newton = &work->newton;
     const int size = 2 * curve_dimension(&closure->curve), width = curve_width(&closure->curve);
     double *x = newton->x, *r = newton->correction;
     const int due = step_find_due_jacobians(state, x);
     curve_set_centre_data(&closure->curve, x);
-    if (!step_drop_failed_members(state, (due > 0 ? state->makers->expand_all : state->makers->expand)(&closure->curve),
-                                  false))
-        return false;
-    if (!step_drop_failed_members(
-            state, state->makers->seed(&work->action, &closure->curve, closure->seed_Q, closure->seed_U), true))
-        return false;
+    tvi_status status = (due > 0 ? functions->expand_all : functions->expand)(&closure->curve);
+    if (!step_drop_failed_members(state, status, false)) return false;
+    status = functions->seed(&work->action, &closure->curve, closure->seed_Q, closure->seed_U);
+    if (!step_drop_failed_members(state, status, true)) return false;
     if (due > 0) step_factor_jacobians(state, due, x);
     if (step_count_moving_members(state) == 0) return false;
     CURVE_CALL(multiply_by_transposes, &closure->curve, closure->seed_Q, closure->seed_U, closure->D);
@@ -287,7 +286,8 @@ static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[
     return largest <= near * size;
 }
 
-/* Sets the centre data of the curve to the start of the step. */
+/* Sets the centre data of the curve to the start of the step. Returns false if the velocity of a Lagrangian, which
+ * belongs to its momentum, was not found. */
 static inline bool step_set_start_data(tvi_curve_workspace *work, const tvi_batch_origin *origin, double z[])
 {
     tvi_curve *curve = &work->closure.curve;
@@ -305,31 +305,31 @@ static inline bool step_set_start_data(tvi_curve_workspace *work, const tvi_batc
 
 /* Makes the steps of the members whose passes converge as usual, for the generating functions that
  * tvi_close_by_mean_of_ends closes. Returns whether any member's step was made; curve_stepper.c makes the others. */
-static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_curve_functions *makers, double tau,
+static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
                                         const tvi_batch_origin *origin, const tvi_quick_step_results *end,
                                         tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
-    step_state state = {work, makers, origin, end->is_moving, 0};
-    int made = 0, passes = 0;
+    step_state state = {work, functions, origin, end->is_moving, 0};
+    int steps = 0, passes = 0;
     curve_set_time_unit(curve, tau);
     for (int m = 0; m < curve_width(curve); m++) end->passes[m] = TVI_NOT_MADE;
     if (!step_set_start_data(work, origin, work->newton.x) ||
-        !step_drop_failed_members(&state, makers->expand(curve), false))
+        !step_drop_failed_members(&state, functions->expand(curve), false))
         return false;
     step_move_to_centre(work, work->newton.x);
     curve_set_centre_time(curve, origin->t, origin->t_low, step_time_to_centre(work, tau));
     step_run_passes(&state, end);
     for (int m = 0; m < curve_width(curve); m++) {
         if (end->passes[m] == TVI_NOT_MADE) continue;
-        made++;
+        steps++;
         passes += end->passes[m];
     }
-    if (made == 0) return false;
+    if (steps == 0) return false;
     for (int i = 0; i < 2 * curve_numbers(curve); i++) curve->product_direction[i] = work->newton.correction[i];
     step_compute_results(work, end->dq, end->dp, end->tail);
     stats->passes += passes;
-    stats->expansions += made + passes;
+    stats->expansions += steps + passes;
     stats->factorisations += state.factorisations;
     stats->force_evaluations += passes * work->options->quadrature_points;
     return true;

@@ -69,7 +69,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     }
     if (!expanded->close) {
         w.chosen = tvi_arena_allocate_history(arena, (size_t)width * sizeof *w.chosen);
-        if (width > 1) w.quickly = tvi_choose_taylor_batch_step(system);
+        if (width > 1) w.quick_step = tvi_choose_taylor_batch_step(system);
         else tvi_allocate_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
             w.field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -82,7 +82,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                             expanded->span.from == -expanded->span.to, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
-        w.quickly = tvi_choose_quick_step(&w.closure, &w.action);
+        w.quick_step = tvi_choose_quick_step(&w.closure, &w.action);
     }
     if (width > 1) w.closure.curve.is_taken = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
     if (taken) *taken = w;
@@ -243,7 +243,7 @@ static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[]
     long long is_moving = -1;
     const tvi_quick_step_results end = {dq, dp, &attempt->stats->tail, &attempt->stats->residual, &passes, &is_moving};
     const tvi_batch_origin origin = tvi_origin_of_one(attempt->origin);
-    return w->quickly && w->quickly(w, attempt->tau, &origin, &end, attempt->stats);
+    return w->quick_step && w->quick_step(w, attempt->tau, &origin, &end, attempt->stats);
 }
 
 /* Computes the increments of the plain Taylor method's step of size h from the curve, whose tau becomes h. */

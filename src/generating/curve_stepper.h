@@ -37,7 +37,7 @@ typedef struct tvi_curve_workspace {
     double tolerance, log_tolerance;    /* those of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
-    tvi_quick_step_fn *quickly;                 /* the quick step, or NULL */
+    tvi_quick_step_fn *quick_step;              /* the quick step, or NULL */
     const struct tvi_member_stepper *by_itself; /* batches: steps one member alone */
 } tvi_curve_workspace;
 

@@ -104,8 +104,8 @@ JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_
 static inline bool code_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                              const tvi_quick_step_results *end, tvi_stats *stats)
 {
-    static const step_curve_functions makers = {code_series, code_series_and_tangents, code_seed, NULL};
-    return step_by_quick_passes(work, &makers, tau, origin, end, stats);
+    static const step_curve_functions functions = {code_series, code_series_and_tangents, code_seed, NULL};
+    return step_by_quick_passes(work, &functions, tau, origin, end, stats);
 }
 
 #endif

@@ -18,7 +18,7 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
     if (width > 1) m.given = tvi_arena_doubles(arena, 2 * n * 2 * n * width);
     m.end_jacobian = tvi_arena_doubles(arena, n * 2 * n);
     tvi_factor_allocate(&m.half_factor, arena, closure->n);
-    tvi_factor_take_several(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
+    tvi_factor_allocate_members(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
     if (taken) *taken = m;
     closure->solving = taken;
 }

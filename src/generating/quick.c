@@ -17,7 +17,7 @@ tvi_status JET_FOR_ISA(tvi_seeds_from_field)(tvi_action *action, tvi_curve *curv
 bool JET_FOR_ISA(tvi_quick_step_single)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                         const tvi_quick_step_results *end, tvi_stats *stats)
 {
-    static const step_curve_functions makers = {curve_expand_series, quick_expand_with_tangents,
-                                                seeds_compute_from_field, NULL};
-    return step_by_quick_passes(work, &makers, tau, origin, end, stats);
+    static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
+                                                   seeds_compute_from_field, NULL};
+    return step_by_quick_passes(work, &functions, tau, origin, end, stats);
 }

@@ -21,9 +21,9 @@ static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at
 bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                        const tvi_quick_step_results *end, tvi_stats *stats)
 {
-    static const step_curve_functions makers = {curve_expand_series, quick_expand_with_tangents,
-                                                seeds_compute_from_field, drop_members_outside_domain};
-    return step_by_quick_passes(work, &makers, tau, origin, end, stats);
+    static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
+                                                   seeds_compute_from_field, drop_members_outside_domain};
+    return step_by_quick_passes(work, &functions, tau, origin, end, stats);
 }
 
 bool JET_FOR_ISA(tvi_taylor_step_batch)(tvi_curve_workspace *work, double h, const tvi_batch_origin *origin,

@@ -63,7 +63,7 @@ typedef struct {
 } alone;
 alone start_alone(const tvi_system *system, const tvi_options *options, int orbit);
 void end_alone(alone *a);
-/* As the group's member: c is of one member then. */
+/* Makes c the group of this one member. */
 group *group_of(const alone *a, group *c);
 
 /* Whether the ensemble steps members in lanes. */

@@ -55,7 +55,7 @@ static tvi_ensemble *create(const tvi_system *system, const tvi_options *options
     return ensemble;
 }
 
-/* As an integrator of its own fails: its status and its state. */
+/* The member fails as an integrator of its own does: with its status, and with its state. */
 static void expect_failure(const tvi_system *system, const tvi_options *options, int k)
 {
     const int m = bad[k].member;
