@@ -3,6 +3,7 @@
  * steps. */
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
+#include "method/method.h"
 
 static const tvi_closure_solver *const by_products[JET_ISA_COUNT] = {
     [jet_isa_base] = &tvi_solver_by_products_base,
@@ -55,12 +56,17 @@ tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system)
     return quick_steps[system->field_series->sweeps->isa][PLAIN_TAYLOR];
 }
 
-tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_action *action)
+bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
-    if (closure->close != tvi_close_by_mean_of_ends || !seeds_need_only_field(action) ||
-        tvi_curve_uses_products(&closure->curve))
-        return NULL;
-    if (2 * closure->n > LINEAR_SMALL) return NULL;
+    const tvi_action action = tvi_get_action_sizes(system, options);
+    return tvi_find_method(options)->curve.close == tvi_close_by_mean_of_ends && options->passes != TVI_PREDICT_ONLY &&
+           seeds_need_only_field(&action) && 2 * system->n <= LINEAR_SMALL &&
+           tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
+}
+
+tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options)
+{
+    if (!tvi_has_quick_step(closure->system, options)) return NULL;
     if (closure->curve.generated_code) return closure->curve.generated_code->step;
     return quick_steps[closure->system->field_series->sweeps->isa]
                       [closure->curve.width > 1 ? SEVERAL_MEMBERS : ONE_MEMBER];

@@ -7,7 +7,6 @@
 #include "method/method.h"
 #include "method/single.h"
 
-enum { MOST_N = 7 };
 /* These bound the blocks of the series and of its tangents along one direction, which are to stay in the first-level
  * cache; a block of the least width may be larger. */
 enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
@@ -26,12 +25,10 @@ static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_fin
 /* Returns whether the field of corrected curves needs no momenta of nodes. */
 static bool can_step_corrected_in_lanes(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const bool has_field =
-        system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && expanded->action == TVI_ACTION_HAMILTON);
-    return expanded->close == tvi_close_by_mean_of_ends && has_field && options->passes != TVI_PREDICT_ONLY &&
-           options->nodes == TVI_NODES_ON_CURVE && system->n <= MOST_N &&
-           tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES && options->degree > 1;
+    const bool is_hamilton = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
+    const bool has_field = system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && is_hamilton);
+    return tvi_has_quick_step(system, options) && has_field && options->nodes == TVI_NODES_ON_CURVE &&
+           options->degree > 1;
 }
 
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)

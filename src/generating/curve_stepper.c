@@ -82,7 +82,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                             expanded->span.from == -expanded->span.to, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
-        w.quick_step = tvi_choose_quick_step(&w.closure, &w.action);
+        w.quick_step = tvi_choose_quick_step(&w.closure, options);
     }
     if (width > 1) w.closure.curve.is_taken = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
     if (taken) *taken = w;

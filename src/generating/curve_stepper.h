@@ -47,8 +47,10 @@ void tvi_curve_workspace_fill_tables(void *work);
 
 /* Returns the solver by products with Jacobians, for the system's instruction set. */
 const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system);
-/* Returns the quick step for small matrices and seeds without second derivatives; NULL: there is none for these. */
-tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_action *action);
+/* Returns whether there is a quick step: for small matrices, and seeds without second derivatives. */
+bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options);
+/* Returns the quick step, or NULL if there is none. */
+tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options);
 /* Returns the function that makes plain Taylor steps of several members. */
 tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system);
 

@@ -1,8 +1,6 @@
 /* emit.c - emits the functions of a curve and of its seeds, for one system and degree, into generated code: the whole
  * series and all tangents are one function each, and every size in them is a constant. */
-#include "algebra/linear_small.h"
-#include "generating/action.h"
-#include "generating/closure.h"
+#include "generating/curve_stepper.h"
 #include "method/method.h"
 #include "split.h"
 
@@ -97,8 +95,7 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const tvi_action action = tvi_get_action_sizes(system, options);
     const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
-    const bool has_step =
-        has_seed && lanes > 0 && expanded->close == tvi_close_by_mean_of_ends && 2 * system->n <= LINEAR_SMALL;
+    const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
     emit_output_slots(text, system->field_series, "code_output", "CURVE_SLOT");
