@@ -1,4 +1,5 @@
-/* test_lanes.c - Tests that members whose passes do not converge to the roundoff of the others go by themselves. */
+/* test_lanes.c - Tests that members whose passes do not converge to the roundoff of the others, that are outside of the
+ * domain or whose equations need other pivots go by themselves. */
 #include "ensemble.h"
 
 #include <math.h>
@@ -62,11 +63,115 @@ START_TEST(small_motions_go_by_themselves)
 }
 END_TEST
 
+/* ---- Members that the others' step does not serve ---------------------------------------------------------------- */
+
+typedef struct {
+    tvi_system *system;
+    tvi_options options;
+    tvi_ensemble *ensemble;
+} stage;
+
+static stage open_stage(tvi_force_fn *force, const method *by, int degree)
+{
+    stage s;
+    OK(tvi_system_force(&s.system, N, NULL, force, NULL));
+    OK(tvi_options_named(by->name, by->order, &s.options));
+    s.options.quadrature = TVI_LOBATTO;
+    s.options.degree = degree;
+    s.options.max_tail = -1;
+    OK(tvi_ensemble_create(&s.ensemble, s.system, &s.options, SMALL, 1));
+    ck_assert(has_lanes(s.ensemble));
+    return s;
+}
+
+/* Expects that each member has the status and the bits of an integrator of its own that starts as `start` says. */
+static void expect_integrators(stage s, const group *all, const group *start, const double value[], double h, int steps)
+{
+    static group one;
+    for (int m = 0; m < SMALL; m++) {
+        tvi_integrator *integrator;
+        OK(tvi_integrator_create(&integrator, s.system, &s.options));
+        if (value) OK(tvi_integrator_set_parameters(integrator, &value[m]));
+        one.members = 1;
+        one.t[0] = start->t[m];
+        for (int i = 0; i < N; i++) one.q[i] = start->q[i * SMALL + m], one.p[i] = start->p[i * SMALL + m];
+        one.status[0] = tvi_integrate(integrator, h, steps, one.t, one.q, one.p, NULL, NULL);
+        expect_same("by itself", all, m, &one, 0);
+        tvi_integrator_free(integrator);
+    }
+    tvi_ensemble_free(s.ensemble);
+    tvi_system_free(s.system);
+}
+
+static void start_all(group *c)
+{
+    memset(c, 0, sizeof *c);
+    start_group(c, SMALL, 0);
+    memset(c->D, 0, sizeof c->D);
+}
+
+/* The quotients have no value at x = 0 and at t = 1, but what they end in is 0 there, and finite. */
+static void force_with_poles(const jet q[], jet t, jet F[], void *ctx)
+{
+    (void)ctx;
+    F[0] = jet_sub(jet_div(0.25, jet_div(1, q[0])), q[0]);
+    F[1] = jet_sub(jet_div(0.25, jet_div(1, jet_sub(t, 1))), q[1]);
+}
+
+/* A curve of degree 2 has one order of the field, so that no number shows that the field has no value: at the start of
+ * a step, or at the last node alone. (Poincare's has two orders; there the last node is what this tests.) */
+static const method of_one_order[] = {{"taylor", 2}, {"midpoint", 4}, {"poincare", 4}};
+enum { OF_ONE_ORDER = sizeof of_one_order / sizeof *of_one_order };
+
+START_TEST(members_outside_of_the_domain_fail)
+{
+    static group all, start;
+    const stage s = open_stage(force_with_poles, &of_one_order[_i], 2);
+    start_all(&start);
+    for (int m = 0; m < SMALL; m++) start.t[m] = 2;
+    start.q[3] = 0;
+    start.t[12] = 1 - 0.25;
+    all = start;
+    OK(tvi_ensemble_integrate(s.ensemble, 0.25, 4, all.t, all.q, all.p, all.status, NULL, NULL));
+    for (int m = 0; m < SMALL; m++) ck_assert_int_eq(all.status[m], m == 3 || m == 12 ? TVI_EDOMAIN : TVI_OK);
+    ck_assert(all.t[12] == start.t[12] + (_i == 0 ? 0.25 : 0));
+    expect_integrators(s, &all, &start, NULL, 0.25, 4);
+}
+END_TEST
+
+/* Springs, that of x with the parameter as its constant. */
+static void force_of_springs(const jet q[], jet t, jet F[], void *ctx)
+{
+    (void)t, (void)ctx;
+    F[0] = jet_neg(jet_add(jet_mul(jet_parameter(q[0], 0, 1), q[0]), jet_div(q[1], 64)));
+    F[1] = jet_neg(jet_add(q[1], jet_div(q[0], 64)));
+}
+
+/* The mean of the ends of a curve that is half a turn of a spring does not depend on its middle. This derivative, a
+ * pivot, is below 2^-10 of member 20, whose step would lose bits by it, and far above that of most others. */
+START_TEST(members_with_small_pivots_go_by_themselves)
+{
+    static group all, start;
+    static const method by_midpoint = {"midpoint", 12};
+    static const double h = 0.5, half_turn = 3.14159265358979323846;
+    double value[SMALL];
+    const stage s = open_stage(force_of_springs, &by_midpoint, 0);
+    for (int m = 0; m < SMALL; m++) value[m] = pow(half_turn / h, 2) * (1 + ldexp(m - 20.1, -8));
+    OK(tvi_ensemble_set_parameters(s.ensemble, value));
+    start_all(&start);
+    all = start;
+    OK(tvi_ensemble_integrate(s.ensemble, h, 4, all.t, all.q, all.p, all.status, NULL, NULL));
+    expect_integrators(s, &all, &start, value, h, 4);
+}
+END_TEST
+
 Suite *suite_lanes(void)
 {
     Suite *suite = suite_create("lanes");
     TCase *tests = tcase_create("lanes");
     tcase_add_loop_test(tests, small_motions_go_by_themselves, 0, BY_THEMSELVES);
+    tcase_add_loop_test(tests, members_outside_of_the_domain_fail, 0, OF_ONE_ORDER);
+    tcase_add_test(tests, members_with_small_pivots_go_by_themselves);
     suite_add_tcase(suite, tests);
     return suite;
 }
