@@ -165,12 +165,31 @@ START_TEST(members_with_small_pivots_go_by_themselves)
 }
 END_TEST
 
+/* Members of a block need new Jacobians in different passes of a large step. A member that needs none keeps its own. */
+START_TEST(new_jacobians_leave_those_of_others)
+{
+    static group all, start;
+    static const method by[] = {{"midpoint", 8}, {"midpoint", 10}};
+    const double h = 1.75 + 0.25 * (_i % 3);
+    stage s = {.system = system_of(&forms[0])};
+    ck_assert(has_options(s.system, &by[_i / 3], &s.options));
+    s.options.max_tail = -1;
+    OK(tvi_ensemble_create(&s.ensemble, s.system, &s.options, SMALL, 1));
+    ck_assert(has_lanes(s.ensemble));
+    start_all(&start);
+    all = start;
+    OK(tvi_ensemble_integrate(s.ensemble, h, 40, all.t, all.q, all.p, all.status, NULL, NULL));
+    expect_integrators(s, &all, &start, NULL, h, 40);
+}
+END_TEST
+
 Suite *suite_lanes(void)
 {
     Suite *suite = suite_create("lanes");
     TCase *tests = tcase_create("lanes");
     tcase_add_loop_test(tests, small_motions_go_by_themselves, 0, BY_THEMSELVES);
     tcase_add_loop_test(tests, members_outside_of_the_domain_fail, 0, OF_ONE_ORDER);
+    tcase_add_loop_test(tests, new_jacobians_leave_those_of_others, 0, 6);
     tcase_add_test(tests, members_with_small_pivots_go_by_themselves);
     suite_add_tcase(suite, tests);
     return suite;
