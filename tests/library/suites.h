@@ -10,6 +10,7 @@ Suite *suite_stepping(void);
 Suite *suite_tail(void);
 Suite *suite_products(void);
 Suite *suite_sums(void);
+TCase *tcase_chains(void); /* a case of it */
 Suite *suite_linear(void);
 Suite *suite_arena(void);
 Suite *suite_passes(void);

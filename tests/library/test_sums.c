@@ -223,5 +223,6 @@ Suite *suite_sums(void)
     tcase_add_loop_test(sums, increments_have_two_parts, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
     tcase_add_loop_test(sums, places_are_rounded_to_no_side, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
     suite_add_tcase(suite, sums);
+    suite_add_tcase(suite, tcase_chains());
     return suite;
 }
