@@ -75,16 +75,21 @@ $(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--
 GENERATED := $(patsubst %,$(BUILD)/check/%-generated,generating rescaled fuzz)
 $(GENERATED): WRAP = -Wl,--wrap=tvi_integrator_create,--wrap=tvi_integrator_free
 
-# with the library that has no devices for speed (check-plain)
-PLAIN_FOLDERS := ad library generating ensemble
-define plain_program
-$(BUILD)/plain/check/$(1): $(call objects_of,$(wildcard tests/$(1)/*.c)) $(BUILD)/check/helpers.a $(BUILD)/plain/libtvi.a
+# the same objects with a library of another kind: without devices for speed (check-plain), or one that counts the lines
+# which are run (check-coverage)
+PLAIN_FOLDERS   := ad library generating ensemble
+COVERED_FOLDERS := ad library generating events rescaled parameters driven compiled ensemble
+OTHER_PROGRAMS  := $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%) $(COVERED_FOLDERS:%=$(BUILD)/cov/check/%)
+define other_program
+$(BUILD)/$(1)/check/$(2): $(call objects_of,$(wildcard tests/$(2)/*.c)) $(BUILD)/check/helpers.a $(BUILD)/$(1)/libtvi.a
 endef
-$(foreach folder,$(PLAIN_FOLDERS),$(eval $(call plain_program,$(folder))))
-$(BUILD)/plain/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+$(foreach folder,$(PLAIN_FOLDERS),$(eval $(call other_program,plain,$(folder))))
+$(foreach folder,$(COVERED_FOLDERS),$(eval $(call other_program,cov,$(folder))))
+$(filter %/library,$(OTHER_PROGRAMS)): WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+$(COVERED_FOLDERS:%=$(BUILD)/cov/check/%): LDFLAGS += --coverage
 
 test-programs: $(PROGRAMS) $(GENERATED) $(BUILD)/bench/steps/steps
-$(PROGRAMS) $(GENERATED) $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%):
+$(PROGRAMS) $(GENERATED) $(OTHER_PROGRAMS):
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
