@@ -14,6 +14,7 @@ longrun: need-bench
 
 # with the rule of sooner.h in the place of the library's
 $(LONGRUN)/galerkin.o: src/galerkin/galerkin.c bench/longrun/sooner.h $(BUILD)/libtvi.a
+	@mkdir -p $(@D)
 	$(call SAY,CC $@)$(CC) $(BASE) -Iad -Isrc -Ibench/longrun -include sooner.h $(if $(ISAS),-DJET_ISA_X86) $(CFLAGS) -c -o $@ $<
 $(LONGRUN)/longrun: $(LONGRUN)/galerkin.o $(LONGRUN_OBJECTS) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)
