@@ -2,9 +2,8 @@
 
 .PHONY: cov run-cov run-covered analyse run-analyse tidy cppcheck
 
-# Lines of ad and src that the tests run, without sanitizers, and the lines that they do not; fails below 95%. The jets run
-# with the narrowest and the widest instruction set; of the others, the suites that run little twice. The library alone
-# counts; the programs of the tests are those of make check.
+# Lines of ad and src that the tests run, without sanitizers, and the lines that they do not; fails below 95%. The suites
+# that run little twice are enough. The library alone counts; the programs of the tests are those of make check.
 WHOLE_COVERED := $(filter-out ad library generating,$(COVERED_FOLDERS))
 cov: need-check do-coverage
 check-coverage: ; $(REPORT) "95 of 100 lines of ad and src are run by the tests" $(DO)
@@ -15,7 +14,7 @@ do-coverage:
 	$(MAKE) -s --no-print-directory run-covered >$(BUILD)/cov/tests.log 2>&1 || { tail -n 25 $(BUILD)/cov/tests.log; exit 1; }
 	tests/coverage.sh 95 $(BUILD)/cov
 run-covered:
-	for set in base best; do TVI_ISA=$$set CK_FORK=no $(BUILD)/cov/check/ad || exit 1; done
+	$(IN_ONE_GO) '' $(BUILD)/cov/check/ad
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,products,linear' $(BUILD)/cov/check/library
 	$(IN_ONE_GO) 'forms,serves,points,dense,galerkin,references,states,statements,geometry' $(BUILD)/cov/check/generating
 	for folder in $(WHOLE_COVERED); do $(BUILD)/cov/check/$$folder || exit 1; done
