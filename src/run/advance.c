@@ -2,16 +2,16 @@
 #include "run/advance.h"
 #include "rule.h"
 
-static void find_overflows(int components, int width, const double *x, const double *x_low, const double *dx,
-                           double *overflows)
+static void find_overflows(int component_count, int width, const double *x, const double *x_low, const double *dx,
+                           double *overflow_flags)
 {
-    tvi_find_overflows(components, width, x, x_low, dx, overflows);
+    tvi_find_overflows(component_count, width, x, x_low, dx, overflow_flags);
 }
 
-static void add_increments(int components, int width, double *x, double *x_low, const double *dx, const double *dx_low,
-                           const tvi_status *status)
+static void add_increments(int component_count, int width, double *x, double *x_low, const double *dx,
+                           const double *dx_low, const tvi_status *status)
 {
-    tvi_add_increments(components, width, x, x_low, dx, dx_low, status);
+    tvi_add_increments(component_count, width, x, x_low, dx, dx_low, status);
 }
 
-const tvi_state_update_loops JET_FOR_ISA(tvi_state_update_loops) = {find_overflows, add_increments};
+const tvi_state_update_functions JET_FOR_ISA(tvi_state_update_functions) = {find_overflows, add_increments};

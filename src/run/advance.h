@@ -7,24 +7,25 @@
 #include "method/origin.h"
 #include "tvi.h"
 
-/* Sets overflows[member] to a number different from 0 if the sum x + (x_low + dx) of a component is not finite, and
- * leaves it as it is otherwise. */
-static inline void tvi_find_overflows(int components, int width, const double *restrict x, const double *restrict x_low,
-                                      const double *restrict dx, double *restrict overflows)
+/* Sets overflow_flags[member] to a number different from 0 if the sum x + (x_low + dx) of a component is not finite,
+ * and leaves it as it is otherwise. */
+static inline void tvi_find_overflows(int component_count, int width, const double *restrict x,
+                                      const double *restrict x_low, const double *restrict dx,
+                                      double *restrict overflow_flags)
 {
-    for (int i = 0; i < components; i++, x += width, x_low += width, dx += width)
+    for (int i = 0; i < component_count; i++, x += width, x_low += width, dx += width)
         for (int m = 0; m < width; m++) {
             const double sum = x[m] + (x_low[m] + dx[m]);
-            overflows[m] += sum - sum;
+            overflow_flags[m] += sum - sum;
         }
 }
 
 /* Computes (x, x_low) <- x + x_low + dx + dx_low for the members whose status is TVI_OK. */
-static inline void tvi_add_increments(int components, int width, double *restrict x, double *restrict x_low,
+static inline void tvi_add_increments(int component_count, int width, double *restrict x, double *restrict x_low,
                                       const double *restrict dx, const double *restrict dx_low,
                                       const tvi_status *restrict status)
 {
-    for (int i = 0; i < components; i++, x += width, x_low += width, dx += width, dx_low += width)
+    for (int i = 0; i < component_count; i++, x += width, x_low += width, dx += width, dx_low += width)
         for (int m = 0; m < width; m++) {
             double rest = x_low[m];
             const double sum = tvi_add_compensated(x[m], &rest, dx[m], dx_low[m]);
@@ -35,13 +36,13 @@ static inline void tvi_add_increments(int components, int width, double *restric
 
 /* Pointers to the two functions above for several members, compiled once for each instruction set (ad/vector.h). */
 typedef struct {
-    void (*find_overflows)(int components, int width, const double *x, const double *x_low, const double *dx,
-                           double *overflows);
-    void (*add_increments)(int components, int width, double *x, double *x_low, const double *dx, const double *dx_low,
-                           const tvi_status *status);
-} tvi_state_update_loops;
+    void (*find_overflows)(int component_count, int width, const double *x, const double *x_low, const double *dx,
+                           double *overflow_flags);
+    void (*add_increments)(int component_count, int width, double *x, double *x_low, const double *dx,
+                           const double *dx_low, const tvi_status *status);
+} tvi_state_update_functions;
 
-extern const tvi_state_update_loops tvi_state_update_loops_base, tvi_state_update_loops_avx2,
-    tvi_state_update_loops_avx512;
+extern const tvi_state_update_functions tvi_state_update_functions_base, tvi_state_update_functions_avx2,
+    tvi_state_update_functions_avx512;
 
 #endif

@@ -10,13 +10,13 @@ static size_t count_elements(const tvi_integrator *it, const tvi_tangent_columns
     return (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * (size_t)columns->count;
 }
 
-static void load_columns(const tvi_integrator *it, const tvi_tangent_columns *columns, double elements[])
+static void copy_columns_from_user(const tvi_integrator *it, const tvi_tangent_columns *columns, double elements[])
 {
     for (size_t i = 0; i < count_elements(it, columns); i++)
         elements[i] = columns->elements[i * columns->element_spacing];
 }
 
-static void store_columns(const tvi_integrator *it, const tvi_tangent_columns *columns, const double elements[])
+static void copy_columns_to_user(const tvi_integrator *it, const tvi_tangent_columns *columns, const double elements[])
 {
     for (size_t i = 0; i < count_elements(it, columns); i++)
         columns->elements[i * columns->element_spacing] = elements[i];
@@ -27,7 +27,7 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
     const tvi_tangent *tangent = it->tangent;
     if (!columns->elements) return true;
     if (!tangent || tangent->step_number == 0 || tangent->step_number != it->stats.steps ||
-        tangent->moved_column_count != columns->count)
+        tangent->propagated_column_count != columns->count)
         return false;
     for (size_t i = 0; i < count_elements(it, columns); i++)
         if (tvi_double_bits(columns->elements[i * columns->element_spacing]) != tvi_double_bits(tangent->end[i]))
@@ -35,34 +35,34 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
     return true;
 }
 
-void tvi_columns_begin_run(const tvi_integrator *it, const tvi_tangent_columns *columns)
+void tvi_columns_store_run_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (tvi_columns_match_last_step_end(it, columns)) return;
-    load_columns(it, columns, it->tangent->end);
+    copy_columns_from_user(it, columns, it->tangent->end);
     it->tangent->step_number = 0;
 }
 
-tvi_status tvi_columns_move_by_last_step(const tvi_integrator *it, const tvi_tangent_columns *columns)
+tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (!columns->elements) return TVI_OK;
     tvi_tangent *tangent = it->tangent;
     const tvi_tangent_columns start = {tangent->start, columns->count, 1}, end = {tangent->end, columns->count, 1};
-    load_columns(it, columns, start.elements);
+    copy_columns_from_user(it, columns, start.elements);
     memcpy(end.elements, start.elements, count_elements(it, columns) * sizeof *end.elements);
     tangent->step_number = 0;
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
-        status =
-            tvi_columns_multiply_by_jacobian(it, &(tvi_lifted_step){&it->start, it->parameters, it->h}, &start, &end);
+        status = tvi_columns_multiply_by_jacobian(it, &(tvi_step_to_differentiate){&it->start, it->parameters, it->h},
+                                                  &start, &end);
     if (status != TVI_OK) return status;
     tangent->step_number = it->stats.steps;
-    tangent->moved_column_count = columns->count;
-    store_columns(it, columns, end.elements);
+    tangent->propagated_column_count = columns->count;
+    copy_columns_to_user(it, columns, end.elements);
     return TVI_OK;
 }
 
-tvi_status tvi_columns_move_to_offset(const tvi_integrator *it, const tvi_tangent_columns *columns, double offset,
-                                      const double parameters[])
+tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_tangent_columns *columns, double offset,
+                                           const double parameters[])
 {
     if (!columns->elements) return TVI_OK;
     const tvi_tangent_columns start = {it->tangent->start, columns->count, 1};
@@ -70,18 +70,18 @@ tvi_status tvi_columns_move_to_offset(const tvi_integrator *it, const tvi_tangen
     if (offset == it->h) return TVI_OK;
     tvi_columns_restore_step_start(it, columns);
     if (offset == 0) return TVI_OK;
-    const tvi_status status =
-        tvi_columns_multiply_by_jacobian(it, &(tvi_lifted_step){&it->start, parameters, offset}, &start, columns);
+    const tvi_status status = tvi_columns_multiply_by_jacobian(
+        it, &(tvi_step_to_differentiate){&it->start, parameters, offset}, &start, columns);
     if (status != TVI_OK) tvi_columns_restore_step_end(it, columns);
     return status;
 }
 
 void tvi_columns_restore_step_end(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (columns->elements) store_columns(it, columns, it->tangent->end);
+    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->end);
 }
 
 void tvi_columns_restore_step_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (columns->elements) store_columns(it, columns, it->tangent->start);
+    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->start);
 }

@@ -7,15 +7,15 @@
 #include "run/tangent.h"
 
 /* Prepares a run: the user's columns become those at the end of the step before the run. */
-void tvi_columns_begin_run(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+void tvi_columns_store_run_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Multiplies the columns by the Jacobian matrix of the integrator's last step. On failure the columns are unchanged. */
-TVI_NODISCARD tvi_status tvi_columns_move_by_last_step(const tvi_integrator *integrator,
-                                                       const tvi_tangent_columns *columns);
+TVI_NODISCARD tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *integrator,
+                                                            const tvi_tangent_columns *columns);
 /* Sets the columns to those at the given offset (0 to h) from the start of the last step, which was made with the given
  * parameters. On failure the columns become those at the end of the step. */
-TVI_NODISCARD tvi_status tvi_columns_move_to_offset(const tvi_integrator *integrator,
-                                                    const tvi_tangent_columns *columns, double offset,
-                                                    const double parameters[]);
+TVI_NODISCARD tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *integrator,
+                                                         const tvi_tangent_columns *columns, double offset,
+                                                         const double parameters[]);
 /* Sets the columns to the stored ones at the end of the last step. */
 void tvi_columns_restore_step_end(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Sets the columns to the stored ones at the start of the last step. */

@@ -12,13 +12,14 @@ enum { MOST_SECTIONS = 120 };
 
 /* Returns the minimum of the parabola through the three middle samples. If that lies outside of them, or if
  * wants_golden_section is set, it returns a point that divides the larger of the two intervals in the golden ratio. */
-static double choose_next_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], bool wants_golden_section)
+static double next_sample_position(const tvi_event_sample dip[TVI_DIP_SAMPLES], bool wants_golden_section)
 {
     const double golden = 0.3819660112501051;
-    const double left = x[2].theta - x[1].theta, right = x[3].theta - x[2].theta, larger = right > left ? right : -left;
-    const double rise = (x[3].g - x[2].g) / right, fall = (x[2].g - x[1].g) / left;
+    const double left = dip[2].theta - dip[1].theta, right = dip[3].theta - dip[2].theta,
+                 larger = right > left ? right : -left;
+    const double rise = (dip[3].g - dip[2].g) / right, fall = (dip[2].g - dip[1].g) / left;
     const double bend = (rise - fall) / (left + right), way = -(fall + bend * left) / (2 * bend);
-    return x[2].theta + (!wants_golden_section && way != 0 && way > -left && way < right ? way : golden * larger);
+    return dip[2].theta + (!wants_golden_section && way != 0 && way > -left && way < right ? way : golden * larger);
 }
 
 static double chord_slope(tvi_event_sample a, tvi_event_sample b) { return (b.g - a.g) / (b.theta - a.theta); }
@@ -35,11 +36,11 @@ static double lower_bound_of_convex_function(tvi_event_sample a, double least_sl
 /* Tells whether g cannot have a zero among the five samples. If g is convex where it is positive (concave where it is
  * negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a zero.
  * A function with a kink may be convex, too. */
-static bool is_zero_excluded(const tvi_event_sample samples[TVI_DIP_SAMPLES])
+static bool is_zero_excluded(const tvi_event_sample dip[TVI_DIP_SAMPLES])
 {
     tvi_event_sample x[TVI_DIP_SAMPLES];
     for (int i = 0; i < TVI_DIP_SAMPLES; i++)
-        x[i] = (tvi_event_sample){samples[i].theta, samples[2].g > 0 ? samples[i].g : -samples[i].g};
+        x[i] = (tvi_event_sample){dip[i].theta, dip[2].g > 0 ? dip[i].g : -dip[i].g};
     const double first = chord_slope(x[0], x[1]), fall = chord_slope(x[1], x[2]);
     const double rise = chord_slope(x[2], x[3]), last = chord_slope(x[3], x[4]);
     const double least = fmin(lower_bound_of_convex_function(x[1], first, x[2], rise),
@@ -48,24 +49,25 @@ static bool is_zero_excluded(const tvi_event_sample samples[TVI_DIP_SAMPLES])
     return first <= fall && rise <= last && least > 0;
 }
 
-bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_count, double *theta)
+bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta)
 {
-    const double change = fmax(fabs(x[1].g), fabs(x[3].g)) - fabs(x[2].g);
-    if (sample_count >= MOST_SECTIONS || x[3].theta - x[1].theta <= LEAST_SECTION || is_zero_excluded(x)) return false;
-    if (change <= UNITS * DBL_EPSILON * fabs(x[2].g)) return false;
-    *theta = choose_next_theta(x, sample_count % 3 == 2);
+    const double change = fmax(fabs(dip[1].g), fabs(dip[3].g)) - fabs(dip[2].g);
+    if (sample_count >= MOST_SECTIONS || dip[3].theta - dip[1].theta <= LEAST_SECTION || is_zero_excluded(dip))
+        return false;
+    if (change <= UNITS * DBL_EPSILON * fabs(dip[2].g)) return false;
+    *theta = next_sample_position(dip, sample_count % 3 == 2);
     return true;
 }
 
-void tvi_dip_insert_sample(tvi_event_sample x[TVI_DIP_SAMPLES], tvi_event_sample added)
+void tvi_dip_insert_sample(tvi_event_sample dip[TVI_DIP_SAMPLES], tvi_event_sample sample)
 {
-    const bool is_right = added.theta > x[2].theta, is_less = fabs(added.g) < fabs(x[2].g);
+    const bool is_right = sample.theta > dip[2].theta, is_less = fabs(sample.g) < fabs(dip[2].g);
     if (is_right == is_less) {
-        x[0] = x[1];
-        x[1] = is_less ? x[2] : added;
+        dip[0] = dip[1];
+        dip[1] = is_less ? dip[2] : sample;
     } else {
-        x[4] = x[3];
-        x[3] = is_less ? x[2] : added;
+        dip[4] = dip[3];
+        dip[3] = is_less ? dip[2] : sample;
     }
-    if (is_less) x[2] = added;
+    if (is_less) dip[2] = sample;
 }

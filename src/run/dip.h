@@ -16,8 +16,8 @@ enum { TVI_DIP_SAMPLES = 5 };
 
 /* Sets *theta to the next abscissa at which the caller should sample g, after sample_count samples. Returns false if g
  * is known to have no zero between x[1] and x[3]. */
-bool tvi_dip_choose_theta(const tvi_event_sample x[TVI_DIP_SAMPLES], int sample_count, double *theta);
+bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta);
 /* Inserts a new sample whose g has the same sign. It becomes the middle sample x[2] or one of its neighbours. */
-void tvi_dip_insert_sample(tvi_event_sample x[TVI_DIP_SAMPLES], tvi_event_sample added);
+void tvi_dip_insert_sample(tvi_event_sample dip[TVI_DIP_SAMPLES], tvi_event_sample sample);
 
 #endif

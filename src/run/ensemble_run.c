@@ -16,7 +16,7 @@ typedef struct {
     tvi_run_mode run_mode;
     /* True if the members of a batch are stepped together, which is possible if nothing is reported inside the
      * segment. */
-    bool steps_batches_together;
+    bool steps_members_together;
     long steps_before_segment; /* the number of steps in earlier segments of the run */
     double *t, *q, *p;         /* the user's arrays of all members' states */
     tvi_status *member_status; /* [members] the user's array of the members' statuses */
@@ -79,7 +79,7 @@ static void fill_unused_lane(tvi_integrator *it, int lane)
     it->status[lane] = TVI_EINVAL;
 }
 
-static void step_batch_together(const run_segment *segment, tvi_integrator *it, int first_member, int member_count)
+static void step_members_together(const run_segment *segment, tvi_integrator *it, int first_member, int member_count)
 {
     const size_t members = (size_t)segment->ensemble->members;
     tvi_status *begun = segment->member_status + first_member;
@@ -102,8 +102,8 @@ static void run_batch_in_thread(void *ctx, int thread, int batch)
     const int first_member = tvi_first_member_of_batch(segment->ensemble, batch),
               member_count = tvi_count_members_of_batch(segment->ensemble, batch);
     tvi_worker_load_batch(worker, segment->ensemble, batch);
-    if (worker->batch_integrator->width > 1 && segment->steps_batches_together)
-        step_batch_together(segment, worker->batch_integrator, first_member, member_count);
+    if (worker->batch_integrator->width > 1 && segment->steps_members_together)
+        step_members_together(segment, worker->batch_integrator, first_member, member_count);
     else
         for (int member = first_member; member < first_member + member_count; member++)
             run_single_member(segment, worker, member);
@@ -145,11 +145,11 @@ static tvi_status run_steps_with_observer(run_segment *segment)
 }
 
 /* Allocates the memory for the tangent vectors in the integrators of all threads. */
-static tvi_status allocate_tangent_columns(const tvi_ensemble *ensemble, int columns)
+static tvi_status allocate_tangent_columns(const tvi_ensemble *ensemble, int column_count)
 {
     tvi_status status = TVI_OK;
-    for (int i = 0; i < ensemble->threads && columns > 0 && status == TVI_OK; i++)
-        status = tvi_integrator_allocate_tangent(ensemble->worker[i].single_integrator, columns);
+    for (int i = 0; i < ensemble->threads && column_count > 0 && status == TVI_OK; i++)
+        status = tvi_integrator_allocate_tangents(ensemble->worker[i].single_integrator, column_count);
     return status;
 }
 
@@ -169,9 +169,9 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
     if (checked != TVI_OK) return checked;
     const tvi_status provided = allocate_tangent_columns(ensemble, plan->columns);
     if (provided != TVI_OK) return provided;
-    const bool steps_batches_together =
+    const bool steps_members_together =
         plan->steps > 0 && plan->event_count == 0 && plan->columns == 0 && !plan->at_step;
-    run_segment segment = {ensemble, *plan, tvi_plan_mode(plan), steps_batches_together, 0, t, q, p, status};
+    run_segment segment = {ensemble, *plan, tvi_plan_mode(plan), steps_members_together, 0, t, q, p, status};
     return segment.run_mode == TVI_RUN_STEPS ? run_steps_with_observer(&segment) : run_all_batches(&segment);
 }
 

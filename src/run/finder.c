@@ -35,13 +35,13 @@ tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
     if (!finder->line_origin) return TVI_ENOMEM;
     finder->line_direction = finder->line_origin + size;
     finder->chord_midpoint = finder->line_direction + size;
-    finder->trial_state = finder->chord_midpoint + size;
-    return tvi_rates_open(&finder->field_rates, it->system, it->parameters);
+    finder->scratch_state = finder->chord_midpoint + size;
+    return tvi_rates_open(&finder->rates_evaluator, it->system, it->parameters);
 }
 
 void tvi_finder_close(tvi_event_finder *finder)
 {
-    tvi_rates_close(&finder->field_rates);
+    tvi_rates_close(&finder->rates_evaluator);
     free(finder->line_origin);
 }
 
@@ -85,7 +85,7 @@ static bool is_short_correction(const tvi_event_root *root, double theta, double
 
 /* Returns the largest difference between the curve and finder->line_origin in the component_count components from
  * first_component on, divided by the largest of these components. */
-static double relative_distance_to_curve(const tvi_event_finder *finder, int first_component, int component_count)
+static double distance_of_line_origin_to_curve(const tvi_event_finder *finder, int first_component, int component_count)
 {
     double apart = 0, size = 0;
     for (int i = first_component; i < first_component + component_count; i++) {
@@ -97,7 +97,7 @@ static double relative_distance_to_curve(const tvi_event_finder *finder, int fir
 
 /* Returns the difference between the time on the curve and the time at finder->line_origin, divided by a size of the
  * time that is not 0. */
-static double relative_time_distance(const tvi_event_finder *finder)
+static double time_distance_of_line_origin(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
     return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
@@ -105,7 +105,7 @@ static double relative_time_distance(const tvi_event_finder *finder)
 }
 
 /* Copies the state of the last partial step, at theta, to finder->line_origin. */
-static void copy_partial_step_state(tvi_event_finder *finder, double theta)
+static void set_line_origin_to_partial_step(tvi_event_finder *finder, double theta)
 {
     tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
     finder->line_origin_theta = theta;
@@ -127,38 +127,40 @@ static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_ind
 typedef struct {
     tvi_event_finder *finder;
     int event_index;
-} event_on_line;
+} finder_event_context;
 
-static tvi_status evaluate_line_distance(void *ctx, double distance, double *g)
+static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, double *g)
 {
-    const event_on_line *line = ctx;
-    return evaluate_event_on_line(line->finder, line->event_index, distance, line->finder->trial_state, g);
+    const finder_event_context *context = ctx;
+    return evaluate_event_on_line(context->finder, context->event_index, distance, context->finder->scratch_state, g);
 }
 
 /* Searches a bracket of the sign change of g on the line, around the distance `estimate`, inside the step and up to
  * FARTHEST. If there is no sign change, the bracket has one sign of g at both ends. */
-static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double estimate,
+static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double distance_estimate,
                                        tvi_sign_bracket *bracket)
 {
     const double low = fmax(-finder->line_origin_theta, -FARTHEST),
                  high = fmin(1 - finder->line_origin_theta, FARTHEST);
     double width = SURE;
-    bracket->left = fmin(fmax(estimate - width, low), high), bracket->right = fmin(fmax(estimate + width, low), high);
+    bracket->left = fmin(fmax(distance_estimate - width, low), high),
+    bracket->right = fmin(fmax(distance_estimate + width, low), high);
     tvi_status status =
-        evaluate_event_on_line(finder, root->event_index, bracket->left, finder->trial_state, &bracket->g_left);
+        evaluate_event_on_line(finder, root->event_index, bracket->left, finder->scratch_state, &bracket->g_left);
     while (status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > low) {
         bracket->right = bracket->left, bracket->g_right = bracket->g_left;
         bracket->left = fmax(bracket->left - (width *= WIDER), low);
         status =
-            evaluate_event_on_line(finder, root->event_index, bracket->left, finder->trial_state, &bracket->g_left);
+            evaluate_event_on_line(finder, root->event_index, bracket->left, finder->scratch_state, &bracket->g_left);
     }
     if (status != TVI_OK || width > SURE) return status;
-    status = evaluate_event_on_line(finder, root->event_index, bracket->right, finder->trial_state, &bracket->g_right);
+    status =
+        evaluate_event_on_line(finder, root->event_index, bracket->right, finder->scratch_state, &bracket->g_right);
     while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < high) {
         bracket->left = bracket->right, bracket->g_left = bracket->g_right;
         bracket->right = fmin(bracket->right + (width *= WIDER), high);
         status =
-            evaluate_event_on_line(finder, root->event_index, bracket->right, finder->trial_state, &bracket->g_right);
+            evaluate_event_on_line(finder, root->event_index, bracket->right, finder->scratch_state, &bracket->g_right);
     }
     return status;
 }
@@ -173,21 +175,22 @@ static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_ro
     tvi_sign_bracket bracket = {0};
     const double first = -g / slope;
     *distance = fabs(first) <= FARTHEST ? first : 0;
-    tvi_status status = evaluate_event_on_line(finder, root->event_index, *distance, finder->trial_state, &next);
+    tvi_status status = evaluate_event_on_line(finder, root->event_index, *distance, finder->scratch_state, &next);
     const double second = *distance - next / slope;
     if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *distance = second;
     if (status == TVI_OK) status = bracket_root_on_line(finder, root, *distance, &bracket);
     finder->is_root_on_line = status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_left) &&
                               tvi_has_sign_after_root(root, bracket.g_right);
     if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * SURE) return status;
-    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_line_distance,
-                                &(event_on_line){finder, root->event_index});
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_at_line_distance,
+                                &(finder_event_context){finder, root->event_index});
     *distance = bracket.right;
     return status;
 }
 
 /* Sets the event's theta and state to the point at this distance on the line. */
-static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *root, double distance, double state[])
+static void set_event_state_on_line(const tvi_event_finder *finder, tvi_event_root *root, double distance,
+                                    double state[])
 {
     root->theta = finder->line_origin_theta + distance;
     for (int i = 0; i < finder->state_size; i++)
@@ -195,13 +198,13 @@ static void set_event_on_line(const tvi_event_finder *finder, tvi_event_root *ro
 }
 
 /* Sets the event to the given theta. Its state is computed by a partial step. */
-static tvi_status set_event_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta,
-                                            double state[])
+static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta,
+                                                  double state[])
 {
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
-    copy_partial_step_state(finder, theta);
-    if (status == TVI_OK) set_event_on_line(finder, root, 0, state);
+    set_line_origin_to_partial_step(finder, theta);
+    if (status == TVI_OK) set_event_state_on_line(finder, root, 0, state);
     return status;
 }
 
@@ -213,19 +216,20 @@ static tvi_status start_line_at(tvi_event_finder *finder, double theta)
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
-    copy_partial_step_state(finder, theta);
-    const double apart = fmax(fmax(relative_distance_to_curve(finder, 0, n), relative_distance_to_curve(finder, n, n)),
-                              relative_time_distance(finder));
+    set_line_origin_to_partial_step(finder, theta);
+    const double apart =
+        fmax(fmax(distance_of_line_origin_to_curve(finder, 0, n), distance_of_line_origin_to_curve(finder, n, n)),
+             time_distance_of_line_origin(finder));
     finder->accurate_distance = finder->is_chord_inside_step ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
     return TVI_OK;
 }
 
-static tvi_status evaluate_after_partial_step(void *ctx, double theta, double *g)
+static tvi_status evaluate_event_after_partial_step(void *ctx, double theta, double *g)
 {
-    const event_on_line *line = ctx;
-    tvi_event_finder *finder = line->finder;
+    const finder_event_context *context = ctx;
+    tvi_event_finder *finder = context->finder;
     const tvi_status status = start_line_at(finder, theta);
-    return status == TVI_OK ? tvi_search_evaluate_event(finder->search, line->event_index, finder->line_origin, g)
+    return status == TVI_OK ? tvi_search_evaluate_event(finder->search, context->event_index, finder->line_origin, g)
                             : status;
 }
 
@@ -233,26 +237,26 @@ static tvi_status evaluate_after_partial_step(void *ctx, double theta, double *g
  * root or if the iteration over lines converges slowly. */
 static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
-    event_on_line line = {finder, root->event_index};
+    finder_event_context context = {finder, root->event_index};
     tvi_sign_bracket bracket = {root->bracket.left, 0, root->bracket.right, 0};
-    tvi_status status = evaluate_after_partial_step(&line, bracket.left, &bracket.g_left);
-    if (status == TVI_OK) status = evaluate_after_partial_step(&line, bracket.right, &bracket.g_right);
+    tvi_status status = evaluate_event_after_partial_step(&context, bracket.left, &bracket.g_left);
+    if (status == TVI_OK) status = evaluate_event_after_partial_step(&context, bracket.right, &bracket.g_right);
     while (status == TVI_OK && tvi_has_sign_after_root(root, bracket.g_left) && bracket.left > 0) {
         bracket.right = bracket.left, bracket.g_right = bracket.g_left;
         bracket.left = fmax(bracket.left - tvi_sample_theta[0], 0);
-        status = evaluate_after_partial_step(&line, bracket.left, &bracket.g_left);
+        status = evaluate_event_after_partial_step(&context, bracket.left, &bracket.g_left);
     }
     while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_right) && bracket.right < 1) {
         bracket.left = bracket.right, bracket.g_left = bracket.g_right;
         bracket.right = fmin(bracket.right + tvi_sample_theta[0], 1);
-        status = evaluate_after_partial_step(&line, bracket.right, &bracket.g_right);
+        status = evaluate_event_after_partial_step(&context, bracket.right, &bracket.g_right);
     }
     if (status != TVI_OK) return status;
     root->is_only_on_curve =
         tvi_has_sign_after_root(root, bracket.g_left) || !tvi_has_sign_after_root(root, bracket.g_right);
     if (root->is_only_on_curve) return TVI_OK;
-    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_after_partial_step, &line);
-    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, state) : status;
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_after_partial_step, &context);
+    return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
 /* Finds the root on the curve first, and then on straight lines near it. Each line begins at the root on the line
@@ -269,12 +273,12 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
     for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
         status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
         if (status == TVI_OK)
-            status = evaluate_after_partial_step(&(event_on_line){finder, root->event_index}, theta, &g);
+            status = evaluate_event_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
         if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &distance);
         if (status != TVI_OK) return status;
         if (!finder->is_root_on_line) break;
         if (fabs(distance) <= fmax(finder->accurate_distance, DBL_EPSILON)) {
-            set_event_on_line(finder, root, distance, state);
+            set_event_state_on_line(finder, root, distance, state);
             return TVI_OK;
         }
         theta = fmin(fmax(theta + distance, 0), 1);
@@ -285,11 +289,11 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
 /* Computes the time derivatives at a state, and sets finder->line_direction to dx/dtheta. */
-static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double state[])
+static tvi_status compute_theta_derivatives(tvi_event_finder *finder, const double state[])
 {
     const int last = finder->state_size - 1;
     const double h = finder->search->integrator->h;
-    const tvi_status status = tvi_rates_compute(&finder->field_rates, state, finder->line_direction);
+    const tvi_status status = tvi_rates_compute(&finder->rates_evaluator, state, finder->line_direction);
     for (int i = 0; i < last; i++) finder->line_direction[i] *= h;
     finder->line_direction[last] = h;
     return status;
@@ -298,21 +302,21 @@ static tvi_status compute_rates_per_theta(tvi_event_finder *finder, const double
 /* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
  * derivatives of the state there. If the rest of the distance is long, they are computed again in its middle. *is_done
  * is set if the result is accurate. */
-static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
-                                            bool *is_done)
+static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_event_root *root, double state[],
+                                                bool *is_done)
 {
     double g = 0, before = 0, after = 0, found = 0;
     const double h = finder->search->integrator->h;
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
-    copy_partial_step_state(finder, root->theta_guess);
-    status = compute_rates_per_theta(finder, finder->line_origin);
+    set_line_origin_to_partial_step(finder, root->theta_guess);
+    status = compute_theta_derivatives(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
     if (status == TVI_OK)
-        status = evaluate_event_on_line(finder, root->event_index, -CHORD, finder->trial_state, &before);
+        status = evaluate_event_on_line(finder, root->event_index, -CHORD, finder->scratch_state, &before);
     if (status == TVI_OK)
-        status = evaluate_event_on_line(finder, root->event_index, CHORD, finder->trial_state, &after);
+        status = evaluate_event_on_line(finder, root->event_index, CHORD, finder->scratch_state, &after);
     const double slope = (after - before) / (2 * CHORD), distance = -g / slope;
     const double tail = fmax(finder->search->integrator->stats.tail,
                              finder->search->partial_step->partial_step_integrator->stats.tail),
@@ -322,11 +326,11 @@ static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_
         return status;
     if (fabs(distance) > REACH) {
         for (int i = 0; i < finder->state_size; i++)
-            finder->trial_state[i] = finder->line_origin[i] + distance / 2 * finder->line_direction[i];
-        status = compute_rates_per_theta(finder, finder->trial_state);
+            finder->scratch_state[i] = finder->line_origin[i] + distance / 2 * finder->line_direction[i];
+        status = compute_theta_derivatives(finder, finder->scratch_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
-    if (status == TVI_OK) set_event_on_line(finder, root, found, state);
+    if (status == TVI_OK) set_event_state_on_line(finder, root, found, state);
     *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - distance) <= REACH &&
                tvi_all_finite(finder->state_size, state);
     return status;
@@ -334,10 +338,10 @@ static tvi_status find_event_by_field_rates(tvi_event_finder *finder, tvi_event_
 
 /* Tells whether a line in the direction of the field is accurate enough, since the solution of the method differs from
  * that of the field only by the square of the tail (tvi_stats.tail). */
-static bool are_field_rates_accurate(const tvi_event_finder *finder)
+static bool is_field_direction_accurate(const tvi_event_finder *finder)
 {
     const tvi_integrator *it = finder->search->integrator;
-    return finder->field_rates.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent &&
+    return finder->rates_evaluator.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent &&
            it->options.degree > 1;
 }
 
@@ -345,12 +349,13 @@ static bool are_field_rates_accurate(const tvi_event_finder *finder)
 
 /* Computes (g(theta) - g(0)) / theta, for a step that begins on the event, where g(0) = 0. This quotient is nearly
  * linear in theta if theta is small. */
-static tvi_status compute_rise_per_theta(void *ctx, double theta, double *g)
+static tvi_status compute_g_rise_per_theta(void *ctx, double theta, double *g)
 {
-    const event_on_line *line = ctx;
+    const finder_event_context *context = ctx;
     double rise = 0;
     bool known;
-    const tvi_status status = tvi_start_compute_rise(line->finder->search, line->event_index, theta, &rise, &known);
+    const tvi_status status =
+        tvi_start_compute_rise(context->finder->search, context->event_index, theta, &rise, &known);
     *g = rise / theta;
     return status;
 }
@@ -359,20 +364,20 @@ static tvi_status compute_rise_per_theta(void *ctx, double theta, double *g)
  * than the more accurate partial steps. */
 static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
-    event_on_line line = {finder, root->event_index};
+    finder_event_context context = {finder, root->event_index};
     const double first = finder->search->watched_events[root->event_index].leaving_theta;
     tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
-    tvi_status status = compute_rise_per_theta(&line, bracket.left, &bracket.g_left);
-    if (status == TVI_OK) status = compute_rise_per_theta(&line, bracket.right, &bracket.g_right);
+    tvi_status status = compute_g_rise_per_theta(&context, bracket.left, &bracket.g_left);
+    if (status == TVI_OK) status = compute_g_rise_per_theta(&context, bracket.right, &bracket.g_right);
     while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_right) && bracket.right < 1) {
         bracket.right = fmin(bracket.right + tvi_sample_theta[0], 1);
-        status = compute_rise_per_theta(&line, bracket.right, &bracket.g_right);
+        status = compute_g_rise_per_theta(&context, bracket.right, &bracket.g_right);
     }
     if (status != TVI_OK) return status;
     root->is_only_on_curve = !tvi_has_sign_after_root(root, bracket.g_right);
     if (root->is_only_on_curve) return TVI_OK;
-    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4 * first, compute_rise_per_theta, &line);
-    return status == TVI_OK ? set_event_by_partial_step(finder, root, bracket.right, state) : status;
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4 * first, compute_g_rise_per_theta, &context);
+    return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
 tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
@@ -381,8 +386,8 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
     tvi_status status = TVI_OK;
     if (root->is_return_to_event) return find_return_to_event(finder, root, state);
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
-        return set_event_by_partial_step(finder, root, 1, state);
-    if (has_guess_inside_bracket(root) && are_field_rates_accurate(finder))
-        status = find_event_by_field_rates(finder, root, state, &is_done);
+        return set_event_state_by_partial_step(finder, root, 1, state);
+    if (has_guess_inside_bracket(root) && is_field_direction_accurate(finder))
+        status = find_event_in_field_direction(finder, root, state, &is_done);
     return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, state);
 }

@@ -3,7 +3,7 @@
  * last term of the forces (tail.h), and the energy, if the system conserves one. The energy is computed if the step may
  * be wrong, and if the step costs so much more that its energy is cheap. */
 #include "run/guard.h"
-#include "run/energy_zero.h"
+#include "run/reference_energy.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 #include "vector.h"
@@ -32,25 +32,28 @@ static bool conserves_energy(const tvi_integrator *it)
 
 /* Tells whether the stepper bounds the change of the energy. The energy is then computed only where the bound is larger
  * than its size allows. */
-static bool knows_change(const tvi_integrator *it) { return it->stepper->most_change && !tvi_is_rescaled(it); }
+static bool has_energy_change_bound(const tvi_integrator *it)
+{
+    return it->stepper->most_change && !tvi_is_rescaled(it);
+}
 
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
 /* Computes H[width] of the members whose energy is asked for. */
-static void find_energies(tvi_integrator *it, const double *q, const double *p, double H[])
+static void compute_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
     if (it->energies.tape_block) {
         tvi_energy_batch_compute(&it->energies, q + it->system->n * it->width, q, p, H);
         return;
     }
     for (int m = 0; m < it->width; m++)
-        if (it->needs_energy[m]) H[m] = tvi_energy_value(it, m, q, p);
+        if (it->needs_energy[m]) H[m] = tvi_member_energy_value(it, m, q, p);
 }
 
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
 
 /* p.dq/dt of the step, which is twice the kinetic energy if there is one. */
-static double action_of(const tvi_integrator *it, int m)
+static double step_action(const tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
     const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
@@ -61,7 +64,7 @@ static double action_of(const tvi_integrator *it, int m)
 
 /* The roundoff of the energy H: its own, and that which the roundoff of q and p causes by H_p = dq/dt and -H_q = dp/dt.
  * It is large if the terms of the energy cancel, as along an unstable direction. */
-static double roundoff_of(const tvi_integrator *it, int m, double H)
+static double energy_roundoff(const tvi_integrator *it, int m, double H)
 {
     const int width = it->width, end = it->system->n * width;
     const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
@@ -71,32 +74,32 @@ static double roundoff_of(const tvi_integrator *it, int m, double H)
 }
 
 /* The size of the member's energy `before` its step. */
-static double size_of_energy(const tvi_reference_energy *reference, double before, double action)
+static double energy_size(const tvi_reference_energy *reference, double energy_before, double action)
 {
     if (reference->scale <= NO_ENERGY * action) return PART_OF_ACTION * action;
-    return fmax(reference->scale, fabs(before - reference->zero));
+    return fmax(reference->scale, fabs(energy_before - reference->zero));
 }
 
 /* Tells whether the energy changes to `after` by more than a right step can change it. If the energy has no value the
  * answer is false, and the next step fails. The first step from rest of a method of order 1 may move p alone: it has no
  * action, and nothing is known. */
-static bool loses_energy(tvi_integrator *it, int m, double after)
+static bool changes_energy_too_much(tvi_integrator *it, int m, double energy_after)
 {
     tvi_reference_energy *reference = &it->reference[m];
     const double before = reference->H;
-    reference->is_known = isfinite(before) && isfinite(after);
-    if (!reference->is_known) return isfinite(before) && isinf(after);
-    reference->H = after;
-    const double action = action_of(it, m), roundoff = roundoff_of(it, m, before),
+    reference->is_H_known = isfinite(before) && isfinite(energy_after);
+    if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
+    reference->H = energy_after;
+    const double action = step_action(it, m), roundoff = energy_roundoff(it, m, before),
                  change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0,
-                 change = fabs(after - before + change_of_e);
-    const bool needs_scale = change > roundoff || (knows_change(it) && !reference->is_sought);
-    if (!reference->has_scale && needs_scale) tvi_energy_zero_find(it, m, before, roundoff);
+                 change = fabs(energy_after - before + change_of_e);
+    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_searched);
+    if (!reference->has_scale && needs_scale) tvi_reference_energy_find(it, m, before, roundoff);
     if (change <= roundoff) return false;
     if (!reference->has_scale && action == 0) return false;
-    if (change <= MOST_CHANGE * size_of_energy(reference, before, action) + roundoff) return false;
-    tvi_energy_zero_lower(it, m);
-    return change > MOST_CHANGE * size_of_energy(reference, before, action) + roundoff;
+    if (change <= MOST_CHANGE * energy_size(reference, before, action) + roundoff) return false;
+    tvi_reference_energy_lower(it, m);
+    return change > MOST_CHANGE * energy_size(reference, before, action) + roundoff;
 }
 
 /* Refuses the members whose energy says that the step is too large. */
@@ -104,15 +107,15 @@ static void check_energies(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
     bool knows_all = true;
-    for (int m = 0; m < width; m++) knows_all = knows_all && (it->reference[m].is_known || !it->needs_energy[m]);
-    if (!knows_all) find_energies(it, it->state.q, it->state.p, it->energy_before);
+    for (int m = 0; m < width; m++) knows_all = knows_all && (it->reference[m].is_H_known || !it->needs_energy[m]);
+    if (!knows_all) compute_energies(it, it->state.q, it->state.p, it->energy_before);
     for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->state.q[k] + it->increments.dq[k];
     for (int k = 0; k < n * width; k++) it->end.p[k] = it->state.p[k] + it->increments.dp[k];
-    find_energies(it, it->end.q, it->end.p, it->energy_after);
+    compute_energies(it, it->end.q, it->end.p, it->energy_after);
     for (int m = 0; m < width; m++) {
         if (!it->needs_energy[m]) continue;
-        if (!it->reference[m].is_known) it->reference[m].H = it->energy_before[m];
-        if (loses_energy(it, m, it->energy_after[m]))
+        if (!it->reference[m].is_H_known) it->reference[m].H = it->energy_before[m];
+        if (changes_energy_too_much(it, m, it->energy_after[m]))
             it->status[m] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
     }
 }
@@ -120,7 +123,7 @@ static void check_energies(tvi_integrator *it)
 /* ---- Which steps are in doubt ------------------------------------------------------------------------------------ */
 
 /* Sets energy_change to bounds that the stepper knows of the change of each member's energy; otherwise to infinity. */
-static void find_changes(tvi_integrator *it)
+static void set_energy_change_bounds(tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     if (!batch) it->energy_change[0] = it->stepper->most_change(it->work);
@@ -130,25 +133,25 @@ static void find_changes(tvi_integrator *it)
 }
 
 /* Tells whether the tail means anything: forces of one term, as those of a single node, have the tail 0. */
-static bool shows_tail(const tvi_integrator *it, bool used_series)
+static bool is_tail_meaningful(const tvi_integrator *it, bool step_used_series)
 {
-    return it->options.degree > (used_series ? 2 : 1);
+    return it->options.degree > (step_used_series ? 2 : 1);
 }
 
 /* Tells whether the energy of the member need not be computed. */
-static bool may_skip_energy(const tvi_integrator *it, int m, bool used_series)
+static bool may_skip_energy(const tvi_integrator *it, int m, bool step_used_series)
 {
-    if (knows_change(it)) return it->energy_change[m] <= MOST_CHANGE * it->reference[m].scale;
-    if (!shows_tail(it, used_series)) return false;
-    if (used_series) return it->tail[m] <= SKIP_SERIES_TAIL && it->passes[m] <= SKIP_SERIES_PASSES;
+    if (has_energy_change_bound(it)) return it->energy_change[m] <= MOST_CHANGE * it->reference[m].scale;
+    if (!is_tail_meaningful(it, step_used_series)) return false;
+    if (step_used_series) return it->tail[m] <= SKIP_SERIES_TAIL && it->passes[m] <= SKIP_SERIES_PASSES;
     return it->tail[m] <= SKIP_TAIL && it->passes[m] <= SKIP_PASSES;
 }
 
-tvi_unchecked_step_limits tvi_guard_skip_limits(const tvi_integrator *it)
+tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
     if (most < 0) return (tvi_unchecked_step_limits){SKIP_TAIL, SKIP_PASSES};
-    return (tvi_unchecked_step_limits){shows_tail(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1, SKIP_PASSES};
+    return (tvi_unchecked_step_limits){is_tail_meaningful(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1, SKIP_PASSES};
 }
 
 static bool has_small_tail(const tvi_integrator *it, double tail)
@@ -157,12 +160,12 @@ static bool has_small_tail(const tvi_integrator *it, double tail)
     return most < 0 || !(tail > most);
 }
 
-JET_INLINE void guard_members(tvi_integrator *it, int width, bool used_series)
+JET_INLINE void guard_members(tvi_integrator *it, int width, bool step_used_series)
 {
     const bool keeps = conserves_energy(it);
     double *largest = &it->stats.largest_tail;
     bool any = false;
-    if (knows_change(it)) find_changes(it);
+    if (has_energy_change_bound(it)) set_energy_change_bounds(it);
     for (int m = 0; m < width; m++) {
         const double tail = it->tail[m];
         it->needs_energy[m] = false;
@@ -174,15 +177,15 @@ JET_INLINE void guard_members(tvi_integrator *it, int width, bool used_series)
                 it->stepped->is_automatic ? ": the automatic g is too large here (give a g of your own)" : "");
             continue;
         }
-        it->needs_energy[m] = keeps && !may_skip_energy(it, m, used_series);
+        it->needs_energy[m] = keeps && !may_skip_energy(it, m, step_used_series);
         any = any || it->needs_energy[m];
-        if (!it->needs_energy[m]) it->reference[m].is_known = false;
+        if (!it->needs_energy[m]) it->reference[m].is_H_known = false;
     }
     if (any) check_energies(it);
 }
 
-void tvi_guard_step(tvi_integrator *it, bool used_series)
+void tvi_guard_step(tvi_integrator *it, bool step_used_series)
 {
-    if (it->width == 1) guard_members(it, 1, used_series);
-    else guard_members(it, it->width, used_series);
+    if (it->width == 1) guard_members(it, 1, step_used_series);
+    else guard_members(it, it->width, step_used_series);
 }

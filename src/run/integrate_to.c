@@ -18,11 +18,11 @@ double tvi_remaining_time(const tvi_integrator *it, double t_end)
     return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-tvi_status tvi_run_check_progress(const tvi_integrator *it, double t_end, int *slow_steps)
+tvi_status tvi_run_check_time_advances(const tvi_integrator *it, double t_end, int *slow_step_count)
 {
     const double left = tvi_remaining_time(it, t_end);
-    *slow_steps = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow_steps + 1 : 0;
-    return *slow_steps < 1 << 16
+    *slow_step_count = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow_step_count + 1 : 0;
+    return *slow_step_count < 1 << 16
                ? TVI_OK
                : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
 }
@@ -40,7 +40,7 @@ static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, dou
     return status;
 }
 
-void tvi_set_time_to_end(tvi_integrator *it, double t_end, double *t)
+void tvi_set_time_to_t_end(tvi_integrator *it, double t_end, double *t)
 {
     const int n = it->system->n;
     it->state.q_low[n] += it->state.q[n] - t_end;
@@ -49,7 +49,7 @@ void tvi_set_time_to_end(tvi_integrator *it, double t_end, double *t)
 
 /* Returns how many steps of size h can be made in one call. In steps in time the last steps are excluded, since
  * roundoff decides whether one more fits before t_end. */
-static long count_steps_without_checks(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
+static long count_steps_of_one_call(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
 {
     const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(remaining_time / schedule->plan->h)) - 1;
     return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
@@ -66,11 +66,11 @@ static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule 
     const double before_end = t_end - copysign(roundoff, h);
     tvi_status status =
         ends ? tvi_step(it, remaining_time, t, q, p)
-             : tvi_make_steps(it, count_steps_without_checks(it, schedule, remaining_time), h, before_end, t, q, p);
+             : tvi_make_steps(it, count_steps_of_one_call(it, schedule, remaining_time), h, before_end, t, q, p);
     const double left = ends ? 0 : tvi_remaining_time(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
-    if (status == TVI_OK && *is_last) tvi_set_time_to_end(it, t_end, t);
+    if (status == TVI_OK && *is_last) tvi_set_time_to_t_end(it, t_end, t);
     return status;
 }
 

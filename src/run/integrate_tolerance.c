@@ -33,7 +33,7 @@ static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule 
     const double farthest = is_limited ? copysign(largest, rest) : rest;
     const tvi_status status = tvi_step_by_tolerance(it, schedule->plan->tolerance, farthest, t, q, p);
     *is_last = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
-    if (*is_last) tvi_set_time_to_end(it, schedule->t_end, t);
+    if (*is_last) tvi_set_time_to_t_end(it, schedule->t_end, t);
     return status;
 }
 

@@ -44,7 +44,7 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
     integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
     integrator->passes = tvi_arena_allocate(arena, members * sizeof *integrator->passes);
     integrator->needs_energy = tvi_arena_allocate(arena, members * sizeof *integrator->needs_energy);
-    double **const numbers[] = {&integrator->tail, &integrator->overflows, &integrator->energy_change,
+    double **const numbers[] = {&integrator->tail, &integrator->overflow_flags, &integrator->energy_change,
                                 &integrator->energy_before, &integrator->energy_after};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_allocate(arena, row);
     end->q = tvi_arena_allocate(arena, ((size_t)dimension + 1) * row);
@@ -64,7 +64,7 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
     const bool uses_energy = system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0);
     if (uses_energy) tvi_energy_allocate(&integrator->energy, arena, system);
     if (tvi_is_rescaled(integrator))
-        tvi_energy_allocate_long_double(&integrator->transformed, arena, integrator->stepped);
+        tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian, arena, integrator->stepped);
     integrator->field = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
     integrator->one_lane_blocks = arena->blocks;
     arena->blocks = NULL;
@@ -106,13 +106,13 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
 }
 
 static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_system *system,
-                                             const tvi_options *resolved, int width)
+                                             const tvi_options *resolved_options, int width)
 {
     tvi_arena arena = {0};
-    (void)lay_out_integrator(&arena, system, resolved, width);
+    (void)lay_out_integrator(&arena, system, resolved_options, width);
     if (!tvi_arena_allocate_memory(&arena)) return jet_explain_out_of_memory(TVI_ENOMEM);
-    tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved, width);
-    tvi_compiled_add_user(resolved->compiled);
+    tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved_options, width);
+    tvi_compiled_add_user(resolved_options->compiled);
     tvi_blocks_prepare(it->one_lane_blocks);
     tvi_blocks_prepare(it->blocks);
     tvi_system_read_recorded_parameters(system, it->one_lane_parameters);

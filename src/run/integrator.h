@@ -10,15 +10,15 @@
 #include <math.h>
 #include <string.h>
 
-/* The energy that the guard compares with (energy_zero.h). */
+/* The energy that the guard compares with (reference_energy.h). */
 typedef struct {
-    double zero;     /* the energy from which it is counted */
-    double scale;    /* its size above the zero, at the first step in doubt; it grows when the zero is lowered */
-    double H;        /* its value at the current state */
-    long is_sought;  /* zero and scale have been looked for */
-    long has_scale;  /* they were found */
-    long is_lowered; /* the zero is an estimate, which may be lowered */
-    long is_known;   /* H is set */
+    double zero;         /* the energy from which it is counted */
+    double scale;        /* its size above the zero, at the first step in doubt; it grows when the zero is lowered */
+    double H;            /* its value at the current state */
+    long was_searched;   /* zero and scale have been looked for */
+    long has_scale;      /* they were found */
+    long may_be_lowered; /* the zero is an estimate, which may be lowered */
+    long is_H_known;     /* H is set */
 } tvi_reference_energy;
 
 /* The memory for tangent vectors, which is allocated when they are first used (tangent.c). */
@@ -29,9 +29,9 @@ typedef struct tvi_tangent tvi_tangent;
  * |g|, which is at most its roundoff. */
 enum { TVI_STOP_EVENTS = 32 };
 typedef struct {
-    int64_t is_set, count;            /* 1 if there is a stop; the number of events that were reported there */
-    uint64_t events[TVI_STOP_EVENTS]; /* [count] the hashes of these events (tvi_event.hash) */
-    double state[];                   /* [2n + 1] q, p and t of the stop */
+    int64_t is_set, count;                  /* 1 if there is a stop; the number of events that were reported there */
+    uint64_t event_hashes[TVI_STOP_EVENTS]; /* [count] the hashes of these events (tvi_event.hash) */
+    double state[];                         /* [2n + 1] q, p and t of the stop */
 } tvi_event_stop;
 /* Returns the size of a tvi_event_stop for n coordinates. */
 static inline size_t tvi_size_of_stop_in_bytes(int n)
@@ -80,16 +80,16 @@ struct tvi_integrator {
     bool *is_stepped;                /* [width] true if the member takes part in the current step */
     double *tail;                    /* [width] the tail of the last step (tvi_stats.tail) */
     int *passes;                     /* [width] the number of passes of the corrector in the last step */
-    double *overflows;               /* [width] a number other than 0 if the new state is not finite */
+    double *overflow_flags;          /* [width] a number other than 0 if the new state is not finite */
     double *run_start;               /* [2n + 1][width] q, t and p at the start of each member's run, in the history */
     tvi_reference_energy *reference; /* [width] the energies of each member, in the history */
     double *energy_change;           /* [width] a bound of the energy's change in the step, from the stepper */
     bool *needs_energy;              /* [width] true if the energy must be computed to judge the step */
     double *energy_before, *energy_after; /* [width] the energies at the start and at the end of the step */
-    tvi_run_state end; /* the states at the end of the step, without low-order parts; scratch of energy_zero.c */
-    tvi_run_state member_state;  /* the state of one member, without low-order parts */
-    tvi_energy_work energy;      /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
-    tvi_energy_work transformed; /* memory to compute the Hamiltonian K of a rescaled system */
+    tvi_run_state end; /* the states at the end of the step, without low-order parts; scratch of reference_energy.c */
+    tvi_run_state member_state; /* the state of one member, without low-order parts */
+    tvi_energy_work energy;     /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
+    tvi_energy_work rescaled_hamiltonian; /* memory to compute the Hamiltonian K of a rescaled system */
     tvi_energy_batch energies; /* memory to compute the energies of all members at once; tape_block = NULL if unused */
     double *field;             /* memory to evaluate the forces, or the derivatives of L or H, at one point */
     tvi_tangent *tangent;      /* memory for tangent vectors; NULL if they have not been used */
@@ -132,7 +132,7 @@ void tvi_member_copy_state(const tvi_integrator *integrator, int member, double 
 void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from,
                                          int member_from);
 /* Copies the parameters of the member to the memory in which tapes are evaluated for a single member. */
-void tvi_member_load_parameters(tvi_integrator *integrator, int member);
+void tvi_member_load_one_lane_parameters(tvi_integrator *integrator, int member);
 /* Computes the member's energy at q and p, arrays of all members with the shapes of a tvi_run_state. */
 TVI_NODISCARD tvi_status tvi_member_compute_energy(tvi_integrator *integrator, int member, const double *q,
                                                    const double *p, double *H);
@@ -170,14 +170,14 @@ TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const 
 int tvi_integrator_best_batch_width(const tvi_integrator *integrator);
 
 /* Copies integrator->parameters to the memory in which tapes are evaluated. */
-void tvi_integrator_apply_parameters(tvi_integrator *integrator);
+void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *integrator);
 
 /* Sets the parameters of the first `count` members to value[tvi_system_parameters][stride], and those of other members
  * to the first member's. Unlike tvi_integrator_set_parameters it forgets nothing of the run. */
 void tvi_integrator_load_parameters(tvi_integrator *integrator, const double value[], size_t stride, int count);
 
 /* Allocates the memory for this number of tangent vectors (tangent.c). */
-TVI_NODISCARD tvi_status tvi_integrator_allocate_tangent(tvi_integrator *integrator, int columns);
+TVI_NODISCARD tvi_status tvi_integrator_allocate_tangents(tvi_integrator *integrator, int column_count);
 
 /* Tells whether the status is the failure of a single member, such as TVI_ENOCONV. Other failures concern the run or
  * the arguments of a call. */
@@ -205,7 +205,7 @@ TVI_NODISCARD tvi_status tvi_step_by_tolerance(tvi_integrator *integrator, doubl
 double tvi_remaining_time(const tvi_integrator *integrator, double t_end);
 /* Sets the time to t_end, from which it differs by roundoff alone. The difference is kept in the low-order part of the
  * time. */
-void tvi_set_time_to_end(tvi_integrator *integrator, double t_end, double *t);
+void tvi_set_time_to_t_end(tvi_integrator *integrator, double t_end, double *t);
 
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);

@@ -65,9 +65,9 @@ static void sort_roots_by_time(tvi_locator *locator)
 }
 
 /* Tells whether the root is one of the first `count` roots, found from another bracket. */
-static bool is_duplicate_root(const tvi_locator *locator, int count, const tvi_event_root *root)
+static bool is_duplicate_root(const tvi_locator *locator, int root_count, const tvi_event_root *root)
 {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < root_count; i++) {
         const tvi_event_root *earlier = &locator->search.roots[i];
         if (earlier->event_index == root->event_index && earlier->g_sign_after == root->g_sign_after &&
             fabs(earlier->theta - root->theta) <= SAME_ROOT)
@@ -102,13 +102,13 @@ static bool report_event(tvi_locator *locator, const tvi_event_root *root, const
 
 /* Computes the tangent vectors at the root, if anybody may read them: the observer of events, or the user after a
  * terminal event. */
-static tvi_status move_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
+static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
     const bool is_seen =
         locator->run->observers.on_event || locator->search.watched_events[root->event_index].event->is_terminal;
     const double part = root->theta * locator->search.integrator->h;
-    return is_seen ? tvi_columns_move_to_offset(locator->search.integrator, &locator->run->columns, part,
-                                                locator->partial_step.partial_step_integrator->parameters)
+    return is_seen ? tvi_columns_propagate_to_offset(locator->search.integrator, &locator->run->columns, part,
+                                                     locator->partial_step.partial_step_integrator->parameters)
                    : TVI_OK;
 }
 
@@ -130,8 +130,8 @@ static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *ro
 
 /* Tells whether the event has a root at the state at which the run stops, in the direction that the user has not
  * asked for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
-static tvi_status is_unwanted_crossing_at_stop(tvi_locator *locator, int event_index, const double state[],
-                                               bool *is_at_stop)
+static tvi_status is_other_crossing_at_stop(tvi_locator *locator, int event_index, const double state[],
+                                            bool *is_at_stop)
 {
     const tvi_watched_event *w = &locator->search.watched_events[event_index];
     double g = 0, roundoff = 0;
@@ -167,7 +167,7 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
     /* If the event's next root is soon after the stop, the event is ahead, even if |g| is below its roundoff. */
     const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
-        status = is_unwanted_crossing_at_stop(locator, event_index, state, &was_here);
+        status = is_other_crossing_at_stop(locator, event_index, state, &was_here);
     if (status == TVI_OK && comes) (void)report_event(locator, next, state);
     *is_at_stop = was_here || comes;
     return status;
@@ -189,7 +189,7 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
         if (status != TVI_OK) return status;
         const tvi_event *event = locator->search.watched_events[event_index].event;
         if (is_at_stop && stop->count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
-            stop->events[stop->count++] = event->hash;
+            stop->event_hashes[stop->count++] = event->hash;
     }
     memcpy(stop->state, state, (size_t)locator->state_size * sizeof *state);
     /* The stop is not valid if an observer has just set parameters, since the events' functions change with them. */
@@ -205,7 +205,7 @@ static tvi_status update_event_parameters(tvi_locator *locator)
     const tvi_integrator *it = locator->search.integrator;
     if (locator->partial_step.parameter_version == it->parameter_version) return TVI_OK;
     tvi_search_set_parameters(&locator->search);
-    tvi_rates_set_parameters(&locator->finder.field_rates, it->parameters);
+    tvi_rates_set_parameters(&locator->finder.rates_evaluator, it->parameters);
     return tvi_partial_step_update_parameters(&locator->partial_step);
 }
 
@@ -220,17 +220,18 @@ static void copy_state_to_user(const tvi_locator *locator, const double state[],
 
 /* Reports root number i, and before it the given times that come first. Returns TVI_ESTOPPED if the run ends at this
  * root. */
-static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, int i, double *t, double q[], double p[])
+static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, int root_index, double *t, double q[],
+                              double p[])
 {
-    tvi_event_root *root = &locator->search.roots[i];
+    tvi_event_root *root = &locator->search.roots[root_index];
     double *state = cached_root_state(locator, root->found_index);
     tvi_status status = root->found_index >= KEPT ? tvi_finder_find_event(&locator->finder, root, state) : TVI_OK;
     if (status == TVI_OK && times) status = tvi_times_report_until(times, state[locator->state_size - 1]);
-    if (status == TVI_OK) status = move_columns_to_root(locator, root);
+    if (status == TVI_OK) status = propagate_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
     const bool ends = report_event(locator, root, state);
     if (!ends && !locator->search.watched_events[root->event_index].event->is_terminal) return TVI_OK;
-    status = stop_run_at_event(locator, i, state);
+    status = stop_run_at_event(locator, root_index, state);
     if (status == TVI_ESTOPPED) copy_state_to_user(locator, state, t, q, p);
     return status;
 }
@@ -240,11 +241,12 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.returns_before_time_moves) tvi_integrator_undo_step(locator->search.integrator, t, q, p);
-    if (locator->search.returns_before_time_moves) tvi_columns_restore_step_start(locator->search.integrator, columns);
+    if (locator->search.event_returns_before_time_moves) tvi_integrator_undo_step(locator->search.integrator, t, q, p);
+    if (locator->search.event_returns_before_time_moves)
+        tvi_columns_restore_step_start(locator->search.integrator, columns);
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.returns_before_time_moves)
+    if (status != TVI_ESTOPPED && !locator->search.event_returns_before_time_moves)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }

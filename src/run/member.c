@@ -17,11 +17,12 @@ static double *element_of_member(const tvi_integrator *it, double *array, int i,
 
 /* Returns a number whose bits are 1 where the user's components differ from those of the member; 0 means that all are
  * equal. */
-JET_INLINE uint64_t differing_bits(int n, const double *user_state, size_t stride, const double *own, size_t width)
+JET_INLINE uint64_t differing_bits(int n, const double *user_state, size_t stride, const double *member_state,
+                                   size_t width)
 {
     uint64_t any = 0;
-    for (int i = 0; i < n; i++, user_state += stride, own += width)
-        any |= tvi_double_bits(*user_state) ^ tvi_double_bits(*own);
+    for (int i = 0; i < n; i++, user_state += stride, member_state += width)
+        any |= tvi_double_bits(*user_state) ^ tvi_double_bits(*member_state);
     return any;
 }
 
@@ -99,7 +100,7 @@ void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, cons
 
 /* ---- The start of a run ------------------------------------------------------------------------------------------ */
 
-void tvi_member_load_parameters(tvi_integrator *it, int member)
+void tvi_member_load_one_lane_parameters(tvi_integrator *it, int member)
 {
     const int count = tvi_system_parameters(it->system);
     tvi_gather_member(count, it->width, it->parameters, member, it->one_lane_parameters);
@@ -112,30 +113,29 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
     const tvi_run_state *alone = &it->member_state;
     tvi_gather_member(n + 1, it->width, q, member, alone->q);
     tvi_gather_member(n, it->width, p, member, alone->p);
-    if (it->width > 1) tvi_member_load_parameters(it, member);
+    if (it->width > 1) tvi_member_load_one_lane_parameters(it, member);
     return tvi_energy_compute(&it->energy, alone->q[n], alone->q, alone->p, H);
 }
 
 /* Computes the Hamiltonian K = g (H + e) of a rescaled system at the member's state, with the given e, in long
  * double. */
-static long double compute_transformed_hamiltonian(tvi_integrator *it, double e)
+static long double compute_rescaled_hamiltonian(tvi_integrator *it, double e)
 {
     it->member_state.p[it->system->n] = e;
-    return tvi_energy_compute_long_double(&it->transformed, 0, it->member_state.q, it->member_state.p);
+    return tvi_energy_compute_long_double(&it->rescaled_hamiltonian, 0, it->member_state.q, it->member_state.p);
 }
 
 /* Sets e = -H(q, p, t) at the start of a run of a rescaled system, so that K = g (H + e) is 0 (docs/method.md,
  * system/rescaled.c). Near a pericentre the terms of H nearly cancel, and their roundoff would change the period of the
  * orbit. Therefore e is computed as the root of K in long double; K is a linear function of e. */
-static tvi_status set_rescaled_energy(tvi_integrator *it, int member)
+static tvi_status set_energy_offset_e(tvi_integrator *it, int member)
 {
     const int n = it->system->n;
     double H;
     const tvi_status status = tvi_member_compute_energy(it, member, it->state.q, it->state.p, &H);
     if (status != TVI_OK) return tvi_refuse_failed_evaluation("energy", status);
     const double apart = H != 0 ? H : 1;
-    const long double there = compute_transformed_hamiltonian(it, apart - H),
-                      here = compute_transformed_hamiltonian(it, -H);
+    const long double there = compute_rescaled_hamiltonian(it, apart - H), here = compute_rescaled_hamiltonian(it, -H);
     const long double correction = apart * (here / (here - there)), e = isfinite(correction) ? correction - H : -H;
     *element_of_member(it, it->state.p, n, member) = (double)e;
     *element_of_member(it, it->state.p_low, n, member) = (double)(e - (double)e);
@@ -171,5 +171,5 @@ tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_
             it->member_state.p[i];
     }
     *element_of_member(it, it->state.q, n, member) = *element_of_member(it, it->run_start, n, member) = user_state->t;
-    return tvi_is_rescaled(it) ? set_rescaled_energy(it, member) : TVI_OK;
+    return tvi_is_rescaled(it) ? set_energy_offset_e(it, member) : TVI_OK;
 }

@@ -8,10 +8,10 @@
 
 static tvi_status refuse_null_integrator(void) { return jet_refuse(TVI_EINVAL, "integrator is NULL"); }
 
-void tvi_integrator_apply_parameters(tvi_integrator *it)
+void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *it)
 {
     tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->width, it->parameters);
-    tvi_member_load_parameters(it, 0);
+    tvi_member_load_one_lane_parameters(it, 0);
 }
 
 void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], size_t stride, int count)
@@ -24,7 +24,7 @@ void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], si
             is_same = is_same && it->parameters[i * width + m] == of_member;
             it->parameters[i * width + m] = of_member;
         }
-    if (!is_same) tvi_integrator_apply_parameters(it);
+    if (!is_same) tvi_integrator_copy_parameters_to_tapes(it);
 }
 
 tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[])
@@ -37,7 +37,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%d] is not finite", i);
     if (count == 0) return TVI_OK;
     memmove(it->parameters, value, (size_t)count * sizeof *value);
-    tvi_integrator_apply_parameters(it);
+    tvi_integrator_copy_parameters_to_tapes(it);
     tvi_integrator_reset(it);
     it->has_dense = false;
     it->stop->is_set = false; /* The integrator forgets the last stop, since the events there had other parameters. */

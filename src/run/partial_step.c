@@ -29,7 +29,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
     partial_step->rates_output = partial_step->rates_input + wide;
     tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator, 1);
     if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
-        status = tvi_rates_open(&partial_step->field_rates, full_step_integrator->system->stepped,
+        status = tvi_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped,
                                 full_step_integrator->parameters);
     if (status != TVI_OK) tvi_partial_step_close(partial_step);
     return jet_explain_out_of_memory(status);
@@ -38,7 +38,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
 void tvi_partial_step_close(tvi_partial_step *partial_step)
 {
     tvi_integrator_free(partial_step->partial_step_integrator);
-    tvi_rates_close(&partial_step->field_rates);
+    tvi_rates_close(&partial_step->rates_evaluator);
     free(partial_step->q);
     *partial_step = (tvi_partial_step){0};
 }
@@ -49,8 +49,8 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     if (partial_step->parameter_version == full_step_integrator->parameter_version) return TVI_OK;
     partial_step->parameter_version = full_step_integrator->parameter_version;
     partial_step->step_number = 0;
-    if (partial_step->field_rates.block)
-        tvi_rates_set_parameters(&partial_step->field_rates, full_step_integrator->parameters);
+    if (partial_step->rates_evaluator.block)
+        tvi_rates_set_parameters(&partial_step->rates_evaluator, full_step_integrator->parameters);
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, full_step_integrator->parameters);
 }
 
@@ -94,12 +94,12 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
     return TVI_OK;
 }
 
-void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double x[])
+void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double state[])
 {
     const size_t n = (size_t)partial_step->full_step_integrator->system->n;
-    memcpy(x, partial_step->q, n * sizeof *x);
-    memcpy(x + n, partial_step->p, n * sizeof *x);
-    x[2 * n] = partial_step->t;
+    memcpy(state, partial_step->q, n * sizeof *state);
+    memcpy(state + n, partial_step->p, n * sizeof *state);
+    state[2 * n] = partial_step->t;
 }
 
 /* ---- Given times ------------------------------------------------------------------------------------------------- */
@@ -123,7 +123,7 @@ static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
 }
 
 /* Computes the derivative dt/ds at the end of the last partial step of a rescaled system. */
-static tvi_status compute_time_rate(tvi_partial_step *partial_step, double *rate)
+static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const size_t n = (size_t)partial->stepped->n;
@@ -131,8 +131,8 @@ static tvi_status compute_time_rate(tvi_partial_step *partial_step, double *rate
     memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
     partial_step->rates_input[2 * n] = partial->state.q[n];
     const tvi_status status =
-        tvi_rates_compute(&partial_step->field_rates, partial_step->rates_input, partial_step->rates_output);
-    *rate = partial_step->rates_output[partial->system->n];
+        tvi_rates_compute(&partial_step->rates_evaluator, partial_step->rates_input, partial_step->rates_output);
+    *dt_ds = partial_step->rates_output[partial->system->n];
     return status;
 }
 
@@ -144,7 +144,7 @@ static tvi_status correct_offset_by_newton(tvi_partial_step *partial_step, doubl
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const double h = partial_step->full_step_integrator->h;
-    double rate, best = offset, least = INFINITY;
+    double dt_ds, best = offset, least = INFINITY;
     tvi_status status = TVI_OK;
     for (int count = 0; count < MOST_CORRECTIONS && offset != 0 && offset != h; count++) {
         status = tvi_partial_step_compute_state(partial_step, offset);
@@ -154,9 +154,9 @@ static tvi_status correct_offset_by_newton(tvi_partial_step *partial_step, doubl
         best = offset;
         least = fabs(rest);
         if (least <= DBL_EPSILON / 4 * fabs(time)) break;
-        status = compute_time_rate(partial_step, &rate);
+        status = compute_dt_ds(partial_step, &dt_ds);
         if (status != TVI_OK) return status;
-        offset = fmax(fmin(offset + rest / rate, fmax(h, 0)), fmin(h, 0));
+        offset = fmax(fmin(offset + rest / dt_ds, fmax(h, 0)), fmin(h, 0));
     }
     return tvi_partial_step_compute_state(partial_step, least < INFINITY ? best : offset);
 }

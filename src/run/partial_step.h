@@ -16,12 +16,13 @@ typedef struct {
     /* If true, partial steps use the corrector's history from the end of the full step. This saves corrector passes,
      * but changes the roundoff of the results. */
     bool uses_history_at_end;
-    double t, *q, *p;                   /* the state (t, q[n], p[n]) that was computed last */
-    tvi_rates field_rates;              /* computes dq/ds and dp/ds of a rescaled system; unused otherwise */
-    double *rates_input, *rates_output; /* scratch memory of field_rates: a state [2(n+1)+1] and its rates [2(n+1)] */
-    long parameter_version;             /* full_step_integrator->parameter_version when the parameters were copied */
-    long step_number;                   /* the number of the full step that the state lies in; 0 if there is no state */
-    double offset;                      /* the state lies at this distance from the start of the full step, 0 to h */
+    double t, *q, *p;          /* the state (t, q[n], p[n]) that was computed last */
+    tvi_rates rates_evaluator; /* computes dq/ds and dp/ds of a rescaled system; unused otherwise */
+    double *rates_input,
+        *rates_output;      /* scratch memory of rates_evaluator: a state [2(n+1)+1] and its rates [2(n+1)] */
+    long parameter_version; /* full_step_integrator->parameter_version when the parameters were copied */
+    long step_number;       /* the number of the full step that the state lies in; 0 if there is no state */
+    double offset;          /* the state lies at this distance from the start of the full step, 0 to h */
 } tvi_partial_step;
 
 /* Creates the integrator for the partial steps, and allocates the memory. */
@@ -38,7 +39,7 @@ TVI_NODISCARD tvi_status tvi_partial_step_update_parameters(tvi_partial_step *pa
 TVI_NODISCARD tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset);
 
 /* Copies the state that was computed last to one vector x [2n + 1], in the order q, p, t. */
-void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double x[]);
+void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double state[]);
 
 /* Computes the state at the given time, which must lie in the last full step. The time of the state agrees with it to
  * roundoff. */

@@ -78,13 +78,13 @@ tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan)
 
 /* ---- Its observers ----------------------------------------------------------------------------------------------- */
 
-static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long which, double t,
-                                const double q[], const double p[])
+static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long report_index,
+                                double t, const double q[], const double p[])
 {
     if (!observer) return 0;
     if (member_run->observer_lock) (void)pthread_mutex_lock(member_run->observer_lock);
-    const int stop =
-        observer(member_run->member_index, which < INT_MAX ? (int)which : INT_MAX, t, q, p, member_run->plan->ctx);
+    const int stop = observer(member_run->member_index, report_index < INT_MAX ? (int)report_index : INT_MAX, t, q, p,
+                              member_run->plan->ctx);
     if (member_run->observer_lock) (void)pthread_mutex_unlock(member_run->observer_lock);
     return stop;
 }
@@ -112,18 +112,19 @@ static int call_step_observers(long step, double t, const double q[], const doub
                : stop;
 }
 
-tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, double *t, double q[], double p[])
+tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, double *t, double q[], double p[])
 {
-    const tvi_run_plan *plan = member->plan;
+    const tvi_run_plan *plan = member_run->plan;
     const tvi_single_run run = {
-        .mode = member->run_mode,
+        .mode = member_run->run_mode,
         .plan = plan,
-        .observers = {.at_step = plan->at_step || member->ensemble_observer ? call_step_observers : NULL,
+        .observers = {.at_step = plan->at_step || member_run->ensemble_observer ? call_step_observers : NULL,
                       .at_time = plan->at_time ? call_time_observer : NULL,
                       .on_event = plan->on_event ? call_event_observer : NULL,
-                      .ctx = (void *)member},
-        .columns = {plan->D ? plan->D + member->member_index : NULL, plan->columns, (size_t)member->member_count},
-        .steps_before_segment = member->steps_before_segment,
+                      .ctx = (void *)member_run},
+        .columns = {plan->D ? plan->D + member_run->member_index : NULL, plan->columns,
+                    (size_t)member_run->member_count},
+        .steps_before_segment = member_run->steps_before_segment,
     };
     return tvi_run_integrator(it, &run, t, q, p);
 }

@@ -17,12 +17,12 @@ int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, dou
     return stop;
 }
 
-int tvi_call_event_observer(tvi_integrator *it, tvi_event_observer *observer, int which, double t, const double q[],
-                            const double p[], void *ctx)
+int tvi_call_event_observer(tvi_integrator *it, tvi_event_observer *observer, int event_index, double t,
+                            const double q[], const double p[], void *ctx)
 {
     if (!observer) return 0;
     it->is_in_observer = true;
-    const int stop = observer(which, t, q, p, ctx);
+    const int stop = observer(event_index, t, q, p, ctx);
     it->is_in_observer = false;
     return stop;
 }
@@ -55,7 +55,7 @@ static tvi_status set_schedule_for_times(const tvi_integrator *it, const tvi_sin
                                          const double q[], const double p[], tvi_schedule *schedule)
 {
     const int count = run->plan->time_count;
-    const tvi_status status = tvi_times_check(it, run, t, q, p, &schedule->has_step);
+    const tvi_status status = tvi_times_check(it, run, t, q, p, &schedule->continues_last_step);
     if (status != TVI_OK) return status;
     schedule->step = make_scheduled_steps;
     schedule->plan = run->plan;
@@ -92,59 +92,59 @@ typedef struct {
 } run_in_progress;
 
 /* Makes the next step, and multiplies the tangent vectors by its Jacobian matrix. If that fails, the step is undone. */
-static tvi_status make_next_step(const run_in_progress *run_progress, double *t, double q[], double p[], bool *is_last)
+static tvi_status make_next_step(const run_in_progress *in_progress, double *t, double q[], double p[], bool *is_last)
 {
-    const long before = run_progress->integrator->stats.steps;
-    tvi_status status =
-        run_progress->schedule.step(run_progress->integrator, &run_progress->schedule, t, q, p, is_last);
-    if (status != TVI_OK || run_progress->integrator->stats.steps == before) return status;
-    status = tvi_columns_move_by_last_step(run_progress->integrator, &run_progress->run->columns);
-    if (status != TVI_OK) tvi_integrator_undo_step(run_progress->integrator, t, q, p);
+    const long before = in_progress->integrator->stats.steps;
+    tvi_status status = in_progress->schedule.step(in_progress->integrator, &in_progress->schedule, t, q, p, is_last);
+    if (status != TVI_OK || in_progress->integrator->stats.steps == before) return status;
+    status = tvi_columns_propagate_by_last_step(in_progress->integrator, &in_progress->run->columns);
+    if (status != TVI_OK) tvi_integrator_undo_step(in_progress->integrator, t, q, p);
     return status;
 }
 
 /* Reports the given times and the events that lie in the step just made, and then the step itself. */
-static tvi_status report_times_events_and_step(const run_in_progress *run_progress, long step, double *t, double q[],
+static tvi_status report_times_events_and_step(const run_in_progress *in_progress, long step, double *t, double q[],
                                                double p[])
 {
-    const tvi_observers *observers = &run_progress->run->observers;
-    tvi_status status = run_progress->times ? tvi_times_update_parameters(run_progress->times) : TVI_OK;
-    if (status == TVI_OK && run_progress->locator)
-        status = tvi_locator_report_events(run_progress->locator, run_progress->times, t, q, p);
-    if (status == TVI_OK && run_progress->times) status = tvi_times_report_until(run_progress->times, *t);
+    const tvi_observers *observers = &in_progress->run->observers;
+    tvi_status status = in_progress->times ? tvi_times_update_parameters(in_progress->times) : TVI_OK;
+    if (status == TVI_OK && in_progress->locator)
+        status = tvi_locator_report_events(in_progress->locator, in_progress->times, t, q, p);
+    if (status == TVI_OK && in_progress->times) status = tvi_times_report_until(in_progress->times, *t);
     if (status != TVI_OK) return status;
-    const bool stops = tvi_call_observer(run_progress->integrator, observers->at_step,
-                                         run_progress->run->steps_before_segment + step, *t, q, p, observers->ctx) != 0;
-    return stops || (run_progress->times && run_progress->times->is_stopped_by_observer) ? TVI_ESTOPPED : TVI_OK;
+    const bool stops = tvi_call_observer(in_progress->integrator, observers->at_step,
+                                         in_progress->run->steps_before_segment + step, *t, q, p, observers->ctx) != 0;
+    return stops || (in_progress->times && in_progress->times->is_stopped_by_observer) ? TVI_ESTOPPED : TVI_OK;
 }
 
-static tvi_status make_all_steps(run_in_progress *run_progress, double *t, double q[], double p[])
+static tvi_status make_all_steps(run_in_progress *in_progress, double *t, double q[], double p[])
 {
     const double *const state[] = {q, p};
-    const bool has_events = run_progress->run->plan->event_count > 0;
+    const bool has_events = in_progress->run->plan->event_count > 0;
     tvi_status status =
-        has_events ? tvi_locator_open(&run_progress->locator, run_progress->integrator, run_progress->run, *t, state)
+        has_events ? tvi_locator_open(&in_progress->locator, in_progress->integrator, in_progress->run, *t, state)
                    : TVI_OK;
     bool is_last = false;
-    int slow_steps = 0;
-    for (long step = 1; step <= run_progress->schedule.steps && !is_last && status == TVI_OK; step++) {
-        status = make_next_step(run_progress, t, q, p, &is_last);
-        if (status == TVI_OK) status = report_times_events_and_step(run_progress, step, t, q, p);
-        is_last = is_last || (run_progress->times && tvi_times_are_reported(run_progress->times));
-        if (status == TVI_OK && run_progress->schedule.is_to_time && !is_last)
-            status = tvi_run_check_progress(run_progress->integrator, run_progress->schedule.t_end, &slow_steps);
+    int slow_step_count = 0;
+    for (long step = 1; step <= in_progress->schedule.steps && !is_last && status == TVI_OK; step++) {
+        status = make_next_step(in_progress, t, q, p, &is_last);
+        if (status == TVI_OK) status = report_times_events_and_step(in_progress, step, t, q, p);
+        is_last = is_last || (in_progress->times && tvi_times_are_all_reported(in_progress->times));
+        if (status == TVI_OK && in_progress->schedule.is_to_time && !is_last)
+            status =
+                tvi_run_check_time_advances(in_progress->integrator, in_progress->schedule.t_end, &slow_step_count);
     }
-    tvi_locator_close(run_progress->locator);
+    tvi_locator_close(in_progress->locator);
     return status;
 }
 
-static tvi_status run_with_given_times(run_in_progress *run_progress, double *t, double q[], double p[])
+static tvi_status run_with_given_times(run_in_progress *in_progress, double *t, double q[], double p[])
 {
     tvi_times_progress times;
-    tvi_status status =
-        tvi_times_open(&times, run_progress->integrator, run_progress->run, run_progress->schedule.has_step, *t, q, p);
-    run_progress->times = &times;
-    if (status == TVI_OK && !tvi_times_are_reported(&times)) status = make_all_steps(run_progress, t, q, p);
+    tvi_status status = tvi_times_open(&times, in_progress->integrator, in_progress->run,
+                                       in_progress->schedule.continues_last_step, *t, q, p);
+    in_progress->times = &times;
+    if (status == TVI_OK && !tvi_times_are_all_reported(&times)) status = make_all_steps(in_progress, t, q, p);
     tvi_times_close(&times);
     return status;
 }
@@ -152,16 +152,16 @@ static tvi_status run_with_given_times(run_in_progress *run_progress, double *t,
 tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
     if (!it || !t || !q || !p) return tvi_refuse_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
-    run_in_progress run_progress = {.integrator = it, .run = run};
-    tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &run_progress.schedule);
+    run_in_progress in_progress = {.integrator = it, .run = run};
+    tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &in_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
-    if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangent(it, run->columns.count);
-    if (status == TVI_OK && (run_progress.schedule.begins || it->is_in_observer))
+    if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
+    if (status == TVI_OK && (in_progress.schedule.begins || it->is_in_observer))
         status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
-    tvi_columns_begin_run(it, &run->columns);
-    return run->mode == TVI_RUN_AT_TIMES ? run_with_given_times(&run_progress, t, q, p)
-                                         : make_all_steps(&run_progress, t, q, p);
+    tvi_columns_store_run_start(it, &run->columns);
+    return run->mode == TVI_RUN_AT_TIMES ? run_with_given_times(&in_progress, t, q, p)
+                                         : make_all_steps(&in_progress, t, q, p);
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,

@@ -36,9 +36,9 @@ struct tvi_schedule {
     const tvi_run_plan *plan;
     /* The largest number of calls of `step`, and the number of steps that each call may make. */
     long steps, at_once;
-    bool begins;     /* true if the user's state is loaded into the integrator before the first step */
-    bool has_step;   /* true if the first of the given times lie in the step that was made before the run */
-    bool is_to_time; /* true if the run ends at t_end */
+    bool begins;              /* true if the user's state is loaded into the integrator before the first step */
+    bool continues_last_step; /* true if the first of the given times lie in the step that was made before the run */
+    bool is_to_time;          /* true if the run ends at t_end */
     double t_end;
 };
 
@@ -55,9 +55,10 @@ TVI_NODISCARD tvi_status tvi_schedule_to_time(const tvi_integrator *integrator, 
 TVI_NODISCARD tvi_status tvi_schedule_to_tolerance(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
                                                    tvi_schedule *schedule);
 
-/* Tells whether a run to t_end still advances after the last step. *slow_steps counts the last consecutive steps that
- * each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
-TVI_NODISCARD tvi_status tvi_run_check_progress(const tvi_integrator *integrator, double t_end, int *slow_steps);
+/* Tells whether a run to t_end still advances after the last step. *slow_step_count counts the last consecutive steps
+ * that each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
+TVI_NODISCARD tvi_status tvi_run_check_time_advances(const tvi_integrator *integrator, double t_end,
+                                                     int *slow_step_count);
 /* Refuses a tolerance that is not one for double precision (TVI_EINVAL), and any tolerance if the integrator's method
  * cannot choose its steps by one (TVI_EUNSUPPORTED). */
 TVI_NODISCARD tvi_status tvi_check_tolerance(const tvi_integrator *integrator, double tolerance);

@@ -22,11 +22,11 @@ static const double MOST_CHANGE = 0.1;
 /* The largest accepted distance between the end of the first step and the end of two steps of half its size, relative
  * to the largest coordinate or momentum. */
 static const double MOST_APART = 0.25;
-/* The error of a step of given size is taken as proportional to resolving_step^-POWER, but at least LEAST_WEIGHT of the
- * error at the hardest position. */
+/* The error of a step of given size is taken as proportional to resolving_step_size^-POWER, but at least LEAST_WEIGHT
+ * of the error at the hardest position. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
-void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *state)
+void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const double *state)
 {
     memcpy(orbit->q, state, (size_t)n * sizeof *orbit->q);
     memcpy(orbit->p, state + n, (size_t)n * sizeof *orbit->p);
@@ -34,7 +34,7 @@ void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *stat
     tvi_integrator_reset(orbit->integrator);
 }
 
-static void update_sizes_of_orbit(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit)
+static void update_largest_q_and_p(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit)
 {
     for (int i = 0; i < scout->n; i++) {
         scout->largest_q = fmax(scout->largest_q, fabs(orbit->q[i]));
@@ -42,7 +42,7 @@ static void update_sizes_of_orbit(tvi_orbit_scout *scout, const tvi_scout_orbit 
     }
 }
 
-static void store_current_state(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit)
+static void store_current_state(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit)
 {
     const size_t n = (size_t)scout->n;
     double *const x = scout->states + (size_t)scout->step_count * (2 * n + 1);
@@ -53,7 +53,7 @@ static void store_current_state(tvi_orbit_scout *scout, const tvi_scout_orbit *o
 
 /* Returns the step size that just resolves the orbit at the last step, which had the size h. The tail of a step is
  * taken as proportional to the power `degree` of its size. */
-static double estimate_resolving_step(const tvi_scout_orbit *orbit, double h)
+static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, double h)
 {
     const double tail = tvi_integrator_stats(orbit->integrator)->tail,
                  degree = fmax(1, orbit->integrator->options.degree);
@@ -62,23 +62,24 @@ static double estimate_resolving_step(const tvi_scout_orbit *orbit, double h)
 
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
  * the resolving step size of the step before is recorded for it then. */
-static double record_step(tvi_orbit_scout *scout, const tvi_scout_orbit *orbit, double h, bool is_last)
+static double record_step_and_choose_next(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
+                                          bool is_last)
 {
-    const double scale = estimate_resolving_step(orbit, h);
+    const double scale = estimate_resolving_step_size(orbit, h);
     scout->positions[scout->step_count + 1] = scout->positions[scout->step_count] + h;
-    scout->resolving_step[scout->step_count] =
-        is_last && scout->step_count > 0 ? scout->resolving_step[scout->step_count - 1] : scale;
-    if (fabs(scout->resolving_step[scout->step_count]) <
-        MUCH_HARDER * fabs(scout->resolving_step[scout->hardest_index]))
+    scout->resolving_step_size[scout->step_count] =
+        is_last && scout->step_count > 0 ? scout->resolving_step_size[scout->step_count - 1] : scale;
+    if (fabs(scout->resolving_step_size[scout->step_count]) <
+        MUCH_HARDER * fabs(scout->resolving_step_size[scout->hardest_index]))
         scout->hardest_index = scout->step_count;
     scout->step_count++;
-    update_sizes_of_orbit(scout, orbit);
+    update_largest_q_and_p(scout, orbit);
     return tvi_smaller_magnitude(scale, GROWS * h);
 }
 
 /* Tries a step of size h, or of the remaining time `left` if that is shorter. Returns the size of the next step, or of
  * another try if this one has failed or has been undone. */
-static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double h, double remaining_time)
+static double try_next_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h, double remaining_time)
 {
     const bool is_last = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
     const double size = is_last ? remaining_time : h;
@@ -90,19 +91,19 @@ static double try_next_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, doub
     if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);
     const bool may_try = scout->step_count > 0 || scout->steps_tried < TVI_SCOUT_STEPS / 2;
     if (tvi_integrator_stats(orbit->integrator)->tail <= MOST_TAIL || !may_try)
-        return record_step(scout, orbit, size, is_last);
+        return record_step_and_choose_next(scout, orbit, size, is_last);
     tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
-    return estimate_resolving_step(orbit, size);
+    return estimate_resolving_step_size(orbit, size);
 }
 
 /* Tells whether two steps of half the size of the first step end near the end of the first step. */
-static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
+static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const int n = scout->n;
     const double *const end = scout->states + 2 * n + 1;
     double size[2] = {0, 0}, apart[2] = {0, 0};
     store_current_state(scout, orbit);
-    tvi_scout_orbit_set_state(orbit, n, scout->states);
+    tvi_integrated_orbit_set_state(orbit, n, scout->states);
     for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
         scout->steps_tried++;
         scout->last_status = tvi_step(orbit->integrator, scout->positions[1] / 2, &orbit->t, orbit->q, orbit->p);
@@ -112,7 +113,7 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
         apart[i / n] = fmax(apart[i / n], fabs(x - end[i]));
         size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->states[i])));
     }
-    tvi_scout_orbit_set_state(orbit, n, end);
+    tvi_integrated_orbit_set_state(orbit, n, end);
     return scout->last_status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
 }
 
@@ -120,7 +121,7 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
  * may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps. If the
  * energy is nearly 0, its change is compared with p.dq/dt; p is taken from both ends, since the motion may be at rest
  * at one. */
-static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
+static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;
     const double *const q = scout->states, *const p = q + scout->n, t = q[2 * scout->n];
@@ -137,47 +138,48 @@ static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
 
 /* Tells whether the first step was too large although its tail was small: the following steps are much shorter, or the
  * step did not conserve the energy. */
-static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double next_step)
+static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step)
 {
     return scout->step_count == 1 &&
            (fabs(next_step) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
-static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_scout_orbit *orbit)
+static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
-    tvi_scout_orbit_set_state(orbit, scout->n, scout->states);
+    tvi_integrated_orbit_set_state(orbit, scout->n, scout->states);
     scout->step_count = scout->hardest_index = 0;
     scout->largest_q = scout->largest_p = 0;
-    update_sizes_of_orbit(scout, orbit);
+    update_largest_q_and_p(scout, orbit);
     return FIRST_FAILS * scout->positions[1];
 }
 
-tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double duration)
+tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration)
 {
     const double start = orbit->t, end = start + duration;
     double h = duration;
-    update_sizes_of_orbit(scout, orbit);
-    while (scout->steps_tried < TVI_SCOUT_STEPS && scout->explored_part < 1 && !scout->has_too_low_degree &&
+    update_largest_q_and_p(scout, orbit);
+    while (scout->steps_tried < TVI_SCOUT_STEPS && scout->explored_duration_part < 1 && !scout->has_too_low_degree &&
            scout->last_status != TVI_ENOMEM) {
         h = try_next_step(scout, orbit, h, end - orbit->t);
         if (is_first_step_too_large(scout, orbit, h)) h = restart_with_shorter_step(scout, orbit);
-        scout->explored_part = fmin((orbit->t - start) / duration, 1);
+        scout->explored_duration_part = fmin((orbit->t - start) / duration, 1);
         scout->has_too_low_degree = scout->step_count == 1 && orbit->integrator->options.degree <= 2;
     }
     store_current_state(scout, orbit);
     return scout->step_count > 0 && scout->last_status != TVI_ENOMEM ? TVI_OK : scout->last_status;
 }
 
-double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from, double to)
+double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from_position, double to_position)
 {
-    const double end = scout->positions[scout->step_count], hardest = scout->resolving_step[scout->hardest_index];
+    const double end = scout->positions[scout->step_count], hardest = scout->resolving_step_size[scout->hardest_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
-        const double weight = fmax(pow(hardest / scout->resolving_step[k], POWER), LEAST_WEIGHT);
-        const double way = fmin(fabs(to), fabs(scout->positions[k + 1])) - fmax(fabs(from), fabs(scout->positions[k]));
+        const double weight = fmax(pow(hardest / scout->resolving_step_size[k], POWER), LEAST_WEIGHT);
+        const double way = fmin(fabs(to_position), fabs(scout->positions[k + 1])) -
+                           fmax(fabs(from_position), fabs(scout->positions[k]));
         sum += fmax(way, 0) * weight;
         all += fabs(scout->positions[k + 1] - scout->positions[k]) * weight;
     }
-    return sum + fmax(fabs(to) - fabs(end), 0) * all / fabs(end);
+    return sum + fmax(fabs(to_position) - fabs(end), 0) * all / fabs(end);
 }

@@ -11,10 +11,10 @@
 typedef struct {
     tvi_integrator *integrator;
     double t, *q, *p;
-} tvi_scout_orbit;
+} tvi_integrated_orbit;
 
 /* Sets the orbit to the state [2n + 1], in the order q, p, t. */
-void tvi_scout_orbit_set_state(tvi_scout_orbit *orbit, int n, const double *state);
+void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const double *state);
 
 /* The largest number of steps that the scout tries. */
 enum { TVI_SCOUT_STEPS = 24 };
@@ -28,9 +28,9 @@ typedef struct {
     long steps_tried; /* the number of steps, with those that failed or were undone */
     int step_count;   /* the number of steps that succeeded; step k leads from position k to position k + 1 */
     double positions[TVI_SCOUT_STEPS + 1];
-    double resolving_step[TVI_SCOUT_STEPS]; /* the step size whose tail would be TVI_SCOUT_TAIL, at each step */
-    int hardest_index;                      /* index of the step with the least resolving_step */
-    double explored_part;                   /* the part of the run's duration that the scout has covered, 0 to 1 */
+    double resolving_step_size[TVI_SCOUT_STEPS]; /* the step size whose tail would be TVI_SCOUT_TAIL, at each step */
+    int hardest_index;                           /* index of the step with the least resolving_step_size */
+    double explored_duration_part;               /* the part of the run's duration that the scout has covered, 0 to 1 */
     /* true if the degree is at most 2, whose tails tell nothing: one step is made */
     bool has_too_low_degree;
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
@@ -42,10 +42,10 @@ typedef struct {
 
 /* Explores the orbit from its current state by at most TVI_SCOUT_STEPS steps, or to the end of the run. It fails if no
  * step succeeds, with the status of the last step, or if memory is exhausted. */
-TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_scout_orbit *orbit, double duration);
+TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration);
 
 /* Returns a measure of the error that a run makes between two positions: the distance between them, in which hard parts
  * count in full and others less. */
-double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from, double to);
+double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from_position, double to_position);
 
 #endif

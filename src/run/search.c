@@ -78,19 +78,19 @@ static double guess_root_by_interpolation(const double g_samples[], double left,
 typedef struct {
     tvi_event_search *search;
     int event_index;
-} searched_event;
+} search_event_context;
 
 static tvi_status evaluate_searched_event(void *ctx, double theta, double *g)
 {
-    const searched_event *one = ctx;
-    return evaluate_event_on_curve(one->search, one->event_index, theta, g);
+    const search_event_context *context = ctx;
+    return evaluate_event_on_curve(context->search, context->event_index, theta, g);
 }
 
 tvi_status tvi_search_find_curve_root(tvi_event_search *search, const tvi_event_root *root, double *theta)
 {
     tvi_sign_bracket bracket = {root->bracket.left, root->bracket.g_left, root->bracket.right, root->bracket.g_right};
     const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, evaluate_searched_event,
-                                                 &(searched_event){search, root->event_index});
+                                                 &(search_event_context){search, root->event_index});
     *theta = bracket.g_left == 0 ? bracket.left : bracket.right;
     return status;
 }
@@ -108,17 +108,17 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int s
                          .found_index = search->root_count,
                          .g_sign_after = sign_after,
                          .bracket = {left.theta, left.g, right.theta, right.g},
-                         .is_return_to_event = left.theta == 0 && search->watched_events[event_index].leaves_at_start,
+                         .is_return_to_event = left.theta == 0 && search->watched_events[event_index].begins_on_event,
                          .theta_guess = NAN};
     search->root_count++;
     return added;
 }
 
 /* Evaluates g at the given distance from a sample where g is 0. */
-static tvi_status sample_beside(tvi_event_search *search, int event_index, double theta, double distance,
-                                tvi_event_sample *sample)
+static tvi_status sample_event_beside(tvi_event_search *search, int event_index, double theta,
+                                      double distance_from_theta, tvi_event_sample *sample)
 {
-    sample->theta = theta + distance;
+    sample->theta = theta + distance_from_theta;
     return evaluate_event_on_curve(search, event_index, sample->theta, &sample->g);
 }
 
@@ -131,9 +131,11 @@ static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_e
     tvi_event_sample near = middle;
     tvi_status status = TVI_OK;
     if (middle.g == 0)
-        status = sample_beside(search, event_index, middle.theta, -fmin(EDGE, (middle.theta - left.theta) / 2), &near);
+        status =
+            sample_event_beside(search, event_index, middle.theta, -fmin(EDGE, (middle.theta - left.theta) / 2), &near);
     if (middle.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
-        status = sample_beside(search, event_index, middle.theta, fmin(EDGE, (right.theta - middle.theta) / 2), &near);
+        status =
+            sample_event_beside(search, event_index, middle.theta, fmin(EDGE, (right.theta - middle.theta) / 2), &near);
     if (status != TVI_OK) return status;
     const bool crosses = sign_of(near.g) == -sign;
     (void)add_root(search, event_index, -sign, left, crosses ? near : middle);
@@ -147,7 +149,7 @@ static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index
 {
     tvi_event_sample x[TVI_DIP_SAMPLES], new;
     memcpy(x, dip, sizeof x);
-    for (int sample_count = 0; tvi_dip_choose_theta(x, sample_count, &new.theta); sample_count++) {
+    for (int sample_count = 0; tvi_dip_choose_next_theta(x, sample_count, &new.theta); sample_count++) {
         const tvi_status status = evaluate_event_on_curve(search, event_index, new.theta, &new.g);
         if (status != TVI_OK) return status;
         if (sign_of(new.g) != sign_of(x[2].g)) return add_root_pair(search, event_index, dip[1], new, dip[3]);
@@ -165,10 +167,10 @@ static bool is_local_minimum_of_abs_g(const double g[])
 /* Tells whether |g| falls at the start of the step, or rises by less than the part FLAT of its mean slope. The slope is
  * that of the polynomial through five samples. With stride = -1 the samples are read backwards from the end of the
  * step. */
-static bool is_not_rising_at_boundary(const double g[], int stride, double rise)
+static bool is_not_rising_at_boundary(const double g[], int stride, double abs_g_rise)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
-    return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * rise;
+    return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * abs_g_rise;
 }
 
 /* Returns the largest |g[j + 1] - g[j]| of neighbouring samples. */
@@ -196,11 +198,11 @@ static bool has_kink_at_boundary(const double g[], int stride)
  * last two samples. */
 static bool may_have_dip_at_boundary(const double g[], int stride)
 {
-    const double rise = fabs(g[stride]) - fabs(g[0]);
+    const double abs_g_rise = fabs(g[stride]) - fabs(g[0]);
     /* If the last two values are equal, the dip is at the end of the step, and is found there. */
-    const bool rises = stride > 0 ? rise >= 0 : rise > 0;
+    const bool rises = stride > 0 ? abs_g_rise >= 0 : abs_g_rise > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
-           (is_not_rising_at_boundary(g, stride, rise) || has_kink_at_boundary(g, stride));
+           (is_not_rising_at_boundary(g, stride, abs_g_rise) || has_kink_at_boundary(g, stride));
 }
 
 /* The type of the result of comparing two jet_v2, which are vectors of two doubles. */
@@ -225,18 +227,18 @@ static bool has_certainly_no_root(const double g[])
 
 /* Searches a dip between an end of the step and the sample next to it. A value very near the end distinguishes a dip
  * inside the step from one in the next step. */
-static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_index, bool is_last)
+static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_index, bool is_at_step_end)
 {
     const double *g = search->watched_events[event_index].g_samples, part = 1.0 / TVI_SAMPLES;
     const tvi_event_sample nowhere = {NAN, NAN};
     tvi_event_sample x[TVI_DIP_SAMPLES] = {nowhere, {0, g[0]}, {EDGE, 0}, {part, g[1]}, {2 * part, g[2]}};
     const tvi_event_sample last[TVI_DIP_SAMPLES] = {
         {1 - 2 * part, g[6]}, {1 - part, g[7]}, {1 - EDGE, 0}, {1, g[8]}, nowhere};
-    if (is_last) memcpy(x, last, sizeof x);
+    if (is_at_step_end) memcpy(x, last, sizeof x);
     const tvi_status status = evaluate_event_on_curve(search, event_index, x[2].theta, &x[2].g);
     if (status != TVI_OK) return status;
     if (sign_of(x[2].g) != sign_of(x[1].g)) return add_root_pair(search, event_index, x[1], x[2], x[3]);
-    if (fabs(x[2].g) < fabs(x[is_last ? 3 : 1].g)) return search_dip_for_roots(search, event_index, x);
+    if (fabs(x[2].g) < fabs(x[is_at_step_end ? 3 : 1].g)) return search_dip_for_roots(search, event_index, x);
     return TVI_OK;
 }
 
@@ -247,8 +249,8 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
 {
     const tvi_event_sample at_right = right;
     tvi_status status = TVI_OK;
-    if (left.g == 0) status = sample_beside(search, event_index, left.theta, EDGE, &left);
-    if (status == TVI_OK && right.g == 0) status = sample_beside(search, event_index, right.theta, -EDGE, &right);
+    if (left.g == 0) status = sample_event_beside(search, event_index, left.theta, EDGE, &left);
+    if (status == TVI_OK && right.g == 0) status = sample_event_beside(search, event_index, right.theta, -EDGE, &right);
     if (status != TVI_OK) return status;
     if (left.g != 0 && right.g != 0 && sign_of(left.g) != sign_of(right.g)) {
         tvi_event_root *root = add_root(search, event_index, sign_of(right.g), left, right);
@@ -286,7 +288,7 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1;
     for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
     x[TVI_SAMPLES + 1] = all[0];
-    const bool may_return = !search->watched_events[event_index].leaves_at_start && may_have_dip_at_boundary(g, 1);
+    const bool may_return = !search->watched_events[event_index].begins_on_event && may_have_dip_at_boundary(g, 1);
     tvi_status status = may_return ? search_dip_at_boundary(search, event_index, false) : TVI_OK;
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
         if (!have_same_nonzero_sign(g[j - 1], g[j]))
@@ -323,13 +325,15 @@ static tvi_status sample_all_events(tvi_event_search *search)
         search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
     tvi_status status = continues ? TVI_OK : tvi_start_evaluate_events(search);
     if (status != TVI_OK) return status;
-    tvi_sample_dense_output(search->integrator, search->used_components, search->tape_samples);
-    if (!jet_sweep_values(search->joint_tape, search->tape_samples, TVI_SAMPLES)) status = refuse_failing_event(search);
+    tvi_sample_dense_output(search->integrator, search->used_components, search->joint_tape_block);
+    if (!jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES))
+        status = refuse_failing_event(search);
     for (int event_index = 0; event_index < search->event_count && status == TVI_OK; event_index++) {
         tvi_watched_event *w = &search->watched_events[event_index];
-        memcpy(w->g_samples + 1, search->tape_samples + (size_t)search->joint_tape->output[event_index] * TVI_SAMPLES,
+        memcpy(w->g_samples + 1,
+               search->joint_tape_block + (size_t)search->joint_tape->output[event_index] * TVI_SAMPLES,
                TVI_SAMPLES * sizeof *w->g_samples);
-        w->leaves_at_start = false;
+        w->begins_on_event = false;
         if (w->g_samples[0] == 0) status = tvi_start_find_leaving_sign(search, event_index);
         w->was_reported_at_stop = false;
     }

@@ -32,7 +32,7 @@ typedef struct {
     bool was_reported_at_stop;
     /* True if the step begins on the event. g_samples[0] then has the sign with which g leaves 0, but no meaningful
      * size. */
-    bool leaves_at_start;
+    bool begins_on_event;
     double leaving_theta; /* from this theta on g has the sign with which it leaves 0 */
 } tvi_watched_event;
 
@@ -49,11 +49,12 @@ typedef struct {
     /* The kind of state at which the next step to be searched begins. */
     tvi_run_start_kind start_kind;
     bool is_momentum_changed_at_stop; /* the run begins at the state of its last stop, but the user has changed p */
-    bool returns_before_time_moves;   /* g returns to 0 before the time changes, as for a ball at rest on the floor */
-    long last_searched_step;          /* the number of the last step that was searched; 0 if there is none */
-    jet_tape *joint_tape;             /* a tape that evaluates the functions of all events together */
+    /* True if g returns to 0 before the time changes, as for a ball at rest on the floor. */
+    bool event_returns_before_time_moves;
+    long last_searched_step; /* the number of the last step that was searched; 0 if there is none */
+    jet_tape *joint_tape;    /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated. It begins with the inputs [2n + 1][TVI_SAMPLES]. */
-    double *tape_samples;
+    double *joint_tape_block;
     tvi_component_range used_components[2];    /* the components of q and of p that joint_tape depends on */
     double *scratch_state, *scratch_increment; /* [2n + 1] each, in the order q, p, t */
     tvi_event_root *roots;                     /* [root_count] the roots in the current step */

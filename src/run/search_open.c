@@ -25,7 +25,7 @@ void tvi_search_set_parameters(tvi_event_search *search)
         jet_tape_set_parameters(w->event->tape, w->tape_block, 1, count, 1, value);
         jet_tape_set_parameters(w->event->series, w->local_series.series_block, 1, count, 1, value);
     }
-    jet_tape_set_parameters(search->joint_tape, search->tape_samples, TVI_SAMPLES, count, 1, value);
+    jet_tape_set_parameters(search->joint_tape, search->joint_tape_block, TVI_SAMPLES, count, 1, value);
 }
 
 /* Returns the range from the first component that is used to the last one. */
@@ -72,8 +72,8 @@ tvi_status tvi_search_open(tvi_event_search *search, tvi_partial_step *partial_s
     }
     const tvi_status status = create_joint_tape(search, events);
     if (status != TVI_OK) return status;
-    search->tape_samples = allocate_tape_block(search->joint_tape, TVI_SAMPLES);
-    if (!search->tape_samples) return TVI_ENOMEM;
+    search->joint_tape_block = allocate_tape_block(search->joint_tape, TVI_SAMPLES);
+    if (!search->joint_tape_block) return TVI_ENOMEM;
     tvi_search_set_parameters(search);
     return TVI_OK;
 }
@@ -85,7 +85,7 @@ void tvi_search_close(tvi_event_search *search)
         tvi_event_expansion_close(&search->watched_events[event_index].local_series);
     }
     free(search->watched_events);
-    free(search->tape_samples);
+    free(search->joint_tape_block);
     jet_tape_free(search->joint_tape);
     free(search->roots);
     free(search->scratch_state);

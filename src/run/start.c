@@ -51,7 +51,7 @@ static void copy_step_start(const tvi_event_search *search, double state[])
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event)
 {
     for (int64_t i = 0; i < stop->count; i++)
-        if (stop->events[i] == event->hash) return true;
+        if (stop->event_hashes[i] == event->hash) return true;
     return false;
 }
 
@@ -91,15 +91,15 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
 tvi_status tvi_start_evaluate_events(tvi_event_search *search)
 {
     const int inputs = 2 * search->integrator->system->n + 1;
-    const double *g = search->tape_samples;
+    const double *g = search->joint_tape_block;
     double *state = search->scratch_state;
     copy_step_start(search, state);
     search->is_momentum_changed_at_stop =
         search->start_kind == TVI_FROM_STOP &&
         !are_bitwise_equal(inputs / 2, state + inputs / 2, search->integrator->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
-        for (int k = 0; k < TVI_SAMPLES; k++) search->tape_samples[i * TVI_SAMPLES + k] = state[i];
-    const bool inside = jet_sweep_values(search->joint_tape, search->tape_samples, TVI_SAMPLES);
+        for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
+    const bool inside = jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES);
     for (int event_index = 0; event_index < search->event_count; event_index++) {
         double *first = &search->watched_events[event_index].g_samples[0];
         *first = g[(size_t)search->joint_tape->output[event_index] * TVI_SAMPLES];
@@ -187,14 +187,14 @@ tvi_status tvi_start_find_leaving_sign(tvi_event_search *search, int event_index
     double theta = first_theta_that_moves_time(search, at_first);
     status = find_sign_of_rise(search, event_index, theta, &sign);
     const bool is_wanted = w->event->direction == TVI_EITHER || (int)w->event->direction == sign;
-    search->returns_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
-                                        search->is_momentum_changed_at_stop && is_wanted && first * sign < 0;
-    if (search->returns_before_time_moves)
+    search->event_returns_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
+                                              search->is_momentum_changed_at_stop && is_wanted && first * sign < 0;
+    if (search->event_returns_before_time_moves)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * FARTHER < tvi_sample_theta[0])
         status = find_sign_of_rise(search, event_index, theta *= FARTHER, &sign);
-    w->leaves_at_start = sign != 0;
+    w->begins_on_event = sign != 0;
     w->leaving_theta = theta;
     w->g_samples[0] = sign != 0 ? copysign(DBL_MIN, sign) : w->g_samples[1];
     return status;

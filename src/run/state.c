@@ -73,7 +73,7 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     stats.bytes = it->stats.bytes;
     stats.is_compiled = it->stats.is_compiled;
     it->stats = stats;
-    tvi_integrator_apply_parameters(it);
+    tvi_integrator_copy_parameters_to_tapes(it);
     it->has_dense = false;
     return TVI_OK;
 }

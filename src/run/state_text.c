@@ -1,5 +1,5 @@
-/* state_text.c - Writes a state as text, and reads it (state_text.h). travel.c calls it. One function, transfer_state,
- * lists the words of the text both for writing and for reading. An example of a text is
+/* state_text.c - Writes a state as text, and reads it (state_text.h). travel.c calls it. One function,
+ * read_or_write_state, lists the words of the text both for writing and for reading. An example of a text is
  *
  *     tvi state 1
  *     n 2
@@ -28,12 +28,12 @@ enum { LONGEST = 31, MANTISSA = 13, DIGITS = 20 };
 
 static const char NO_STATE[] = "the text is no state", DAMAGED[] = "the text of the state is damaged or cut short";
 
-bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameters)
+bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameter_count)
 {
-    *state_text = (tvi_state_text){.n = n, .parameter_count = parameters};
+    *state_text = (tvi_state_text){.n = n, .parameter_count = parameter_count};
     state_text->parameter_values =
-        calloc((size_t)parameters + 4 * ((size_t)n + 1), sizeof *state_text->parameter_values);
-    state_text->numbers = state_text->parameter_values + parameters;
+        calloc((size_t)parameter_count + 4 * ((size_t)n + 1), sizeof *state_text->parameter_values);
+    state_text->state_values = state_text->parameter_values + parameter_count;
     return state_text->parameter_values != NULL;
 }
 
@@ -155,37 +155,37 @@ static void write_word(text_stream *stream, char separator, const char *word)
 }
 
 /* Writes a word to the output, or reads the next word of the input into `word`, and adds it to the hash. */
-static void transfer_word(text_stream *stream, char separator, char word[LONGEST + 1])
+static void read_or_write_word(text_stream *stream, char separator, char word[LONGEST + 1])
 {
     if (stream->input) read_word(stream, word);
     else write_word(stream, separator, word);
     stream->hash = jet_hash(jet_hash(stream->hash, word, strlen(word)), " ", 1);
 }
 
-static void transfer_expected_word(text_stream *stream, char separator, const char *wanted, const char *fault)
+static void read_or_write_expected_word(text_stream *stream, char separator, const char *wanted, const char *fault)
 {
     char word[LONGEST + 1];
     memcpy(word, wanted, strlen(wanted) + 1);
-    transfer_word(stream, separator, word);
+    read_or_write_word(stream, separator, word);
     record_fault(stream, strcmp(word, wanted) != 0, fault);
 }
 
-static void transfer_expected_count(text_stream *stream, const char *label, int count, const char *fault)
+static void read_or_write_expected_count(text_stream *stream, const char *label, int count, const char *fault)
 {
     char word[LONGEST + 1];
-    transfer_expected_word(stream, '\n', label, NO_STATE);
+    read_or_write_expected_word(stream, '\n', label, NO_STATE);
     (void)write_digits(word, (uint64_t)count, 10, 1);
-    transfer_expected_word(stream, ' ', word, fault);
+    read_or_write_expected_word(stream, ' ', word, fault);
 }
 
-static void transfer_rows(text_stream *stream, const char *label, int rows, int columns, double *numbers)
+static void read_or_write_rows(text_stream *stream, const char *label, int rows, int columns, double *numbers)
 {
     char word[LONGEST + 1];
     for (int i = 0; i < rows && !stream->first_fault; i++) {
-        transfer_expected_word(stream, '\n', label, DAMAGED);
+        read_or_write_expected_word(stream, '\n', label, DAMAGED);
         for (int k = 0; k < columns; k++, numbers++) {
             if (!stream->input) write_double(word, *numbers);
-            transfer_word(stream, ' ', word);
+            read_or_write_word(stream, ' ', word);
             record_fault(stream, stream->input && !read_double(word, numbers), DAMAGED);
         }
     }
@@ -202,32 +202,32 @@ static bool is_next_word_e(const text_stream *stream)
 
 /* ---- The text ---------------------------------------------------------------------------------------------------- */
 
-static void transfer_state(text_stream *stream, tvi_state_text *state_text)
+static void read_or_write_state(text_stream *stream, tvi_state_text *state_text)
 {
     const int n = state_text->n;
     char word[LONGEST + 1];
-    transfer_expected_word(stream, ' ', "tvi", NO_STATE);
-    transfer_expected_word(stream, ' ', "state", NO_STATE);
-    transfer_expected_word(stream, ' ', "1", "the text is of a format that this version does not know");
-    transfer_expected_count(stream, "n", n, "the text is of a system of another dimension");
-    transfer_expected_count(stream, "parameters", state_text->parameter_count,
-                            "the text is of a system with other parameters");
-    transfer_rows(stream, "value", state_text->parameter_count, 1, state_text->parameter_values);
-    transfer_rows(stream, "t", 1, 2, state_text->numbers);
-    transfer_rows(stream, "q", n, 2, state_text->numbers + 2);
-    transfer_rows(stream, "p", n, 2, state_text->numbers + 2 * (n + 1));
-    if (stream->input) state_text->has_rescaled_energy = is_next_word_e(stream);
-    transfer_rows(stream, "e", state_text->has_rescaled_energy, 2, state_text->numbers + 2 * (2 * n + 1));
-    transfer_expected_word(stream, '\n', "end", DAMAGED);
+    read_or_write_expected_word(stream, ' ', "tvi", NO_STATE);
+    read_or_write_expected_word(stream, ' ', "state", NO_STATE);
+    read_or_write_expected_word(stream, ' ', "1", "the text is of a format that this version does not know");
+    read_or_write_expected_count(stream, "n", n, "the text is of a system of another dimension");
+    read_or_write_expected_count(stream, "parameters", state_text->parameter_count,
+                                 "the text is of a system with other parameters");
+    read_or_write_rows(stream, "value", state_text->parameter_count, 1, state_text->parameter_values);
+    read_or_write_rows(stream, "t", 1, 2, state_text->state_values);
+    read_or_write_rows(stream, "q", n, 2, state_text->state_values + 2);
+    read_or_write_rows(stream, "p", n, 2, state_text->state_values + 2 * (n + 1));
+    if (stream->input) state_text->has_energy_offset = is_next_word_e(stream);
+    read_or_write_rows(stream, "e", state_text->has_energy_offset, 2, state_text->state_values + 2 * (2 * n + 1));
+    read_or_write_expected_word(stream, '\n', "end", DAMAGED);
     (void)write_digits(word, stream->hash, 16, 16);
-    transfer_expected_word(stream, ' ', word, DAMAGED);
+    read_or_write_expected_word(stream, ' ', word, DAMAGED);
 }
 
 size_t tvi_state_text_write(const tvi_state_text *state_text, char *text)
 {
     text_stream stream = {.output = text, .hash = JET_HASH_OF_NOTHING};
     tvi_state_text same = *state_text;
-    transfer_state(&stream, &same);
+    read_or_write_state(&stream, &same);
     if (text) text[stream.position] = '\n';
     return stream.position + 1;
 }
@@ -235,7 +235,7 @@ size_t tvi_state_text_write(const tvi_state_text *state_text, char *text)
 const char *tvi_state_text_read(tvi_state_text *state_text, const char *text, size_t size)
 {
     text_stream stream = {.input = text, .input_size = size, .hash = JET_HASH_OF_NOTHING};
-    transfer_state(&stream, state_text);
+    read_or_write_state(&stream, state_text);
     skip_whitespace(&stream);
     record_fault(&stream, stream.position < size, "something follows the end of the state's text");
     return stream.first_fault;

@@ -10,9 +10,9 @@
  * text may lack it. */
 typedef struct {
     int n, parameter_count;
-    bool has_rescaled_energy; /* true if the text contains e */
+    bool has_energy_offset;   /* true if the text contains e */
     double *parameter_values; /* [parameter_count] */
-    double *numbers;          /* [2n + 2][2] t, q[n], p[n] and e, each followed by its low-order part */
+    double *state_values;     /* [2n + 2][2] t, q[n], p[n] and e, each followed by its low-order part */
 } tvi_state_text;
 
 /* Allocates the two arrays, which the caller frees by free(parameter_values). Returns false if memory is exhausted. */

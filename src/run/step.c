@@ -12,11 +12,11 @@
 #include <math.h>
 #include <string.h>
 
-static const tvi_state_update_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_state_update_loops_base,
+static const tvi_state_update_functions *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_state_update_functions_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_state_update_loops_avx2,
-    [jet_isa_avx512] = &tvi_state_update_loops_avx512,
+    [jet_isa_avx2] = &tvi_state_update_functions_avx2,
+    [jet_isa_avx512] = &tvi_state_update_functions_avx512,
 #endif
 };
 
@@ -78,7 +78,7 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     const jet_tape *tape = system->field_values;
     const int n = system->n;
     const double t = it->state.q[n * it->width + member];
-    tvi_member_load_parameters(it, member);
+    tvi_member_load_one_lane_parameters(it, member);
     tvi_gather_member(n, it->width, it->state.q, member, it->field);
     for (int i = n; i < system->inputs; i++) it->field[i] = 0;
     if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field + n);
@@ -134,29 +134,29 @@ JET_INLINE void find_overflows(tvi_integrator *it, int width)
     const tvi_run_state *state = &it->state;
     const tvi_increments *increments = &it->increments;
     const int rows = it->stepped->n;
-    for (int member = 0; member < width; member++) it->overflows[member] = 0;
+    for (int member = 0; member < width; member++) it->overflow_flags[member] = 0;
     if (width == 1) {
-        tvi_find_overflows(rows + 1, 1, state->q, state->q_low, increments->dq, it->overflows);
-        tvi_find_overflows(rows, 1, state->p, state->p_low, increments->dp, it->overflows);
+        tvi_find_overflows(rows + 1, 1, state->q, state->q_low, increments->dq, it->overflow_flags);
+        tvi_find_overflows(rows, 1, state->p, state->p_low, increments->dp, it->overflow_flags);
     } else {
-        const tvi_state_update_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
-        loops->find_overflows(rows + 1, width, state->q, state->q_low, increments->dq, it->overflows);
-        loops->find_overflows(rows, width, state->p, state->p_low, increments->dp, it->overflows);
+        const tvi_state_update_functions *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        loops->find_overflows(rows + 1, width, state->q, state->q_low, increments->dq, it->overflow_flags);
+        loops->find_overflows(rows, width, state->p, state->p_low, increments->dp, it->overflow_flags);
     }
 }
 
 /* Checks the new state of each member, and sets the status of those members whose step is refused. */
-JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool used_series)
+JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool step_used_series)
 {
     find_overflows(it, width);
     for (int member = 0; member < width; member++) {
         if (!it->is_stepped[member]) continue;
         tvi_status *status = &it->status[member];
         if (*status != TVI_OK) *status = explain_stepper_failure(it, member);
-        else if (it->overflows[member] != 0) *status = refuse_overflowing_component(it, member);
+        else if (it->overflow_flags[member] != 0) *status = refuse_overflowing_component(it, member);
         else if (tvi_is_rescaled(it)) *status = check_time_moves_with_h(it, member, h);
     }
-    tvi_guard_step(it, used_series);
+    tvi_guard_step(it, step_used_series);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
@@ -171,7 +171,7 @@ JET_INLINE void add_increments(tvi_integrator *it, int width)
         tvi_add_increments(rows + 1, 1, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
         tvi_add_increments(rows, 1, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
     } else if (width > 1) {
-        const tvi_state_update_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        const tvi_state_update_functions *loops = loops_of[it->stepped->field_values->sweeps->isa];
         loops->add_increments(rows + 1, width, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
         loops->add_increments(rows, width, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
     }
@@ -218,10 +218,10 @@ void tvi_step_batch(tvi_integrator *it, long steps, double h)
 static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
 {
     const int n = it->system->n;
-    const tvi_unchecked_step_limits skip_limits = tvi_guard_skip_limits(it);
-    const bool may_skip = !it->reference->is_known && it->stats.tail <= skip_limits.tail;
+    const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
+    const bool may_skip = !it->reference->is_H_known && it->stats.tail <= limits.tail;
     if (!it->stepper->run || !may_skip || steps < 1) return 0;
-    const tvi_step_run run = {h, steps, skip_limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
+    const tvi_step_run run = {h, steps, limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
     *it->continues |= made > 0;

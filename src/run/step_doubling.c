@@ -36,12 +36,12 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     doubling->scout_states = doubling->half_step_orbit.q + state;
     if (!doubling->is_rescaled) return TVI_OK;
     return jet_explain_out_of_memory(
-        tvi_rates_open(&doubling->field_rates, system, doubling->full_step_orbit.integrator->parameters));
+        tvi_rates_open(&doubling->rates_evaluator, system, doubling->full_step_orbit.integrator->parameters));
 }
 
 void tvi_step_doubling_close(tvi_step_doubling *doubling)
 {
-    tvi_rates_close(&doubling->field_rates);
+    tvi_rates_close(&doubling->rates_evaluator);
     free(doubling->rates_input);
     tvi_integrator_free(doubling->half_step_orbit.integrator);
     tvi_integrator_free(doubling->full_step_orbit.integrator);
@@ -51,8 +51,8 @@ void tvi_step_doubling_close(tvi_step_doubling *doubling)
 
 void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *state)
 {
-    tvi_scout_orbit_set_state(&doubling->full_step_orbit, doubling->n, state);
-    tvi_scout_orbit_set_state(&doubling->half_step_orbit, doubling->n, state);
+    tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, state);
+    tvi_integrated_orbit_set_state(&doubling->half_step_orbit, doubling->n, state);
 }
 
 /* Computes the time derivatives q' and p' of full_step_orbit in a rescaled system. There the two orbits are at
@@ -64,10 +64,10 @@ static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
     memcpy(doubling->rates_input, doubling->full_step_orbit.q, n * sizeof *doubling->rates_input);
     memcpy(doubling->rates_input + n, doubling->full_step_orbit.p, n * sizeof *doubling->rates_input);
     doubling->rates_input[2 * n] = doubling->full_step_orbit.t;
-    return tvi_rates_compute(&doubling->field_rates, doubling->rates_input, doubling->rates_output);
+    return tvi_rates_compute(&doubling->rates_evaluator, doubling->rates_input, doubling->rates_output);
 }
 
-static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_scout_orbit *orbit, double h)
+static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *orbit, double h)
 {
     doubling->steps_tried++;
     const tvi_status status = tvi_step(orbit->integrator, h, &orbit->t, orbit->q, orbit->p);
@@ -88,22 +88,22 @@ tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h)
 /* Measures of the orbit_difference d = a - b - lag rate between the states of two orbits, where a is later than b by
  * `lag`. All are divided by the largest component of b. */
 typedef struct {
-    double largest_difference; /* the largest |d_i| */
-    double dot_rate;           /* the scalar product d.rate */
-    double rate_squared;       /* the scalar product rate.rate */
-    double largest_rate;       /* the largest |rate_i| */
+    double largest_difference;    /* the largest |d_i| */
+    double difference_dot_rate;   /* the scalar product d.rate */
+    double rate_squared;          /* the scalar product rate.rate */
+    double largest_relative_rate; /* the largest |rate_i| */
 } orbit_difference;
 
-static void accumulate_difference(int n, const double a[], const double b[], double lag, const double rate[],
-                                  double *size, orbit_difference *out)
+static void accumulate_difference(int n, const double state_a[], const double state_b[], double lag,
+                                  const double rate_a[], double *size, orbit_difference *out)
 {
-    for (int i = 0; i < n; i++) *size = fmax(*size, fabs(b[i]));
+    for (int i = 0; i < n; i++) *size = fmax(*size, fabs(state_b[i]));
     const double unit = *size > 0 ? *size : 1;
     for (int i = 0; i < n; i++) {
-        const double d = (a[i] - b[i] - lag * rate[i]) / unit, r = rate[i] / unit;
+        const double d = (state_a[i] - state_b[i] - lag * rate_a[i]) / unit, r = rate_a[i] / unit;
         out->largest_difference = fmax(out->largest_difference, fabs(d));
-        out->largest_rate = fmax(out->largest_rate, fabs(r));
-        out->dot_rate += d * r, out->rate_squared += r * r;
+        out->largest_relative_rate = fmax(out->largest_relative_rate, fabs(r));
+        out->difference_dot_rate += d * r, out->rate_squared += r * r;
     }
 }
 
@@ -111,22 +111,23 @@ static void accumulate_difference(int n, const double a[], const double b[], dou
  * fastest. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 {
-    const tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
+    const tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     const double lag = a->t - b->t;
     orbit_difference d = {0};
     accumulate_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->largest_q, &d);
     accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->largest_p, &d);
     doubling->distance = d.largest_difference;
-    doubling->largest_rate = fmax(doubling->largest_rate, d.largest_rate);
-    const bool is_fast = d.largest_rate > FAST * doubling->largest_rate;
-    return is_fast ? fmax(d.largest_difference, fabs(d.dot_rate / d.rate_squared) * doubling->largest_rate)
+    doubling->largest_relative_rate = fmax(doubling->largest_relative_rate, d.largest_relative_rate);
+    const bool is_fast = d.largest_relative_rate > FAST * doubling->largest_relative_rate;
+    return is_fast ? fmax(d.largest_difference,
+                          fabs(d.difference_dot_rate / d.rate_squared) * doubling->largest_relative_rate)
                    : d.largest_difference;
 }
 
 tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state, double h,
                                                 double shift, double *distance)
 {
-    tvi_scout_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
+    tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     *distance = 0;
     tvi_step_doubling_set_state(doubling, state);
     b->t += shift;
@@ -150,7 +151,7 @@ static const double *stored_state_of_scout(const tvi_orbit_scout *scout, int pos
 static void place_companion_orbit(tvi_step_doubling *doubling, const double *state)
 {
     const size_t n = (size_t)doubling->n;
-    tvi_scout_orbit *b = &doubling->half_step_orbit;
+    tvi_integrated_orbit *b = &doubling->half_step_orbit;
     const double lag = doubling->full_step_orbit.t - b->t, unit = START_DISTANCE / doubling->distance;
     for (size_t i = 0; i < n; i++) {
         b->q[i] = state[i] + unit * (doubling->full_step_orbit.q[i] - b->q[i] - lag * doubling->rates_output[i]);
@@ -163,12 +164,12 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
 
 /* Integrates the companion beside the scout's orbit, from position number first_position on. Sets distances[k] to
  * their distance at position k, and returns the number of the last position that the companion has reached. */
-static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position,
+static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position_index,
                                   double distances[])
 {
-    place_companion_orbit(doubling, stored_state_of_scout(scout, first_position));
-    for (int k = first_position; true; k++) {
-        tvi_scout_orbit_set_state(&doubling->full_step_orbit, doubling->n, stored_state_of_scout(scout, k));
+    place_companion_orbit(doubling, stored_state_of_scout(scout, first_position_index));
+    for (int k = first_position_index; true; k++) {
+        tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, stored_state_of_scout(scout, k));
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
         distances[k] = doubling->distance;
@@ -182,20 +183,20 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
 
 /* Returns the largest distance in the second half of the way between two positions, divided by that in the first
  * half. */
-static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first_position, int last_position,
-                                           const double distances[])
+static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first_position_index,
+                                           int last_position_index, const double distances[])
 {
-    const double middle = (scout->positions[first_position] + scout->positions[last_position]) / 2;
+    const double middle = (scout->positions[first_position_index] + scout->positions[last_position_index]) / 2;
     double most[] = {0, 0};
-    for (int k = first_position; k <= last_position; k++) {
+    for (int k = first_position_index; k <= last_position_index; k++) {
         const bool is_later = fabs(scout->positions[k]) > fabs(middle);
         most[is_later] = fmax(most[is_later], distances[k]);
     }
     return most[1] / most[0];
 }
 
-double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
-                                        double start_position, double end_position, double *growth)
+double tvi_step_doubling_measure_error_factor(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                              double start_position, double end_position, double *growth_ratio)
 {
     int first = 0;
     double distances[TVI_SCOUT_STEPS + 1], sum = 0;
@@ -213,6 +214,6 @@ double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_o
         sum += tvi_scout_error_weight(scout, scout->positions[k - 1], scout->positions[k]) * distances[last] /
                fmax(distances[at], fmax(before, after));
     }
-    *growth = ratio_of_distances_in_halves(scout, first, last, distances);
+    *growth_ratio = ratio_of_distances_in_halves(scout, first, last, distances);
     return sum / tvi_scout_error_weight(scout, start_position, end_position);
 }

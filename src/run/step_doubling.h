@@ -12,12 +12,12 @@
 typedef struct {
     int n; /* the number of coordinates of an orbit */
     bool is_rescaled;
-    tvi_scout_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
+    tvi_integrated_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
     double largest_q, largest_p;        /* the largest |q_i| and |p_i| so far, by which differences are divided */
-    tvi_rates field_rates;              /* computes dq/dt and dp/dt of a rescaled system; unused otherwise */
+    tvi_rates rates_evaluator;          /* computes dq/dt and dp/dt of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
     double *scout_states;               /* memory for tvi_orbit_scout.states */
-    double largest_rate;                /* the largest time derivative of a component so far, divided by its size */
+    double largest_relative_rate;       /* the largest time derivative of a component so far, divided by its size */
     double distance;                    /* the distance of the two orbits when it was last measured */
     long steps_tried;                   /* the number of steps of both orbits */
     bool has_exhausted_memory;          /* true if a step has failed for lack of memory */
@@ -53,7 +53,7 @@ double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling);
  * direction of the trial's error. start_position must be one of the scout's positions. The result is 0 if no
  * companion could be followed. *growth is the largest distance of the companion in the second half of its way
  * divided by that in the first half. */
-double tvi_step_doubling_measure_growth(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
-                                        double start_position, double end_position, double *growth);
+double tvi_step_doubling_measure_error_factor(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                              double start_position, double end_position, double *growth_ratio);
 
 #endif

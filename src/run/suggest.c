@@ -66,15 +66,15 @@ typedef struct {
     /* The longest step size that a trial of the whole run has shown to serve, and the shortest that a trial has
      * shown not to serve; 0 if there is none. */
     double longest_good_step, shortest_bad_step;
-    double error_of_good_step; /* the error of the trial with longest_good_step */
+    double error_of_longest_good_step; /* the error of the trial with longest_good_step */
     /* True if the suggestion rests on a trial that has passed the hardest position with an estimate near the aim. */
-    bool is_step_known;
+    bool is_suggestion_reliable;
 } suggestion_search;
 
 /* ---- All trials -------------------------------------------------------------------------------------------------- */
 
 static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
-static double factor_after_failure(const suggestion_search *search)
+static double step_size_factor_after_failure(const suggestion_search *search)
 {
     return search->trials.step_doubling.is_rescaled ? FAILS_LATER : FAILS;
 }
@@ -82,7 +82,7 @@ static double factor_after_failure(const suggestion_search *search)
 /* Returns the factor by which the next step size differs from that of the trial. */
 static double step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    if (trial->status != TVI_OK) return factor_after_failure(search);
+    if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
     const double wrong = fmin(trial->error / search->trials.aim, 1 / OF_NO_ORDER);
     return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
 }
@@ -107,19 +107,19 @@ static void detect_roundoff(suggestion_search *search, const tvi_step_size_trial
 }
 
 /* Updates the longest step size that serves and the shortest that does not, after a trial. */
-static void update_bracket_of_steps(suggestion_search *search, const tvi_step_size_trial *trial)
+static void update_step_size_bracket(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     const bool is_too_long = trial->is_finished && tvi_trial_error_is_far_above_aim(&search->trials, trial);
     if (trial->covers_whole_run && trial->error <= KEPT * search->wanted_error) {
         if (fabs(trial->h) > fabs(search->longest_good_step))
-            search->longest_good_step = trial->h, search->error_of_good_step = trial->error;
+            search->longest_good_step = trial->h, search->error_of_longest_good_step = trial->error;
     } else if (trial->covers_whole_run || is_too_long) {
         search->shortest_bad_step =
             search->shortest_bad_step == 0 ? trial->h : tvi_smaller_magnitude(search->shortest_bad_step, trial->h);
     }
     if (trial->error == INFINITY)
         search->longest_allowed_step =
-            tvi_smaller_magnitude(search->longest_allowed_step, factor_after_failure(search) * trial->h);
+            tvi_smaller_magnitude(search->longest_allowed_step, step_size_factor_after_failure(search) * trial->h);
     else if (is_too_long)
         search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, FAILS * trial->h);
 }
@@ -131,11 +131,11 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
     const bool has_worst = search->shortest_bad_step != 0;
     if (has_worst && !(fabs(*h) > fabs(search->longest_good_step) && fabs(*h) < fabs(search->shortest_bad_step)))
         *h = copysign(sqrt(search->longest_good_step * search->shortest_bad_step), search->longest_good_step);
-    const bool is_found = search->error_of_good_step >= FULL * search->wanted_error ||
+    const bool is_found = search->error_of_longest_good_step >= FULL * search->wanted_error ||
                           fabs(search->longest_good_step) >= fabs(search->longest_allowed_step) ||
                           (has_worst && fabs(search->shortest_bad_step) < NEARLY * fabs(search->longest_good_step));
-    return !is_found &&
-           tvi_trials_have_budget_for(&search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_length / *h)));
+    return !is_found && tvi_trials_have_budget_for_steps(
+                            &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_position / *h)));
 }
 
 /* Tells whether the suggestion should follow this trial: it covers about as much of the run as the longest one, or it
@@ -143,17 +143,17 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
 static bool is_trial_informative(const suggestion_search *search, const tvi_step_size_trial *trial, bool *is_near_aim)
 {
     const tvi_trials *trials = &search->trials;
-    *is_near_aim =
-        trial->has_passed_hardest && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
-    const bool is_long =
-        trial->has_passed_hardest && trial->covered_part >= TVI_EQUALLY_LONG * trials->largest_covered_part;
+    *is_near_aim = trial->has_passed_hardest_position && !trial->covers_whole_run &&
+                   !tvi_trial_error_is_far_above_aim(trials, trial);
+    const bool is_long = trial->has_passed_hardest_position &&
+                         trial->covered_error_part >= TVI_EQUALLY_LONG * trials->largest_covered_error_part;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aim));
 }
 
 /* Updates the suggestion after a trial. Returns true if another trial shall follow, with the step size *h. */
-static bool update_from_trial(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
-                              tvi_step_suggestion *suggestion)
+static bool update_suggestion_from_trial(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
+                                         tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
     const bool failed = trial->error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
@@ -161,25 +161,26 @@ static bool update_from_trial(suggestion_search *search, const tvi_step_size_tri
     bool is_near_aim;
     const bool is_new = is_trial_informative(search, trial, &is_near_aim);
     const double factor = is_new ? step_size_factor(search, trial) : 1;
-    if (is_new) suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_step_known = is_near_aim;
-    else if (!search->is_step_known)
+    if (is_new)
+        suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_suggestion_reliable = is_near_aim;
+    else if (!search->is_suggestion_reliable)
         suggestion->h = suggestion->h == 0 ? trial->h : tvi_smaller_magnitude(suggestion->h, trial->h);
-    if (!failed && (is_new || !search->is_step_known))
-        suggestion->tried_step = trial->h, suggestion->covered_part = trial->covered_part,
+    if (!failed && (is_new || !search->is_suggestion_reliable))
+        suggestion->tried_step = trial->h, suggestion->covered_error_part = trial->covered_error_part,
         suggestion->error = trial->error;
     if (!failed)
-        suggestion->explored_duration_part = fmax(suggestion->explored_duration_part, trial->duration_part),
-        trials->largest_covered_part = fmax(trials->largest_covered_part, trial->covered_part);
+        suggestion->explored_duration_part = fmax(suggestion->explored_duration_part, trial->duration_part_at_end),
+        trials->largest_covered_error_part = fmax(trials->largest_covered_error_part, trial->covered_error_part);
     detect_roundoff(search, trial);
-    update_bracket_of_steps(search, trial);
+    update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps of the companion are released for another trial. */
-    if (!tvi_trials_have_budget_for_step(trials) && (is_low || is_high)) trials->reserved_steps = 0;
+    if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_steps = 0;
     *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step);
     trials->run_step_count *= trial->h / *h;
     if (search->longest_good_step != 0) return may_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
-    return !is_last && tvi_trials_have_budget_for_step(trials) &&
-           (!search->is_step_known || tvi_trials_have_budget_for_passage(trials, *h)) &&
+    return !is_last && tvi_trials_have_budget_for_trial_step(trials) &&
+           (!search->is_suggestion_reliable || tvi_trials_have_budget_to_pass_hardest(trials, *h)) &&
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
@@ -191,9 +192,9 @@ static void correct_by_companion_growth(suggestion_search *search, tvi_step_size
     tvi_trials *trials = &search->trials;
     if (trials->reserved_steps == 0 || suggestion->tried_step != trial->h || trial->error == INFINITY) return;
     double growth;
-    const double wanted_error = trials->step_doubling.distance, part = trials->scout.explored_part;
-    const double growth_factor = tvi_step_doubling_measure_growth(&trials->step_doubling, &trials->scout,
-                                                                  trials->start_position, trial->end_position, &growth);
+    const double wanted_error = trials->step_doubling.distance, part = trials->scout.explored_duration_part;
+    const double growth_factor = tvi_step_doubling_measure_error_factor(
+        &trials->step_doubling, &trials->scout, trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
     /* The growth was measured between two halves of the part that the scout has explored. */
     const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
@@ -209,19 +210,19 @@ static double set_up_trials(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double scale = s->resolving_step[s->hardest_index], end = s->positions[s->step_count];
+    const double scale = s->resolving_step_size[s->hardest_index], end = s->positions[s->step_count];
     const double wanted_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->degree);
     trials->step_doubling.steps_tried = s->steps_tried;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
-    trials->run_length = end / s->explored_part;
-    trials->run_weight = tvi_scout_error_weight(s, 0, end) / s->explored_part;
+    trials->run_end_position = end / s->explored_duration_part;
+    trials->run_weight = tvi_scout_error_weight(s, 0, end) / s->explored_duration_part;
     search->longest_allowed_step = scale * pow(MOST_TAILS, 1 / search->degree);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, trials->duration);
     const double part = pow(KNOWN, trials->growth_exponent);
     const double h = tvi_smaller_magnitude(scale * pow(trials->aim * part / wanted_error, 1.0 / (search->order + 1)),
                                            search->longest_allowed_step);
-    trials->run_step_count = fabs(trials->run_length / h);
+    trials->run_step_count = fabs(trials->run_end_position / h);
     return h;
 }
 
@@ -237,7 +238,8 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
     const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
                  h = s->positions[s->hardest_index + 1] - s->positions[s->hardest_index];
     const double last = fmax(fabs(trials->t), fabs(trials->t + trials->duration)), ulp = DBL_EPSILON * last;
-    const double often = TIMES * sqrt(fmax(fabs(trials->run_length / h), 1)), shift = fmax(SHIFT * dt, SHIFTS * ulp);
+    const double often = TIMES * sqrt(fmax(fabs(trials->run_end_position / h), 1)),
+                 shift = fmax(SHIFT * dt, SHIFTS * ulp);
     double apart;
     if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
         often * ulp < DOUBT * search->wanted_error * dt)
@@ -258,7 +260,8 @@ static double factor_for_spread_of_step_sizes(const suggestion_search *search)
     const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
     for (int k = 0; k < s->step_count; k++)
-        shortest = fmin(shortest, fabs(s->resolving_step[k])), longest = fmax(longest, fabs(s->resolving_step[k]));
+        shortest = fmin(shortest, fabs(s->resolving_step_size[k])),
+        longest = fmax(longest, fabs(s->resolving_step_size[k]));
     return 1 + DRAWS * log(fmin(longest / shortest, MOST_DRAWS));
 }
 
@@ -266,12 +269,12 @@ static double factor_for_spread_of_step_sizes(const suggestion_search *search)
 static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *suggestion)
 {
     const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),
-                 unknown = search->is_step_known ? 1 : UNKNOWN;
+                 unknown = search->is_suggestion_reliable ? 1 : UNKNOWN;
     suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step) * unknown /
                     factor_for_spread_of_step_sizes(search);
     if (search->longest_good_step != 0)
-        suggestion->h = suggestion->tried_step = search->longest_good_step, suggestion->covered_part = 1,
-        suggestion->error = search->error_of_good_step;
+        suggestion->h = suggestion->tried_step = search->longest_good_step, suggestion->covered_error_part = 1,
+        suggestion->error = search->error_of_longest_good_step;
     if (suggestion->explored_duration_part > 1 - 1e-9) suggestion->explored_duration_part = 1;
 }
 
@@ -285,9 +288,9 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     double h = set_up_trials(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
-    suggestion->explored_duration_part = trials->scout.has_too_low_degree ? 0 : trials->scout.explored_part;
+    suggestion->explored_duration_part = trials->scout.has_too_low_degree ? 0 : trials->scout.explored_duration_part;
     do trial = tvi_make_step_size_trial(trials, h);
-    while (trial.status != TVI_ENOMEM && update_from_trial(search, &trial, &h, suggestion));
+    while (trial.status != TVI_ENOMEM && update_suggestion_from_trial(search, &trial, &h, suggestion));
     correct_by_companion_growth(search, &trial, suggestion);
     suggestion->step_count = trials->step_doubling.steps_tried;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)

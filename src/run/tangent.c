@@ -63,24 +63,24 @@ static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
 }
 
 /* Allocates memory for more columns of a run, and keeps the contents. */
-static tvi_status reserve_columns(tvi_integrator *it, int columns)
+static tvi_status reserve_columns(tvi_integrator *it, int column_count)
 {
     tvi_tangent *tangent = it->tangent;
-    if (columns <= tangent->column_capacity) return TVI_OK;
+    if (column_count <= tangent->column_capacity) return TVI_OK;
     const size_t row = (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * sizeof(double);
     double **const both[] = {&tangent->start, &tangent->end};
     for (int i = 0; i < 2; i++) {
-        double *D = (size_t)columns > SIZE_MAX / row ? NULL : realloc(*both[i], (size_t)columns * row);
+        double *D = (size_t)column_count > SIZE_MAX / row ? NULL : realloc(*both[i], (size_t)column_count * row);
         if (!D) return jet_explain_out_of_memory(TVI_ENOMEM);
         *both[i] = D;
     }
-    it->stats.bytes += 2 * (size_t)(columns - tangent->column_capacity) * row;
-    tangent->column_capacity = columns;
+    it->stats.bytes += 2 * (size_t)(column_count - tangent->column_capacity) * row;
+    tangent->column_capacity = column_count;
     return TVI_OK;
 }
 
 /* Allocates the memory for tangent vectors when an integrator first uses them, or when it needs more columns. */
-tvi_status tvi_integrator_allocate_tangent(tvi_integrator *it, int columns)
+tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count)
 {
     if (!it->tangent) {
         tvi_tangent *tangent;
@@ -94,7 +94,7 @@ tvi_status tvi_integrator_allocate_tangent(tvi_integrator *it, int columns)
         it->stats.bytes += sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->lifted_q +
                            tangent->lifted_integrator->stats.bytes;
     }
-    return reserve_columns(it, columns);
+    return reserve_columns(it, column_count);
 }
 
 /* Returns the exponent of the power of two that scales a column to the size of the state. The corrector of the lifted
@@ -111,20 +111,21 @@ static int find_scaling_exponent(int n, const double q[], const double p[], cons
 
 /* Sets the parameters of the lifted system: the values that the step is made with, and the scaled components of the
  * column that belong to the parameters. */
-static tvi_status set_lifted_parameters(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
+static tvi_status set_lifted_parameters(const tvi_integrator *it, const tvi_step_to_differentiate *step,
+                                        int scaling_exponent)
 {
     tvi_tangent *tangent = it->tangent;
     const int parameters = tvi_system_parameters(it->system);
     const double *column = tangent->column + 2 * tangent->n;
     for (int i = 0; i < parameters; i++) {
         tangent->parameters_and_rates[i] = step->parameters[i];
-        tangent->parameters_and_rates[parameters + i] = ldexp(column[i], -exponent);
+        tangent->parameters_and_rates[parameters + i] = ldexp(column[i], -scaling_exponent);
     }
     return tvi_integrator_set_parameters(tangent->lifted_integrator, tangent->parameters_and_rates);
 }
 
 /* Sets the state of the lifted system: the state at the start of the step, and the scaled column. */
-static void set_lifted_state(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
+static void set_lifted_state(const tvi_integrator *it, const tvi_step_to_differentiate *step, int scaling_exponent)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -133,13 +134,13 @@ static void set_lifted_state(const tvi_integrator *it, const tvi_lifted_step *st
     memcpy(tangent->lifted_q, step->start->q, bytes);
     memcpy(tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0), step->start->p, bytes);
     for (int i = 0; i < n; i++) {
-        dq[i] = ldexp(tangent->column[i], -exponent);
-        dp[i] = ldexp(tangent->column[n + i], -exponent);
+        dq[i] = ldexp(tangent->column[i], -scaling_exponent);
+        dp[i] = ldexp(tangent->column[n + i], -scaling_exponent);
     }
 }
 
 /* Computes column <- M column for the step map in the steps' own variable, which is s in a rescaled system. */
-static tvi_status multiply_column_in_step_variable(const tvi_integrator *it, const tvi_lifted_step *step)
+static tvi_status multiply_column_in_step_variable(const tvi_integrator *it, const tvi_step_to_differentiate *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -162,8 +163,8 @@ static tvi_status multiply_column_in_step_variable(const tvi_integrator *it, con
 /* ---- At equal times ---------------------------------------------------------------------------------------------- */
 
 /* Computes the gradient (K_q, K_p) of a rescaled system's Hamiltonian K at a state. */
-static tvi_status compute_transformed_gradient(const tvi_integrator *it, const double parameters[], const double q[],
-                                               const double p[])
+static tvi_status compute_rescaled_gradient(const tvi_integrator *it, const double parameters[], const double q[],
+                                            const double p[])
 {
     const jet_tape *tape = it->stepped->field_values;
     const tvi_tangent *tangent = it->tangent;
@@ -178,12 +179,12 @@ static tvi_status compute_transformed_gradient(const tvi_integrator *it, const d
 
 /* Sets the component of the column that belongs to e. A neighbouring orbit at the same time has its own e, for which K
  * is 0 as well; this gives dK = 0, and K_e = g. */
-static tvi_status set_energy_change(const tvi_integrator *it, const tvi_lifted_step *step)
+static tvi_status set_e_component(const tvi_integrator *it, const tvi_step_to_differentiate *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->lifted_system->energy;
     const int n = tangent->n, e = 2 * n - 1;
-    tvi_status status = compute_transformed_gradient(it, step->parameters, step->start->q, step->start->p);
+    tvi_status status = compute_rescaled_gradient(it, step->parameters, step->start->q, step->start->p);
     if (status == TVI_OK) status = set_lifted_parameters(it, step, 0);
     if (status != TVI_OK) return status;
     set_lifted_state(it, step, 0);
@@ -197,12 +198,12 @@ static tvi_status set_energy_change(const tvi_integrator *it, const tvi_lifted_s
 
 /* Projects the column to the time of the orbit. After a step in s a neighbouring orbit is at another time. It is moved
  * back along the flow by the difference dt of the times: dq - dt K_p / g, dp + dt K_q / g. */
-static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const tvi_lifted_step *step)
+static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const tvi_step_to_differentiate *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
-    const tvi_status status = compute_transformed_gradient(it, step->parameters, tangent->lifted_q,
-                                                           tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0));
+    const tvi_status status = compute_rescaled_gradient(it, step->parameters, tangent->lifted_q,
+                                                        tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0));
     const double ds = tangent->column[n - 1] / tangent->gradient[2 * n - 1];
     for (int i = 0; i < n; i++) {
         tangent->column[i] -= tangent->gradient[n + i] * ds;
@@ -228,14 +229,14 @@ static void load_column(const tvi_integrator *it, const double D[], size_t row_s
 
 /* Computes the product of M and the loaded column, and writes it to `out`, a column of a matrix whose rows are
  * row_stride numbers apart. */
-static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_lifted_step *step, double product[],
-                                              size_t row_stride)
+static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_step_to_differentiate *step,
+                                              double product[], size_t row_stride)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = it->system->n;
     const bool rescaled = tangent->field_block != NULL;
     const double *dq = tangent->column, *dp = dq + tangent->n;
-    tvi_status status = rescaled ? set_energy_change(it, step) : TVI_OK;
+    tvi_status status = rescaled ? set_e_component(it, step) : TVI_OK;
     if (status == TVI_OK) status = multiply_column_in_step_variable(it, step);
     if (status == TVI_OK && rescaled) status = project_column_to_orbit_time(it, step);
     for (int row = 0; row < n; row++) {
@@ -246,7 +247,7 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tv
     return jet_refuse(TVI_ENONFINITE, "it overflows");
 }
 
-tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *it, const tvi_lifted_step *step,
+tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *it, const tvi_step_to_differentiate *step,
                                             const tvi_tangent_columns *columns, const tvi_tangent_columns *product)
 {
     const size_t row_stride = (size_t)columns->count * columns->element_spacing,
@@ -280,12 +281,13 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
         return tvi_refuse_run_arguments(given, D ? "columns is not positive" : "D is NULL");
     const tvi_tangent_columns own = {D, columns, 1};
     tvi_status status = tvi_columns_check_finite(it, &own);
-    if (status == TVI_OK) status = tvi_integrator_allocate_tangent(it, columns);
+    if (status == TVI_OK) status = tvi_integrator_allocate_tangents(it, columns);
     if (status == TVI_OK) status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
     const tvi_tangent_columns moved = {it->tangent->end, columns, 1};
     it->tangent->step_number = 0;
-    status = tvi_columns_multiply_by_jacobian(it, &(tvi_lifted_step){&it->state, it->parameters, h}, &own, &moved);
+    status =
+        tvi_columns_multiply_by_jacobian(it, &(tvi_step_to_differentiate){&it->state, it->parameters, h}, &own, &moved);
     if (status == TVI_OK) status = tvi_step(it, h, t, q, p);
     if (status == TVI_OK) memcpy(D, moved.elements, 2 * (size_t)it->system->n * (size_t)columns * sizeof *D);
     return status;

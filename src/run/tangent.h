@@ -11,7 +11,7 @@ typedef struct {
     const tvi_run_state *start;
     const double *parameters;
     double h;
-} tvi_lifted_step;
+} tvi_step_to_differentiate;
 
 /* Tangent vectors, the columns of a matrix [2n + parameters][count], whose rows belong to q, p and the parameters. Two
  * neighbouring elements of a row are element_spacing numbers apart in memory. */
@@ -38,17 +38,18 @@ struct tvi_tangent {
     /* Matrices [2n + parameters][columns] of a run's tangent vectors, before and after the last step. Their n is
      * that of the user's system. */
     double *start, *end;
-    int column_capacity;    /* the number of columns for which `start` and `end` have memory */
-    long step_number;       /* the number of the step to which `start` and `end` belong; 0 if there is none */
-    int moved_column_count; /* the number of columns that this step has moved */
+    int column_capacity;         /* the number of columns for which `start` and `end` have memory */
+    long step_number;            /* the number of the step to which `start` and `end` belong; 0 if there is none */
+    int propagated_column_count; /* the number of columns that this step has moved */
 };
 
 /* Refuses tangent vectors that have an element which is not finite. */
 TVI_NODISCARD tvi_status tvi_columns_check_finite(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Computes product = M columns, where M is the Jacobian matrix of the step. Rows of the parameters are not written.
- * The caller has allocated the integrator's memory by tvi_integrator_allocate_tangent. On failure `product` is
+ * The caller has allocated the integrator's memory by tvi_integrator_allocate_tangents. On failure `product` is
  * undefined. */
-TVI_NODISCARD tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *integrator, const tvi_lifted_step *step,
+TVI_NODISCARD tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *integrator,
+                                                          const tvi_step_to_differentiate *step,
                                                           const tvi_tangent_columns *columns,
                                                           const tvi_tangent_columns *product);
 

@@ -27,15 +27,16 @@ static bool does_last_step_end_at_state(const tvi_integrator *it, double h, doub
 }
 
 tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
-                           const double p[], bool *has_last_step)
+                           const double p[], bool *continues_last_step)
 {
     const int n = it->system->n, count = run->plan->time_count;
     const double h = run->plan->h, *times = run->plan->times;
     if (count < 0) return jet_refuse(TVI_EINVAL, "count is negative");
     if (count > 0 && !times) return jet_refuse(TVI_EINVAL, "times is NULL");
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_nonfinite_state(n, t, q, "p", p);
-    *has_last_step = does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
-    const int first = find_first_time_out_of_order(h, *has_last_step ? it->start.q[n] : t, times, count);
+    *continues_last_step =
+        does_last_step_end_at_state(it, h, t, q, p) && tvi_columns_match_last_step_end(it, &run->columns);
+    const int first = find_first_time_out_of_order(h, *continues_last_step ? it->start.q[n] : t, times, count);
     return first == count
                ? TVI_OK
                : jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
@@ -58,7 +59,8 @@ static tvi_status report_time_inside_step(tvi_times_progress *times_progress)
     tvi_status status = tvi_partial_step_compute_state_at_time(
         &times_progress->partial_step, times_progress->run->plan->times[times_progress->next_time_index]);
     if (status == TVI_OK && times_progress->run->observers.at_time)
-        status = tvi_columns_move_to_offset(times_progress->integrator, &times_progress->run->columns,
+        status =
+            tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
                                             partial_step->offset, partial_step->partial_step_integrator->parameters);
     if (status == TVI_OK) report_next_time(times_progress, partial_step->q, partial_step->p);
     return status;
@@ -71,7 +73,7 @@ static tvi_status report_times_until(tvi_times_progress *times_progress, double 
     const double direction = plan->h > 0 ? 1 : -1;
     const int first = times_progress->next_time_index;
     tvi_status status = TVI_OK;
-    while (status == TVI_OK && !tvi_times_are_reported(times_progress) &&
+    while (status == TVI_OK && !tvi_times_are_all_reported(times_progress) &&
            direction * (plan->times[times_progress->next_time_index] - last_time) <= 0 &&
            (reports_all || !times_progress->is_stopped_by_observer))
         status = report_time_inside_step(times_progress);
@@ -85,7 +87,7 @@ tvi_status tvi_times_report_until(tvi_times_progress *times_progress, double las
     return report_times_until(times_progress, last_time, times_progress->run->plan->event_count > 0);
 }
 
-bool tvi_times_are_reported(const tvi_times_progress *times_progress)
+bool tvi_times_are_all_reported(const tvi_times_progress *times_progress)
 {
     return times_progress->next_time_index == times_progress->run->plan->time_count;
 }
@@ -96,18 +98,18 @@ tvi_status tvi_times_update_parameters(tvi_times_progress *times_progress)
 }
 
 tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it, const tvi_single_run *run,
-                          bool has_last_step, double t, const double q[], const double p[])
+                          bool continues_last_step, double t, const double q[], const double p[])
 {
     *times_progress = (tvi_times_progress){.integrator = it, .run = run};
-    while (!has_last_step && !times_progress->is_stopped_by_observer && !tvi_times_are_reported(times_progress) &&
-           run->plan->times[times_progress->next_time_index] == t) {
+    while (!continues_last_step && !times_progress->is_stopped_by_observer &&
+           !tvi_times_are_all_reported(times_progress) && run->plan->times[times_progress->next_time_index] == t) {
         report_next_time(times_progress, q, p);
         tvi_columns_restore_step_end(it, &run->columns);
     }
-    if (times_progress->is_stopped_by_observer || tvi_times_are_reported(times_progress))
+    if (times_progress->is_stopped_by_observer || tvi_times_are_all_reported(times_progress))
         return times_progress->is_stopped_by_observer ? TVI_ESTOPPED : TVI_OK;
     tvi_status status = tvi_partial_step_open(&times_progress->partial_step, it, false);
-    if (status == TVI_OK && has_last_step) status = report_times_until(times_progress, t, false);
+    if (status == TVI_OK && continues_last_step) status = report_times_until(times_progress, t, false);
     return status == TVI_OK && times_progress->is_stopped_by_observer ? TVI_ESTOPPED : status;
 }
 

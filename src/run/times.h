@@ -15,13 +15,13 @@ typedef struct tvi_times_progress {
 } tvi_times_progress;
 
 /* Refuses times that are not finite, or that do not follow the state and one another in the direction of h. Sets
- * *has_last_step if the state is the end of the integrator's last step; then times may also lie in that step. */
+ * *continues_last_step if the state is the end of the integrator's last step; then times may also lie in that step. */
 TVI_NODISCARD tvi_status tvi_times_check(const tvi_integrator *integrator, const tvi_single_run *run, double t,
-                                         const double q[], const double p[], bool *has_last_step);
-/* Prepares `times` for the steps of a run. It reports the times that equal the start of the run, or with has_last_step
- * those in the step that ended there. */
+                                         const double q[], const double p[], bool *continues_last_step);
+/* Prepares `times` for the steps of a run. It reports the times that equal the start of the run, or with
+ * continues_last_step those in the step that ended there. */
 TVI_NODISCARD tvi_status tvi_times_open(tvi_times_progress *times, tvi_integrator *integrator,
-                                        const tvi_single_run *run, bool has_last_step, double t, const double q[],
+                                        const tvi_single_run *run, bool continues_last_step, double t, const double q[],
                                         const double p[]);
 void tvi_times_close(tvi_times_progress *times);
 /* Copies the parameters that the last step was made with, if they have changed since the step before. */
@@ -30,6 +30,6 @@ TVI_NODISCARD tvi_status tvi_times_update_parameters(tvi_times_progress *times);
  * time, except in a run with events, where an event may come later in the same step. */
 TVI_NODISCARD tvi_status tvi_times_report_until(tvi_times_progress *times, double last_time);
 /* Tells whether all given times have been reported. */
-bool tvi_times_are_reported(const tvi_times_progress *times);
+bool tvi_times_are_all_reported(const tvi_times_progress *times);
 
 #endif

@@ -13,9 +13,11 @@
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
 /* Returns the index, in a member array of q or p, of number k of the list t, q[n], p[n], e. */
-static size_t index_in_member_arrays(const tvi_integrator *it, int member, int k)
+static size_t index_in_member_arrays(const tvi_integrator *it, int member, int number_index)
 {
-    const int n = it->system->n, row = k == 0 ? n : k <= n ? k - 1 : k - n - 1;
+    const int n = it->system->n, row = number_index == 0   ? n
+                                       : number_index <= n ? number_index - 1
+                                                           : number_index - n - 1;
     return (size_t)row * (size_t)it->width + (size_t)member;
 }
 
@@ -27,16 +29,16 @@ static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it
     const int n = state_text->n;
     const tvi_run_state *state = &it->state;
     for (int i = 0; i < n; i++) {
-        state_text->numbers[2 * (1 + i)] = user_state->q[(size_t)i * user_state->stride];
-        state_text->numbers[2 * (1 + n + i)] = user_state->p[(size_t)i * user_state->stride];
+        state_text->state_values[2 * (1 + i)] = user_state->q[(size_t)i * user_state->stride];
+        state_text->state_values[2 * (1 + n + i)] = user_state->p[(size_t)i * user_state->stride];
     }
-    state_text->numbers[0] = user_state->t;
+    state_text->state_values[0] = user_state->t;
     if (!it->continues[member] || !tvi_member_has_state(it, member, user_state)) return;
-    state_text->has_rescaled_energy = tvi_is_rescaled(it);
-    for (int k = 0; k <= 2 * n + state_text->has_rescaled_energy; k++) {
+    state_text->has_energy_offset = tvi_is_rescaled(it);
+    for (int k = 0; k <= 2 * n + state_text->has_energy_offset; k++) {
         const size_t at = index_in_member_arrays(it, member, k);
-        state_text->numbers[2 * k] = k <= n ? state->q[at] : state->p[at];
-        state_text->numbers[2 * k + 1] = k <= n ? state->q_low[at] : state->p_low[at];
+        state_text->state_values[2 * k] = k <= n ? state->q[at] : state->p[at];
+        state_text->state_values[2 * k + 1] = k <= n ? state->q_low[at] : state->p_low[at];
     }
 }
 
@@ -45,7 +47,8 @@ static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it
 static tvi_status write_state_text(const tvi_state_text *state_text, char *text, size_t *size)
 {
     const size_t needed = tvi_state_text_write(state_text, NULL);
-    if (!tvi_numbers_are_finite(state_text->numbers, 4 * ((size_t)state_text->n + 1) * sizeof *state_text->numbers))
+    if (!tvi_numbers_are_finite(state_text->state_values,
+                                4 * ((size_t)state_text->n + 1) * sizeof *state_text->state_values))
         return jet_refuse(TVI_ENONFINITE, "the state is not finite");
     if (text && *size < needed) return jet_refuse(TVI_EINVAL, "the buffer has %zu bytes, the text %zu", *size, needed);
     *size = needed;
@@ -69,15 +72,15 @@ static tvi_status set_member_state_from_text(tvi_integrator *it, int member, con
 {
     const int n = state_text->n;
     const tvi_run_state *state = &it->state;
-    const tvi_user_state user_state = {state_text->numbers + 2, state_text->numbers + 2 * (1 + n), 2,
-                                       state_text->numbers[0]};
+    const tvi_user_state user_state = {state_text->state_values + 2, state_text->state_values + 2 * (1 + n), 2,
+                                       state_text->state_values[0]};
     it->continues[member] = false;
     const tvi_status status = tvi_member_begin_step(it, member, &user_state);
     if (status != TVI_OK) return status;
-    for (int k = 0; k <= 2 * n + (state_text->has_rescaled_energy && tvi_is_rescaled(it)); k++) {
+    for (int k = 0; k <= 2 * n + (state_text->has_energy_offset && tvi_is_rescaled(it)); k++) {
         const size_t at = index_in_member_arrays(it, member, k);
-        const double low = state_text->numbers[2 * k + 1];
-        *(k <= n ? &state->q[at] : &state->p[at]) = state_text->numbers[2 * k];
+        const double low = state_text->state_values[2 * k + 1];
+        *(k <= n ? &state->q[at] : &state->p[at]) = state_text->state_values[2 * k];
         *(k <= n ? &state->q_low[at] : &state->p_low[at]) = low;
         if (k <= 2 * n && low != 0) it->continues[member] = true;
     }
@@ -111,7 +114,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
     tvi_arena_copy_history(scratch, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, state_text->parameter_values, bytes);
-    tvi_integrator_apply_parameters(it);
+    tvi_integrator_copy_parameters_to_tapes(it);
     const tvi_status status = set_member_state_from_text(it, 0, state_text);
     if (status == TVI_OK) {
         it->has_dense = false;
@@ -120,7 +123,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
     }
     tvi_arena_copy_history(it->history, scratch, it->history_bytes);
     memcpy(it->parameters, values, bytes);
-    tvi_integrator_apply_parameters(it);
+    tvi_integrator_copy_parameters_to_tapes(it);
     return status;
 }
 

@@ -29,23 +29,25 @@ static double clamp(double least, double x, double most) { return fmin(fmax(x, l
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
 /* Updates the error estimate after the k-th step of the trial, at which the two orbits have the distance e. */
-static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long k, double e)
+static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long step_number, double distance)
 {
-    if (k > 1 && is_power_of_two(k - 1)) trial->previous_distance = trial->recent_distance, trial->recent_distance = 0;
-    trial->recent_distance = fmax(trial->recent_distance, e);
-    if (trials->is_driven && k >= GROWTH_STEPS && k % GROWTH_EVERY == 0 && trial->previous_distance > 0)
+    if (step_number > 1 && is_power_of_two(step_number - 1))
+        trial->previous_distance = trial->recent_distance, trial->recent_distance = 0;
+    trial->recent_distance = fmax(trial->recent_distance, distance);
+    if (trials->is_driven && step_number >= GROWTH_STEPS && step_number % GROWTH_EVERY == 0 &&
+        trial->previous_distance > 0)
         trials->growth_exponent = clamp(0, log2(trial->recent_distance / trial->previous_distance), GROWTH);
-    trial->error = e < CEILING ? fmax(trial->recent_distance, trial->previous_distance) *
-                                     pow(trial->covered_part, -trials->growth_exponent)
-                               : INFINITY;
+    trial->error = distance < CEILING ? fmax(trial->recent_distance, trial->previous_distance) *
+                                            pow(trial->covered_error_part, -trials->growth_exponent)
+                                      : INFINITY;
 }
 
 /* Returns the position just after the hardest part of the orbit. */
 static double end_of_hardest_passage(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_smaller_magnitude(s->positions[s->hardest_index] + s->resolving_step[s->hardest_index],
-                                 trials->run_length);
+    return tvi_smaller_magnitude(s->positions[s->hardest_index] + s->resolving_step_size[s->hardest_index],
+                                 trials->run_end_position);
 }
 
 /* Tells whether the trial can be ended after k steps: its estimate is far above the aim, or far below it although the
@@ -55,14 +57,14 @@ static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_tria
     const bool is_early =
         k < EARLY_STEPS && fmax(trial->recent_distance, trial->previous_distance) < TVI_TRIAL_BAND * trials->aim;
     if (trial->error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early)) return true;
-    return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest && is_power_of_two(k) &&
-           trial->covered_part > trials->largest_covered_part;
+    return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_position &&
+           is_power_of_two(k) && trial->covered_error_part > trials->largest_covered_error_part;
 }
 
 /* Makes the k-th step of the trial, and updates the trial. Returns true if the trial goes on. */
 static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long k)
 {
-    const tvi_scout_orbit *whole = &trials->step_doubling.full_step_orbit;
+    const tvi_integrated_orbit *whole = &trials->step_doubling.full_step_orbit;
     trial->status = tvi_step_doubling_make_step(
         &trials->step_doubling, trials->step_doubling.is_rescaled
                                     ? trial->h
@@ -70,14 +72,14 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
     trial->error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
-    trials->run_step_count = fabs(trials->run_length / trial->h);
+    trials->run_step_count = fabs(trials->run_end_position / trial->h);
     trial->end_position = trials->start_position + (double)k * trial->h;
-    trial->duration_part = (whole->t - trials->t) / trials->duration;
-    trial->covered_part = fmin(
+    trial->duration_part_at_end = (whole->t - trials->t) / trials->duration;
+    trial->covered_error_part = fmin(
         tvi_scout_error_weight(&trials->scout, trials->start_position, trial->end_position) / trials->run_weight, 1);
-    trial->has_passed_hardest = fabs(trial->end_position) >= fabs(end_of_hardest_passage(trials));
+    trial->has_passed_hardest_position = fabs(trial->end_position) >= fabs(end_of_hardest_passage(trials));
     update_error_estimate(trials, trial, k, tvi_step_doubling_measure_distance(&trials->step_doubling));
-    const bool is_at_end = trial->duration_part >= 1 - 1e-9;
+    const bool is_at_end = trial->duration_part_at_end >= 1 - 1e-9;
     trial->covers_whole_run = is_at_end && trials->start_position == 0;
     trial->is_finished = is_at_end || is_trial_finished(trials, trial, k);
     return !trial->is_finished;
@@ -88,9 +90,9 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
 static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
     const bool takes =
-        trials->reserved_steps > 0 && trial->covered_part < TVI_EQUALLY_LONG * trials->largest_covered_part;
+        trials->reserved_steps > 0 && trial->covered_error_part < TVI_EQUALLY_LONG * trials->largest_covered_error_part;
     if (takes) trials->reserved_steps = 0;
-    return takes && tvi_trials_have_budget_for_step(trials);
+    return takes && tvi_trials_have_budget_for_trial_step(trials);
 }
 
 /* Chooses the position at which the trial begins: the start of the run, or the hardest position if the trial could not
@@ -104,12 +106,12 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
                      (tvi_trials_step_budget(trials) - (double)trials->step_doubling.steps_tried) / TVI_STEPS_OF_TRIAL;
     const double early = EARLY_PART * steps * fabs(h);
     int first = fabs(end) > early ? s->hardest_index : 0;
-    while (first > 0 && fabs(trials->run_length - s->positions[first]) < steps * fabs(h) &&
+    while (first > 0 && fabs(trials->run_end_position - s->positions[first]) < steps * fabs(h) &&
            fabs(end - s->positions[first - 1]) <= early)
         first--;
     trials->start_position = s->positions[first];
     trials->start_state = s->states + (size_t)first * (size_t)(2 * s->n + 1);
-    trials->reserved_steps = s->explored_part >= SEEN ? s->step_count - first - 1 : 0;
+    trials->reserved_steps = s->explored_duration_part >= SEEN ? s->step_count - first - 1 : 0;
 }
 
 tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
@@ -117,16 +119,16 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
     tvi_step_size_trial trial = {.h = h, .error = INFINITY};
     choose_start_of_trial(trials, h);
     tvi_step_doubling_set_state(&trials->step_doubling, trials->start_state);
-    for (long k = 1; (tvi_trials_have_budget_for_step(trials) || release_reserved_steps(trials, &trial)) &&
+    for (long k = 1; (tvi_trials_have_budget_for_trial_step(trials) || release_reserved_steps(trials, &trial)) &&
                      make_trial_step(trials, &trial, k);
          k++)
         continue;
     return trial;
 }
 
-bool tvi_trials_have_budget_for_passage(const tvi_trials *trials, double h)
+bool tvi_trials_have_budget_to_pass_hardest(const tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way = tvi_smaller_magnitude(end_of_hardest_passage(trials), s->resolving_step[s->hardest_index]);
-    return tvi_trials_have_budget_for(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
+    const double way = tvi_smaller_magnitude(end_of_hardest_passage(trials), s->resolving_step_size[s->hardest_index]);
+    return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

@@ -28,27 +28,27 @@ typedef struct {
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
     /* The position of the scout at the end of the run, and tvi_scout_error_weight of the whole run. */
-    double run_length, run_weight;
-    double start_position;       /* the scout's position at which the last trial began */
-    const double *start_state;   /* [2n + 1] q, p and t at start_position */
-    long reserved_steps;         /* steps of the budget that are reserved for the companion (step_doubling.h) */
-    double run_step_count;       /* the number of steps of the run with the current step size */
-    double largest_covered_part; /* the largest part of the run's error that a trial has covered */
+    double run_end_position, run_weight;
+    double start_position;             /* the scout's position at which the last trial began */
+    const double *start_state;         /* [2n + 1] q, p and t at start_position */
+    long reserved_steps;               /* steps of the budget that are reserved for the companion (step_doubling.h) */
+    double run_step_count;             /* the number of steps of the run with the current step size */
+    double largest_covered_error_part; /* the largest part of the run's error that a trial has covered */
 } tvi_trials;
 
 /* A trial of one step size, and the error that it estimates. */
 typedef struct {
     /* The step size, and the part of the run's error that the trial covers, 0 to 1. */
-    double h, covered_part;
-    double end_position;  /* the scout's position at which the trial ends */
-    double duration_part; /* the part of the run's duration up to the end of the trial, 0 to 1 */
+    double h, covered_error_part;
+    double end_position;         /* the scout's position at which the trial ends */
+    double duration_part_at_end; /* the part of the run's duration up to the end of the trial, 0 to 1 */
     /* The largest distance of the two orbits in the steps 2^i + 1 ... 2^(i+1) for the last i, and for the one
      * before. */
     double recent_distance, previous_distance;
     /* The estimated error at the end of the run. It is INFINITY if a step has failed, or if the distance of the
      * orbits is too large for an extrapolation. */
     double error;
-    bool has_passed_hardest;            /* true if the trial has passed the scout's hardest position */
+    bool has_passed_hardest_position;   /* true if the trial has passed the scout's hardest position */
     bool is_finished, covers_whole_run; /* whether the trial has ended; whether it went from the start to the end */
     tvi_status status;                  /* the status of the last step */
 } tvi_step_size_trial;
@@ -62,17 +62,17 @@ static inline double tvi_trials_step_budget(const tvi_trials *trials)
     return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_step_count), TVI_MOST_STEPS);
 }
 /* Tells whether the budget allows this number of further steps. */
-static inline bool tvi_trials_have_budget_for(const tvi_trials *trials, double steps)
+static inline bool tvi_trials_have_budget_for_steps(const tvi_trials *trials, double steps)
 {
     return (double)trials->step_doubling.steps_tried + steps <= tvi_trials_step_budget(trials);
 }
 /* Tells whether the budget allows one more step of a trial, beside the reserved steps. */
-static inline bool tvi_trials_have_budget_for_step(const tvi_trials *trials)
+static inline bool tvi_trials_have_budget_for_trial_step(const tvi_trials *trials)
 {
-    return tvi_trials_have_budget_for(trials, (double)(trials->reserved_steps + TVI_STEPS_OF_TRIAL));
+    return tvi_trials_have_budget_for_steps(trials, (double)(trials->reserved_steps + TVI_STEPS_OF_TRIAL));
 }
 /* Tells whether the budget allows a trial with steps of size h that passes the hardest position. */
-bool tvi_trials_have_budget_for_passage(const tvi_trials *trials, double h);
+bool tvi_trials_have_budget_to_pass_hardest(const tvi_trials *trials, double h);
 
 /* Tells whether the trial's estimate is above the given error, and not only by roundoff. */
 static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_step_size_trial *trial, double error)

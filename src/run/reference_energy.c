@@ -1,4 +1,4 @@
-/* energy_zero.c - Finds the zero from which the guard counts the energy of a member (energy_zero.h).
+/* reference_energy.c - Finds the zero from which the guard counts the energy of a member (reference_energy.h).
  *
  * The zero is an energy of the system at rest, H(q, 0):
  *   - the limit of H(c q, 0) for large c, if there is one, as where bodies attract each other; q is where the step
@@ -7,7 +7,7 @@
  *     an equilibrium. It is lowered later, wherever the member's energy at rest is found to be lower.
  * A constant added to H is added to the zero, too. An H that is not even in p, as in a magnetic field, has no energy at
  * rest; its zero is 0, and its scale is |H| where the run began. */
-#include "run/energy_zero.h"
+#include "run/reference_energy.h"
 
 #include <math.h>
 
@@ -21,38 +21,41 @@ static const double NEAREST = 0x1p-30, FARTHEST = 0x1p12, RATIO = 2;
 
 /* Lines from the start of a step. They go forward and back along its increment of q, or move each coordinate by the
  * increment's size in the direction of its force. */
-typedef enum { FORWARD, BACK, DOWNHILL, LINES } line;
+typedef enum { FORWARD, BACK, DOWNHILL, LINES } search_line;
 
 /* The component of the line's direction for the increments dq, dp in a time of this sign. */
-static double direction_of(line along, double dq, double dp, double time)
+static double line_direction_component(search_line line, double dq, double dp, double time)
 {
-    return along == FORWARD ? dq : along == BACK ? -dq : copysign(dq, dp * time);
+    return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time);
 }
 
-double tvi_energy_value(tvi_integrator *it, int m, const double *q, const double *p)
+double tvi_member_energy_value(tvi_integrator *it, int member, const double *q, const double *p)
 {
     double H;
-    const tvi_status status = tvi_member_compute_energy(it, m, q, p, &H);
+    const tvi_status status = tvi_member_compute_energy(it, member, q, p, &H);
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
 /* H(factor q + distance d, 0), where q is where the member's step starts and d the direction of the line. */
-static double energy_at_rest(tvi_integrator *it, int m, double factor, double distance, line along)
+static double energy_at_rest_on_line(tvi_integrator *it, int m, double q_factor, double distance, search_line line)
 {
     const int width = it->width, end = it->system->n * width;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
     for (int k = m; k < end; k += width) {
-        it->end.q[k] = factor * it->state.q[k] + distance * direction_of(along, dq[k], dp[k], dq[end + m]);
+        it->end.q[k] = q_factor * it->state.q[k] + distance * line_direction_component(line, dq[k], dp[k], dq[end + m]);
         it->end.p[k] = 0;
     }
     it->end.q[end + m] = it->state.q[end + m];
-    return tvi_energy_value(it, m, it->end.q, it->end.p);
+    return tvi_member_energy_value(it, m, it->end.q, it->end.p);
 }
 
-static double energy_at_rest_here(tvi_integrator *it, int m) { return energy_at_rest(it, m, 1, 0, FORWARD); }
+static double energy_at_rest_at_step_start(tvi_integrator *it, int m)
+{
+    return energy_at_rest_on_line(it, m, 1, 0, FORWARD);
+}
 
 /* Tells whether H(q, -p) is H(q, p) to roundoff, at the end of the step: where it starts p may be 0. */
-static bool is_even(tvi_integrator *it, int m)
+static bool is_energy_even_in_p(tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
     double H[2];
@@ -63,19 +66,19 @@ static bool is_even(tvi_integrator *it, int m)
             it->end.p[k] = sign ? -p : p;
         }
         it->end.q[end + m] = it->state.q[end + m];
-        H[sign] = tvi_energy_value(it, m, it->end.q, it->end.p);
+        H[sign] = tvi_member_energy_value(it, m, it->end.q, it->end.p);
     }
     return fabs(H[1] - H[0]) <= MOST_DIFFERENCE * fabs(H[0]);
 }
 
 /* The limit of H(c q, 0) for large c. NAN if there is none, or if H does not rise or fall all the way: behind a pole
  * the energy says nothing of the motion before it. */
-static double limit_far_away(tvi_integrator *it, int m, double H, double roundoff)
+static double energy_limit_far_away(tvi_integrator *it, int m, double H, double roundoff)
 {
-    double last = energy_at_rest(it, m, 1, 1, FORWARD), difference = INFINITY;
+    double last = energy_at_rest_on_line(it, m, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
     for (size_t k = 0; k < sizeof FACTORS / sizeof *FACTORS; k++) {
-        const double factor = ldexp(1, FACTORS[k]), next = energy_at_rest(it, m, factor, factor, FORWARD);
+        const double factor = ldexp(1, FACTORS[k]), next = energy_at_rest_on_line(it, m, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff;
         falls = falls && difference <= roundoff;
@@ -85,50 +88,52 @@ static double limit_far_away(tvi_integrator *it, int m, double H, double roundof
 }
 
 /* The lowest energy at rest along the line, from `here` to where it rises. */
-static double lowest_along(tvi_integrator *it, int m, line along, double here, double roundoff)
+static double lowest_energy_on_line(tvi_integrator *it, int m, search_line line, double energy_at_start,
+                                    double roundoff)
 {
-    double lowest = here;
+    double lowest = energy_at_start;
     for (double distance = NEAREST; distance <= FARTHEST; distance *= RATIO) {
-        const double next = energy_at_rest(it, m, 1, distance, along);
+        const double next = energy_at_rest_on_line(it, m, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
     }
     return lowest;
 }
 
-static double lowest_nearby(tvi_integrator *it, int m, double roundoff)
+static double lowest_energy_nearby(tvi_integrator *it, int m, double roundoff)
 {
-    const double here = energy_at_rest_here(it, m);
+    const double here = energy_at_rest_at_step_start(it, m);
     double lowest = here;
-    for (line along = 0; along < LINES; along++) lowest = fmin(lowest, lowest_along(it, m, along, here, roundoff));
+    for (search_line line = 0; line < LINES; line++)
+        lowest = fmin(lowest, lowest_energy_on_line(it, m, line, here, roundoff));
     return lowest;
 }
 
 /* |H| where the member's run began. */
-static double first_size(tvi_integrator *it, int m)
+static double energy_size_at_run_start(tvi_integrator *it, int m)
 {
     const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    return fabs(tvi_energy_value(it, m, q, p));
+    return fabs(tvi_member_energy_value(it, m, q, p));
 }
 
-void tvi_energy_zero_find(tvi_integrator *it, int m, double H, double roundoff)
+void tvi_reference_energy_find(tvi_integrator *it, int member, double H, double roundoff)
 {
-    tvi_reference_energy *reference = &it->reference[m];
-    const double limit = limit_far_away(it, m, H, roundoff);
-    const bool has_rest = is_even(it, m), has_limit = has_rest && !isnan(limit);
-    reference->zero = has_limit ? limit : has_rest ? lowest_nearby(it, m, roundoff) : 0;
-    reference->scale = has_rest ? fabs(H - reference->zero) : first_size(it, m);
-    reference->is_sought = true;
+    tvi_reference_energy *reference = &it->reference[member];
+    const double limit = energy_limit_far_away(it, member, H, roundoff);
+    const bool has_rest = is_energy_even_in_p(it, member), has_limit = has_rest && !isnan(limit);
+    reference->zero = has_limit ? limit : has_rest ? lowest_energy_nearby(it, member, roundoff) : 0;
+    reference->scale = has_rest ? fabs(H - reference->zero) : energy_size_at_run_start(it, member);
+    reference->was_searched = true;
     reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
-    reference->is_lowered = reference->has_scale && has_rest && !has_limit;
+    reference->may_be_lowered = reference->has_scale && has_rest && !has_limit;
     if (!reference->has_scale) reference->zero = reference->scale = 0; /* they may be NaN */
 }
 
-void tvi_energy_zero_lower(tvi_integrator *it, int m)
+void tvi_reference_energy_lower(tvi_integrator *it, int member)
 {
-    tvi_reference_energy *reference = &it->reference[m];
-    if (!reference->is_lowered) return;
-    const double fall = reference->zero - energy_at_rest_here(it, m);
+    tvi_reference_energy *reference = &it->reference[member];
+    if (!reference->may_be_lowered) return;
+    const double fall = reference->zero - energy_at_rest_at_step_start(it, member);
     if (!(fall > 0) || !isfinite(fall)) return;
     reference->zero -= fall;
     reference->scale += fall;
