@@ -7,8 +7,8 @@
 #include "method/origin.h"
 #include "tvi.h"
 
-/* Sets overflow_flags[member] to a number different from 0 if the sum x + (x_low + dx) of a component is not finite,
- * and leaves it as it is otherwise. */
+/* Makes overflow_flags[member] different from 0 if the sum x + (x_low + dx) of a component is not finite, and leaves it
+ * as it is otherwise. */
 static inline void tvi_find_overflows(int component_count, int width, const double *restrict x,
                                       const double *restrict x_low, const double *restrict dx,
                                       double *restrict overflow_flags)
@@ -34,7 +34,8 @@ static inline void tvi_add_increments(int component_count, int width, double *re
         }
 }
 
-/* Pointers to the two functions above for several members, compiled once for each instruction set (ad/vector.h). */
+/* Pointers to tvi_find_overflows and tvi_add_increments, compiled for several members, once for each instruction set
+ * (ad/vector.h). */
 typedef struct {
     void (*find_overflows)(int component_count, int width, const double *x, const double *x_low, const double *dx,
                            double *overflow_flags);

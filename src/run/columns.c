@@ -1,6 +1,5 @@
 /* columns.c - Updates the tangent vectors of a run (columns.h). The integrator stores the vectors before and after its
- * last step (tvi_tangent.start and .end), so that the vectors at every point inside the step can be computed from those
- * before it. */
+ * last step (tvi_tangent.start and .end). The vectors at a point inside the step are computed from those before it. */
 #include "run/columns.h"
 
 #include <string.h>

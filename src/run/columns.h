@@ -1,12 +1,12 @@
-/* columns.h - Updates the tangent vectors of a run (the columns of its matrix D): by each step, and to the points
- * inside a step where observers are called. run.c, times.c and locate.c call it. A run without tangent vectors has
- * columns->elements = NULL; all functions then do nothing. */
+/* columns.h - Updates the tangent vectors of a run (the columns of its matrix D) after each step, and computes them at
+ * the points inside a step where observers are called. run.c, times.c and locate.c call it. A run without tangent
+ * vectors has columns->elements = NULL; all functions then do nothing. */
 #ifndef TVI_SRC_RUN_COLUMNS_H
 #define TVI_SRC_RUN_COLUMNS_H
 
 #include "run/tangent.h"
 
-/* Prepares a run: the user's columns become those at the end of the step before the run. */
+/* Prepares a run: stores the user's columns as those from which the first step starts. */
 void tvi_columns_store_run_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* Multiplies the columns by the Jacobian matrix of the integrator's last step. On failure the columns are unchanged. */
 TVI_NODISCARD tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *integrator,

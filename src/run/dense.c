@@ -40,8 +40,8 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 
 const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
-/* Computes the states at all sample points by one call of the stepper's `dense` for each. It serves methods that have
- * no faster function for all of them. */
+/* Computes the states at all sample points by one call of the stepper's `dense` for each. It is used for methods whose
+ * stepper has no function that computes all sample points at once. */
 static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;

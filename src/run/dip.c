@@ -24,8 +24,8 @@ static double next_sample_position(const tvi_event_sample dip[TVI_DIP_SAMPLES], 
 
 static double chord_slope(tvi_event_sample a, tvi_event_sample b) { return (b.g - a.g) / (b.theta - a.theta); }
 
-/* Returns a lower bound between the points a and b of a convex function that has the given values there, whose slope is
- * nowhere less than least_slope or more than largest_slope. */
+/* Returns a lower bound, on the interval between a and b, of a convex function with the given values at a and b and a
+ * slope between least_slope and largest_slope. */
 static double lower_bound_of_convex_function(tvi_event_sample a, double least_slope, tvi_event_sample b,
                                              double largest_slope)
 {
@@ -35,7 +35,7 @@ static double lower_bound_of_convex_function(tvi_event_sample a, double least_sl
 
 /* Tells whether g cannot have a zero among the five samples. If g is convex where it is positive (concave where it is
  * negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a zero.
- * A function with a kink may be convex, too. */
+ * This holds also if g has a kink. */
 static bool is_zero_excluded(const tvi_event_sample dip[TVI_DIP_SAMPLES])
 {
     tvi_event_sample x[TVI_DIP_SAMPLES];

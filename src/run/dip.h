@@ -10,14 +10,14 @@ typedef struct {
     double theta, g;
 } tvi_event_sample;
 
-/* A dip is described by five samples x[0] ... x[4], in the order of theta. x[1], x[2] and x[3] have one sign of g, and
- * |g| is smallest at x[2]. The outer samples x[0] and x[4] may be missing; their g is NAN then. */
+/* A dip is described by an array of five samples, in the order of theta. At dip[1], dip[2] and dip[3] g has one sign,
+ * and |g| is smallest at dip[2]. The outer samples dip[0] and dip[4] may be missing; their g is NAN then. */
 enum { TVI_DIP_SAMPLES = 5 };
 
-/* Sets *theta to the next abscissa at which the caller should sample g, after sample_count samples. Returns false if g
- * is known to have no zero between x[1] and x[3]. */
+/* Sets *theta to the next abscissa at which the caller should sample g, after sample_count samples. Returns false if
+ * the search ends: g has no zero between dip[1] and dip[3], or only one that roundoff would hide. */
 bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta);
-/* Inserts a new sample whose g has the same sign. It becomes the middle sample x[2] or one of its neighbours. */
+/* Inserts a new sample, whose g has the sign of dip[2].g. It becomes dip[2] or one of its neighbours. */
 void tvi_dip_insert_sample(tvi_event_sample dip[TVI_DIP_SAMPLES], tvi_event_sample sample);
 
 #endif

@@ -1,6 +1,6 @@
 /* ensemble_run.c - Runs all members of an ensemble in several threads, one batch of members after the other. The
- * members of a batch are stepped together if nothing but the steps is asked for. Otherwise they run one after the
- * other, each as a single integrator does. */
+ * members of a batch are stepped together if the plan has no observers of members, events, given times or tangent
+ * vectors. Otherwise they run one after the other, each as a single integrator does. */
 #include "run/ensemble.h"
 #include "run/plan.h"
 #include "run/parallel_for.h"
@@ -59,7 +59,7 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
 
 /* ---- A batch of them --------------------------------------------------------------------------------------------- */
 
-/* Loads the user's state of a member into lane m of the batch integrator. A member that has failed before and still has
+/* Loads the user's state of a member into a lane of the batch integrator. A member that has failed before and still has
  * the same state is not stepped: the status of that failure is returned. */
 static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int lane, int member)
 {
@@ -70,7 +70,7 @@ static tvi_status load_member_state(const run_segment *segment, tvi_integrator *
     return tvi_member_begin_step(it, lane, &user_state);
 }
 
-/* Copies the state of the first lane to lane m, which has no member, so that its numbers are finite. The lane is marked
+/* Copies the state of the first lane to a lane that has no member, so that its numbers are finite. The lane is marked
  * as one that is not stepped. */
 static void fill_unused_lane(tvi_integrator *it, int lane)
 {

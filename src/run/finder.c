@@ -46,8 +46,8 @@ void tvi_finder_close(tvi_event_finder *finder)
 }
 
 /* Computes slopes near theta by difference quotients: finder->line_direction becomes dx/dtheta of the curve,
- * finder->chord_midpoint the middle of its chord, *slope the derivative of g along the curve, and *distance_to_zero
- * the distance from theta to the zero of g. */
+ * finder->chord_midpoint the midpoint of the chord between the two points of the curve, *slope the derivative of g
+ * along the curve, and *distance_to_zero the distance from theta to the zero of g. */
 static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index, double theta, double *slope,
                                        double *distance_to_zero)
 {
@@ -64,7 +64,8 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
         finder->line_direction[i] = (high - low) / (b - a);
         finder->chord_midpoint[i] = (low + high) / 2;
     }
-    /* The difference quotient then has an error proportional to CHORD^2 only. */
+    /* If both ends are inside the step, the difference quotient is central, and its error is proportional to
+     * CHORD^2. */
     finder->is_chord_inside_step = a > 0 && b < 1;
     return status;
 }
@@ -95,8 +96,8 @@ static double distance_of_line_origin_to_curve(const tvi_event_finder *finder, i
     return tvi_ratio_or_zero(apart, size);
 }
 
-/* Returns the difference between the time on the curve and the time at finder->line_origin, divided by a size of the
- * time that is not 0. */
+/* Returns the difference between the time on the curve and the time t at finder->line_origin, divided by |t| +
+ * |dt/dtheta|, which is not 0. */
 static double time_distance_of_line_origin(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
@@ -123,7 +124,7 @@ static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_ind
     return tvi_search_evaluate_event(finder->search, event_index, state, g);
 }
 
-/* One event, as the argument of the functions that tvi_narrow_bracket calls. */
+/* The context argument of the functions that tvi_narrow_bracket calls: the event whose function they evaluate. */
 typedef struct {
     tvi_event_finder *finder;
     int event_index;
@@ -135,7 +136,7 @@ static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, do
     return evaluate_event_on_line(context->finder, context->event_index, distance, context->finder->scratch_state, g);
 }
 
-/* Searches a bracket of the sign change of g on the line, around the distance `estimate`, inside the step and up to
+/* Searches for a bracket of the sign change of g on the line, around distance_estimate, inside the step and up to
  * FARTHEST. If there is no sign change, the bracket has one sign of g at both ends. */
 static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double distance_estimate,
                                        tvi_sign_bracket *bracket)
@@ -197,7 +198,7 @@ static void set_event_state_on_line(const tvi_event_finder *finder, tvi_event_ro
         state[i] = finder->line_origin[i] + distance * finder->line_direction[i];
 }
 
-/* Sets the event to the given theta. Its state is computed by a partial step. */
+/* Sets root->theta to the given theta, and computes the event's state there by a partial step. */
 static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_event_root *root, double theta,
                                                   double state[])
 {
@@ -288,7 +289,7 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
-/* Computes the time derivatives at a state, and sets finder->line_direction to dx/dtheta. */
+/* Sets finder->line_direction to dx/dtheta at a state, h times its time derivatives. */
 static tvi_status compute_theta_derivatives(tvi_event_finder *finder, const double state[])
 {
     const int last = finder->state_size - 1;
@@ -300,8 +301,8 @@ static tvi_status compute_theta_derivatives(tvi_event_finder *finder, const doub
 }
 
 /* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
- * derivatives of the state there. If the rest of the distance is long, they are computed again in its middle. *is_done
- * is set if the result is accurate. */
+ * derivatives of the state there. If the distance from there to the root is long, the time derivatives are computed
+ * again at its midpoint. *is_done is set if the result is accurate. */
 static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_event_root *root, double state[],
                                                 bool *is_done)
 {
@@ -360,8 +361,8 @@ static tvi_status compute_g_rise_per_theta(void *ctx, double theta, double *g)
     return status;
 }
 
-/* Finds the root at which g returns to 0 in a step that has begun on the event. The curve may have this root sooner
- * than the more accurate partial steps. */
+/* Finds the root at which g returns to 0 in a step that has begun on the event. The more accurate partial steps may
+ * have this root later than the curve, so the bracket is widened until g has changed its sign. */
 static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     finder_event_context context = {finder, root->event_index};

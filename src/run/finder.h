@@ -10,13 +10,13 @@
  * line_origin_theta) line_direction. States x are vectors [2n + 1], in the order q, p, t. */
 typedef struct {
     tvi_event_search *search;
-    tvi_rates rates_evaluator;              /* computes dq/dt and dp/dt */
+    tvi_rates rates_evaluator;              /* the function that computes dq/dt and dp/dt */
     int state_size;                         /* 2n + 1, the number of components of a state */
     double *line_origin, line_origin_theta; /* the state after the last partial step, and its theta */
     /* The derivative dx/dtheta of the solution, and the distance in theta up to which the line is accurate to
      * roundoff. */
     double *line_direction, accurate_distance;
-    double *chord_midpoint;    /* the middle of the chord of the curve whose slope is line_direction */
+    double *chord_midpoint;    /* the midpoint of the chord of the curve whose slope is line_direction */
     bool is_chord_inside_step; /* true if both ends of this chord lie inside the step */
     bool is_root_on_line;      /* true if the event function changes its sign on the current line */
     double *scratch_state;     /* scratch memory for one state */

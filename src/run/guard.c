@@ -1,7 +1,8 @@
-/* guard.c - Refuses steps that are too large for the orbit. The equations of a step have solutions that are not the
- * problem's, and passes may find one; or the polynomial of the step does not follow the motion. Two signs show it: the
- * last term of the forces (tail.h), and the energy, if the system conserves one. The energy is computed if the step may
- * be wrong, and if the step costs so much more that its energy is cheap. */
+/* guard.c - Refuses steps that are too large for the orbit. The equations of such a step also have solutions that do
+ * not approximate the motion, and the passes may converge to one of them; or the polynomial of the step does not follow
+ * the motion. The guard judges a step by the last term of its forces (tail.h), and by the change of the energy if the
+ * system conserves one. The energy is computed unless the tail and the passes, or a bound of the change, show that the
+ * step is right. */
 #include "run/guard.h"
 #include "run/reference_energy.h"
 #include "algebra/sizes.h"
@@ -25,13 +26,13 @@ static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTIO
 
 static bool conserves_energy(const tvi_integrator *it)
 {
-    const bool rescaled = tvi_is_rescaled(it); /* conserves K = g (H + e) */
+    const bool rescaled = tvi_is_rescaled(it); /* A rescaled system conserves K = g (H + e). */
     const bool is_conserved = rescaled || !(it->system->uses_time || it->system->is_driven);
     return it->energy.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
-/* Tells whether the stepper bounds the change of the energy. The energy is then computed only where the bound is larger
- * than its size allows. */
+/* Tells whether the stepper computes a bound of the change of the energy. The energy is then computed only if this
+ * bound exceeds the allowed change. */
 static bool has_energy_change_bound(const tvi_integrator *it)
 {
     return it->stepper->most_change && !tvi_is_rescaled(it);
@@ -39,7 +40,7 @@ static bool has_energy_change_bound(const tvi_integrator *it)
 
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
-/* Computes H[width] of the members whose energy is asked for. */
+/* Computes the energies H[width], at least for the members with needs_energy. */
 static void compute_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
     if (it->energies.tape_block) {
@@ -52,7 +53,8 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
 
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
 
-/* p.dq/dt of the step, which is twice the kinetic energy if there is one. */
+/* Returns the mean of |p|.|q1 - q0| / h for p at both ends of the step, which is about twice the kinetic energy if H
+ * has one. It is called p.dq/dt here. */
 static double step_action(const tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
@@ -62,8 +64,9 @@ static double step_action(const tvi_integrator *it, int m)
     return action / (2 * fabs(dq[end + m]));
 }
 
-/* The roundoff of the energy H: its own, and that which the roundoff of q and p causes by H_p = dq/dt and -H_q = dp/dt.
- * It is large if the terms of the energy cancel, as along an unstable direction. */
+/* Returns the roundoff of the energy H: that of its value, and that caused by the roundoff of q and p, which changes H
+ * by H_q dq + H_p dp with H_p = dq/dt and H_q = -dp/dt. It is large if the terms of the energy cancel, as along an
+ * unstable direction. */
 static double energy_roundoff(const tvi_integrator *it, int m, double H)
 {
     const int width = it->width, end = it->system->n * width;
@@ -73,16 +76,17 @@ static double energy_roundoff(const tvi_integrator *it, int m, double H)
     return ROUNDOFF * (sum / fabs(dq[end + m]) + fabs(H));
 }
 
-/* The size of the member's energy `before` its step. */
+/* Returns the size with which the change of the energy is compared: the energy above its zero, or a part of p.dq/dt if
+ * that energy is nearly 0. */
 static double energy_size(const tvi_reference_energy *reference, double energy_before, double action)
 {
     if (reference->scale <= NO_ENERGY * action) return PART_OF_ACTION * action;
     return fmax(reference->scale, fabs(energy_before - reference->zero));
 }
 
-/* Tells whether the energy changes to `after` by more than a right step can change it. If the energy has no value the
- * answer is false, and the next step fails. The first step from rest of a method of order 1 may move p alone: it has no
- * action, and nothing is known. */
+/* Tells whether the energy after the step differs from that before it by more than a right step can change it. It
+ * returns false if the energy is NAN; the next step then fails. It also returns false for a first step from rest of a
+ * method of order 1, which changes p only, so that p.dq/dt = 0. */
 static bool changes_energy_too_much(tvi_integrator *it, int m, double energy_after)
 {
     tvi_reference_energy *reference = &it->reference[m];
@@ -122,7 +126,8 @@ static void check_energies(tvi_integrator *it)
 
 /* ---- Which steps are in doubt ------------------------------------------------------------------------------------ */
 
-/* Sets energy_change to bounds that the stepper knows of the change of each member's energy; otherwise to infinity. */
+/* Sets energy_change to the stepper's bounds of the change of each member's energy, or to infinity if a batch has
+ * none. */
 static void set_energy_change_bounds(tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
@@ -132,7 +137,8 @@ static void set_energy_change_bounds(tvi_integrator *it)
         for (int m = 0; m < it->width; m++) it->energy_change[m] = INFINITY;
 }
 
-/* Tells whether the tail means anything: forces of one term, as those of a single node, have the tail 0. */
+/* Tells whether the tail is an estimate of an error. It is always 0 if the force has a single term, as at a single
+ * node. */
 static bool is_tail_meaningful(const tvi_integrator *it, bool step_used_series)
 {
     return it->options.degree > (step_used_series ? 2 : 1);

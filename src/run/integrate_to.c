@@ -47,16 +47,16 @@ void tvi_set_time_to_t_end(tvi_integrator *it, double t_end, double *t)
     it->state.q[n] = *t = t_end;
 }
 
-/* Returns how many steps of size h can be made in one call. In steps in time the last steps are excluded, since
- * roundoff decides whether one more fits before t_end. */
+/* Returns how many steps of size h can be made in one call. If the steps are steps in time (not in s), the last steps
+ * are excluded, since roundoff decides whether one more fits before t_end. */
 static long count_steps_of_one_call(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
 {
     const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(remaining_time / schedule->plan->h)) - 1;
     return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
 }
 
-/* Makes one or more steps of size h, or the last step of the run. In steps in time the last step has the size of the
- * remaining time. */
+/* Makes one or more steps of size h, or the last step of the run. If the steps are steps in time, the last one has the
+ * size of the remaining time. */
 static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
                                          double p[], bool *is_last)
 {

@@ -1,5 +1,5 @@
-/* integrate_tolerance.c - Makes runs that end at a given time, with steps whose sizes are chosen to serve a tolerance
- * (tvi_integrate_tolerance). The Taylor method alone has such steps. */
+/* integrate_tolerance.c - Makes runs that end at a given time, with steps whose sizes are chosen to keep the local
+ * error within a tolerance (tvi_integrate_tolerance). The Taylor method alone has such steps. */
 #include "run/run.h"
 #include "system/refuse.h"
 
@@ -22,8 +22,8 @@ int tvi_taylor_order(double tolerance)
     return (int)fmax(2, ceil(1 - log(tolerance) / 2));
 }
 
-/* Makes one step whose size serves the tolerance, no farther than t_end and no larger than the plan's largest_step. A
- * step that ends within roundoff of t_end ends at t_end, so that no tiny step must follow. */
+/* Makes one step whose size keeps the local error within the tolerance, no farther than t_end and no larger than the
+ * plan's largest_step. A step that ends within roundoff of t_end ends at t_end, so that no tiny step must follow. */
 static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
                                          double p[], bool *is_last)
 {

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <string.h>
 
-/* The energy that the guard compares with (reference_energy.h). */
+/* The reference with which the guard compares the change of a member's energy (reference_energy.h). */
 typedef struct {
-    double zero;         /* the energy from which it is counted */
-    double scale;        /* its size above the zero, at the first step in doubt; it grows when the zero is lowered */
-    double H;            /* its value at the current state */
-    long was_searched;   /* zero and scale have been looked for */
-    long has_scale;      /* they were found */
+    double zero;         /* the energy that counts as zero */
+    double scale;        /* |H - zero| at the first step that the guard doubted; it grows when the zero is lowered */
+    double H;            /* the member's energy at the current state */
+    long was_searched;   /* the search for zero and scale has been made */
+    long has_scale;      /* the search has found zero and scale */
     long may_be_lowered; /* the zero is an estimate, which may be lowered */
     long is_H_known;     /* H is set */
 } tvi_reference_energy;
@@ -131,7 +131,8 @@ void tvi_member_copy_state(const tvi_integrator *integrator, int member, double 
  * of the two integrators has width 1. Parts of the history that a batch does not have are cleared. */
 void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from,
                                          int member_from);
-/* Copies the parameters of the member to the memory in which tapes are evaluated for a single member. */
+/* Copies the parameters of the member to one_lane_parameters and one_lane_blocks, with which tapes are evaluated for a
+ * single member. */
 void tvi_member_load_one_lane_parameters(tvi_integrator *integrator, int member);
 /* Computes the member's energy at q and p, arrays of all members with the shapes of a tvi_run_state. */
 TVI_NODISCARD tvi_status tvi_member_compute_energy(tvi_integrator *integrator, int member, const double *q,
@@ -173,7 +174,7 @@ int tvi_integrator_best_batch_width(const tvi_integrator *integrator);
 void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *integrator);
 
 /* Sets the parameters of the first `count` members to value[tvi_system_parameters][stride], and those of other members
- * to the first member's. Unlike tvi_integrator_set_parameters it forgets nothing of the run. */
+ * to the first member's. Unlike tvi_integrator_set_parameters it clears neither the history nor the last stop. */
 void tvi_integrator_load_parameters(tvi_integrator *integrator, const double value[], size_t stride, int count);
 
 /* Allocates the memory for this number of tangent vectors (tangent.c). */

@@ -64,7 +64,7 @@ static void sort_roots_by_time(tvi_locator *locator)
         }
 }
 
-/* Tells whether the root is one of the first `count` roots, found from another bracket. */
+/* Tells whether the root is one of the first root_count roots, found from another bracket. */
 static bool is_duplicate_root(const tvi_locator *locator, int root_count, const tvi_event_root *root)
 {
     for (int i = 0; i < root_count; i++) {
@@ -100,8 +100,8 @@ static bool report_event(tvi_locator *locator, const tvi_event_root *root, const
                                    state, state + n, observers->ctx) != 0;
 }
 
-/* Computes the tangent vectors at the root, if anybody may read them: the observer of events, or the user after a
- * terminal event. */
+/* Computes the tangent vectors at the root, if the observer of events may read them, or the user after a terminal
+ * event. */
 static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
     const bool is_seen =
@@ -112,8 +112,9 @@ static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_even
                    : TVI_OK;
 }
 
-/* Tells whether the root lies at the state at which the run stops, at theta. This is so if the times are equal. It
- * is also so if both are near and the sign of g at x contradicts the order of their theta. */
+/* Tells whether the root lies at the state at which the run stops, at theta. This is so if the times are equal. It is
+ * also so if the two theta differ by less than NEAR_STOP and the sign of g at the state of the stop contradicts their
+ * order. */
 static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double state[],
                                   bool *is_at_stop)
 {
@@ -128,8 +129,8 @@ static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *ro
     return status;
 }
 
-/* Tells whether the event has a root at the state at which the run stops, in the direction that the user has not
- * asked for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
+/* Tells whether the event has a root at the state at which the run stops, in the direction that the user has not asked
+ * for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
 static tvi_status is_other_crossing_at_stop(tvi_locator *locator, int event_index, const double state[],
                                             bool *is_at_stop)
 {
@@ -143,9 +144,9 @@ static tvi_status is_other_crossing_at_stop(tvi_locator *locator, int event_inde
     return status;
 }
 
-/* Tells whether an event lies at the state at which the run stops because of root number last_root. The event may
- * have this root, an earlier root, or a later one at the same time. A later one is reported now, since the search
- * does not go on. */
+/* Tells whether an event lies at the state at which the run stops because of root number last_root. It may have this
+ * root, an earlier root, or a later root at the same time. A later root is reported here, since the run does not go on
+ * to it. */
 static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double state[],
                                    bool *is_at_stop)
 {
@@ -160,11 +161,12 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
     }
     if (next) status = is_root_at_stop(locator, next, theta, state, &comes);
     if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, state, &was_here);
-    /* A crossing back is looked for only if the end of the step is clearly later than the stop. */
+    /* A crossing in the other direction is searched for only if the end of the step is clearly later than the stop. */
     const double resolved = SOON * fabs(state[locator->state_size - 1] / locator->search.integrator->covered);
     const bool has_other_way = locator->search.watched_events[event_index].event->direction != TVI_EITHER;
     const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
-    /* If the event's next root is soon after the stop, the event is ahead, even if |g| is below its roundoff. */
+    /* A root of the event within the first sample after the stop is a later event, even if |g| is below its roundoff at
+     * the stop. */
     const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
         status = is_other_crossing_at_stop(locator, event_index, state, &was_here);
@@ -174,8 +176,8 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
 }
 
 /* Ends the run at the root number last_root with the given state, and reports other events at the same time. The
- * integrator's tvi_event_stop stores all of them, so that a run that goes on from x does not report them again. It also
- * stores those of the last stop if that was hardly earlier. */
+ * integrator's tvi_event_stop stores all these events, so that a run that goes on from `state` does not report them
+ * again. It keeps the events of the previous stop if the times of both stops differ by less than SOON. */
 static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const double state[])
 {
     tvi_integrator *it = locator->search.integrator;
@@ -218,7 +220,7 @@ static void copy_state_to_user(const tvi_locator *locator, const double state[],
     memcpy(p, state + n, n * sizeof *p);
 }
 
-/* Reports root number i, and before it the given times that come first. Returns TVI_ESTOPPED if the run ends at this
+/* Reports one root, and before it the given times that come first. Returns TVI_ESTOPPED if the run ends at this
  * root. */
 static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, int root_index, double *t, double q[],
                               double p[])

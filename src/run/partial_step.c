@@ -54,9 +54,9 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, full_step_integrator->parameters);
 }
 
-/* Sets the history from which the partial step starts: the low-order parts of the state, and what the corrector has
- * learned, both at the start of the full step. With uses_history_at_end the corrector's part is that at the end of the
- * full step, or that of an earlier partial step that ended near `offset`. */
+/* Sets the history from which the partial step starts. The low-order parts of the state are those at the start of the
+ * full step. The corrector's part of the history is that at the start of the full step, too; with uses_history_at_end
+ * it is that at the end of the full step, or that of an earlier partial step if this one ended near `offset`. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
@@ -170,7 +170,7 @@ tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step
     const double offset = fmax(fmin(time_from_start * (h / full_step_integrator->covered), fmax(h, 0)), fmin(h, 0));
     tvi_sign_bracket bracket = {0, -time_from_start, 1, full_step_integrator->covered - time_from_start};
     if (time == full_step_integrator->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
-    /* The steps of other systems are steps in time, so the offset is the difference of times. */
+    /* Without rescaling steps are steps in time, so the offset is the difference of the times. */
     if (!tvi_is_rescaled(full_step_integrator)) return tvi_partial_step_compute_state(partial_step, offset);
     partial_step->step_number = 0;
     const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target,

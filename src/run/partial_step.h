@@ -17,12 +17,11 @@ typedef struct {
      * but changes the roundoff of the results. */
     bool uses_history_at_end;
     double t, *q, *p;          /* the state (t, q[n], p[n]) that was computed last */
-    tvi_rates rates_evaluator; /* computes dq/ds and dp/ds of a rescaled system; unused otherwise */
-    double *rates_input,
-        *rates_output;      /* scratch memory of rates_evaluator: a state [2(n+1)+1] and its rates [2(n+1)] */
-    long parameter_version; /* full_step_integrator->parameter_version when the parameters were copied */
-    long step_number;       /* the number of the full step that the state lies in; 0 if there is no state */
-    double offset;          /* the state lies at this distance from the start of the full step, 0 to h */
+    tvi_rates rates_evaluator; /* the function that computes dq/ds and dp/ds of a rescaled system; unused otherwise */
+    double *rates_input, *rates_output; /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
+    long parameter_version;             /* full_step_integrator->parameter_version when the parameters were copied */
+    long step_number;                   /* the number of the full step that the state lies in; 0 if there is no state */
+    double offset;                      /* the state lies at this distance from the start of the full step, 0 to h */
 } tvi_partial_step;
 
 /* Creates the integrator for the partial steps, and allocates the memory. */
@@ -38,7 +37,7 @@ TVI_NODISCARD tvi_status tvi_partial_step_update_parameters(tvi_partial_step *pa
  * offsets 0 and h it returns the state of the full step itself, bit for bit. It fails with the statuses of tvi_step. */
 TVI_NODISCARD tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset);
 
-/* Copies the state that was computed last to one vector x [2n + 1], in the order q, p, t. */
+/* Copies the state that was computed last to one vector [2n + 1], in the order q, p, t. */
 void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double state[]);
 
 /* Computes the state at the given time, which must lie in the last full step. The time of the state agrees with it to

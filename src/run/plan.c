@@ -44,8 +44,8 @@ static const char *find_conflict_of_modes(const tvi_run_plan *plan)
     return find_first_contradiction(sizeof list / sizeof *list, list);
 }
 
-/* Returns a message if an observer, the events, the times or the tangent vectors of the plan lack what belongs to them,
- * or do not go with the plan's mode; otherwise NULL. */
+/* Returns a message if an observer, the events, the times or the tangent vectors of the plan need a field that the plan
+ * does not set, or are not allowed in the plan's mode; otherwise NULL. */
 static const char *find_misfit_with_mode(const tvi_run_plan *plan)
 {
     const plan_contradiction list[] = {

@@ -7,7 +7,7 @@
 
 #include <pthread.h>
 
-/* Refuses a plan whose members contradict one another, and a plan that the integrator's method cannot carry out. */
+/* Refuses a plan whose fields contradict one another, and a plan that the integrator's method cannot carry out. */
 TVI_NODISCARD tvi_status tvi_plan_check(const tvi_integrator *integrator, const tvi_run_plan *plan);
 /* Returns the mode of a plan that tvi_plan_check has accepted. */
 tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan);

@@ -1,12 +1,13 @@
 /* reference_energy.c - Finds the zero from which the guard counts the energy of a member (reference_energy.h).
  *
  * The zero is an energy of the system at rest, H(q, 0):
- *   - the limit of H(c q, 0) for large c, if there is one, as where bodies attract each other; q is where the step
- *     ends, so that a start at q = 0 makes no limit; or else
- *   - the lowest energy at rest along straight lines from the state, up to where it rises. This is about the energy of
- *     an equilibrium. It is lowered later, wherever the member's energy at rest is found to be lower.
+ *   - the limit of H(c q, 0) for large c, if there is one, as for bodies that attract each other. q is the position at
+ *     the end of the step; the start is not used, since q = 0 would give a constant H(c q, 0).
+ *   - Without a limit it is the lowest energy at rest along straight lines from the state, up to the point from which
+ *     the energy rises. This is about the energy of an equilibrium. The zero is lowered later if the energy of the
+ *     member at rest is found to be lower.
  * A constant added to H is added to the zero, too. An H that is not even in p, as in a magnetic field, has no energy at
- * rest; its zero is 0, and its scale is |H| where the run began. */
+ * rest; its zero is 0, and its scale is |H| at the start of the run. */
 #include "run/reference_energy.h"
 
 #include <math.h>
@@ -19,11 +20,12 @@ static const double MOST_DIFFERENCE = 1e-9;
  * too large may be a billion times as long as it should be. */
 static const double NEAREST = 0x1p-30, FARTHEST = 0x1p12, RATIO = 2;
 
-/* Lines from the start of a step. They go forward and back along its increment of q, or move each coordinate by the
- * increment's size in the direction of its force. */
+/* Lines from the start of a step: forward or back along its increment of q, or DOWNHILL, where each coordinate moves by
+ * the size of its increment in the direction of its force. */
 typedef enum { FORWARD, BACK, DOWNHILL, LINES } search_line;
 
-/* The component of the line's direction for the increments dq, dp in a time of this sign. */
+/* Returns one component of the line's direction, for the step's increments dq and dp of this component. `time` has the
+ * sign of the step. */
 static double line_direction_component(search_line line, double dq, double dp, double time)
 {
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time);
@@ -36,7 +38,8 @@ double tvi_member_energy_value(tvi_integrator *it, int member, const double *q, 
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
-/* H(factor q + distance d, 0), where q is where the member's step starts and d the direction of the line. */
+/* Returns H(q_factor q + distance d, 0), where q is the position at the start of the member's step, and d the direction
+ * of the line. */
 static double energy_at_rest_on_line(tvi_integrator *it, int m, double q_factor, double distance, search_line line)
 {
     const int width = it->width, end = it->system->n * width;
@@ -54,7 +57,8 @@ static double energy_at_rest_at_step_start(tvi_integrator *it, int m)
     return energy_at_rest_on_line(it, m, 1, 0, FORWARD);
 }
 
-/* Tells whether H(q, -p) is H(q, p) to roundoff, at the end of the step: where it starts p may be 0. */
+/* Tells whether H(q, -p) = H(q, p) to roundoff at the end of the step. The start is not tested, since p may be 0
+ * there. */
 static bool is_energy_even_in_p(tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
@@ -71,8 +75,8 @@ static bool is_energy_even_in_p(tvi_integrator *it, int m)
     return fabs(H[1] - H[0]) <= MOST_DIFFERENCE * fabs(H[0]);
 }
 
-/* The limit of H(c q, 0) for large c. NAN if there is none, or if H does not rise or fall all the way: behind a pole
- * the energy says nothing of the motion before it. */
+/* Returns the limit of H(c q, 0) for large c. It is NAN if there is no limit, or if H(c q, 0) is not monotonic in c: a
+ * pole then lies on the way, and the limit is no measure of the motion before the pole. */
 static double energy_limit_far_away(tvi_integrator *it, int m, double H, double roundoff)
 {
     double last = energy_at_rest_on_line(it, m, 1, 1, FORWARD), difference = INFINITY;
@@ -87,7 +91,8 @@ static double energy_limit_far_away(tvi_integrator *it, int m, double H, double 
     return (rises || falls) && fabs(difference) <= MOST_DIFFERENCE * fabs(H - last) ? last : NAN;
 }
 
-/* The lowest energy at rest along the line, from `here` to where it rises. */
+/* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
+ * from which the energy rises. */
 static double lowest_energy_on_line(tvi_integrator *it, int m, search_line line, double energy_at_start,
                                     double roundoff)
 {
@@ -109,7 +114,7 @@ static double lowest_energy_nearby(tvi_integrator *it, int m, double roundoff)
     return lowest;
 }
 
-/* |H| where the member's run began. */
+/* Returns |H| at the start of the member's run. */
 static double energy_size_at_run_start(tvi_integrator *it, int m)
 {
     const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
@@ -126,7 +131,7 @@ void tvi_reference_energy_find(tvi_integrator *it, int member, double H, double 
     reference->was_searched = true;
     reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
     reference->may_be_lowered = reference->has_scale && has_rest && !has_limit;
-    if (!reference->has_scale) reference->zero = reference->scale = 0; /* they may be NaN */
+    if (!reference->has_scale) reference->zero = reference->scale = 0; /* H at the start of the run may be NAN */
 }
 
 void tvi_reference_energy_lower(tvi_integrator *it, int member)

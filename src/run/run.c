@@ -36,7 +36,8 @@ static tvi_status make_scheduled_steps(tvi_integrator *it, const tvi_schedule *s
     return tvi_make_steps(it, schedule->at_once, schedule->plan->h, tvi_infinite_end_time(schedule->plan->h), t, q, p);
 }
 
-/* Tells whether each step must be made by itself, since an observer, an event or the tangent vectors need it. */
+/* Tells whether the steps must be made one by one, since an observer, an event or the tangent vectors need each of
+ * them. */
 static bool is_each_step_observed(const tvi_single_run *run)
 {
     return run->plan->event_count > 0 || run->observers.at_step || run->columns.elements;
@@ -82,7 +83,8 @@ static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_sing
 
 /* ---- Its steps --------------------------------------------------------------------------------------------------- */
 
-/* A run whose arguments have been checked: its integrator, its plan, and what reports its times and events. */
+/* A run whose arguments have been checked: its integrator, its plan, and the objects that report its given times and
+ * its events. */
 typedef struct {
     tvi_integrator *integrator;
     const tvi_single_run *run;

@@ -15,16 +15,18 @@ typedef struct {
 } tvi_observers;
 
 /* The modes of a run: it makes a number of steps, or ends at a given time, or reports the states at given times, or
- * ends at a given time with steps that serve a tolerance. */
+ * ends at a given time with steps whose local error is within a tolerance. */
 typedef enum { TVI_RUN_STEPS, TVI_RUN_TO_TIME, TVI_RUN_AT_TIMES, TVI_RUN_TO_TOLERANCE } tvi_run_mode;
 
-/* A run of one integrator. */
+/* The arguments of a run of one integrator: its plan, the observers that are called, and its tangent vectors. */
 struct tvi_single_run {
     tvi_run_mode mode;
-    const tvi_run_plan *plan;    /* the step size, the end, the times and the events; its observers are not called */
-    tvi_observers observers;     /* the observers that are called */
-    tvi_tangent_columns columns; /* the tangent vectors that the run moves; elements = NULL if there are none */
-    long steps_before_segment;   /* the number of steps in earlier segments of an ensemble's run */
+    /* The step size, the end, the times and the events; the observers below are called instead of the plan's. */
+    const tvi_run_plan *plan;
+    tvi_observers observers; /* the observers that the run calls */
+    /* The tangent vectors that the run's steps propagate; elements = NULL if there are none. */
+    tvi_tangent_columns columns;
+    long steps_before_segment; /* the number of steps in earlier segments of an ensemble's run */
 };
 
 /* The sequence of steps of a run, which depends on its mode. */
@@ -51,7 +53,7 @@ TVI_NODISCARD tvi_status tvi_run_integrator(tvi_integrator *integrator, const tv
  * the schedule makes several steps in one call. */
 TVI_NODISCARD tvi_status tvi_schedule_to_time(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
                                               bool is_observed, tvi_schedule *schedule);
-/* Checks the plan of a run to a given time by steps that serve a tolerance, and sets its schedule. */
+/* Checks the plan of a run to a given time by steps within a tolerance, and sets its schedule. */
 TVI_NODISCARD tvi_status tvi_schedule_to_tolerance(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
                                                    tvi_schedule *schedule);
 
@@ -59,8 +61,8 @@ TVI_NODISCARD tvi_status tvi_schedule_to_tolerance(const tvi_integrator *integra
  * that each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
 TVI_NODISCARD tvi_status tvi_run_check_time_advances(const tvi_integrator *integrator, double t_end,
                                                      int *slow_step_count);
-/* Refuses a tolerance that is not one for double precision (TVI_EINVAL), and any tolerance if the integrator's method
- * cannot choose its steps by one (TVI_EUNSUPPORTED). */
+/* Refuses a tolerance that is not positive, or that double precision cannot reach (TVI_EINVAL), and any tolerance if
+ * the integrator's method cannot choose its steps by one (TVI_EUNSUPPORTED). */
 TVI_NODISCARD tvi_status tvi_check_tolerance(const tvi_integrator *integrator, double tolerance);
 
 #endif

@@ -12,14 +12,15 @@
 #include <stdint.h>
 
 /* The first part of the bytes of a saved state. It describes the format, the system and the method. All fields have
- * eight bytes, so that there are no gaps. A machine with another byte order reads another version number. */
+ * eight bytes, so that there are no gaps. A machine with another byte order reads another version number, so it refuses
+ * the state. */
 typedef struct {
     char magic[8];                      /* "tvistate" */
     int64_t version, bytes, n;          /* version of the format, bytes of the state, coordinates of the system */
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
     int64_t members, width;             /* members of an ensemble and of its batches; 0 for an integrator */
     uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
-    uint64_t code_hash;                 /* hash of the generated code, which rounds unlike tapes; 0 without code */
+    uint64_t code_hash; /* hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none */
 } tvi_saved_identity;
 
 enum { TVI_MAX_SAVED_PIECES = 8 };

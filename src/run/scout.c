@@ -61,7 +61,7 @@ static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, do
 }
 
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
- * the resolving step size of the step before is recorded for it then. */
+ * then the resolving step size of the step before is recorded for it as well. */
 static double record_step_and_choose_next(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
                                           bool is_last)
 {
@@ -77,15 +77,16 @@ static double record_step_and_choose_next(tvi_orbit_scout *scout, const tvi_inte
     return tvi_smaller_magnitude(scale, GROWS * h);
 }
 
-/* Tries a step of size h, or of the remaining time `left` if that is shorter. Returns the size of the next step, or of
- * another try if this one has failed or has been undone. */
+/* Tries a step of size h, or of remaining_time if that is shorter. Returns the size of the next step, or of another try
+ * if this one has failed or has been undone. */
 static double try_next_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h, double remaining_time)
 {
     const bool is_last = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
     const double size = is_last ? remaining_time : h;
     store_current_state(scout, orbit);
     scout->steps_tried++;
-    /* The reset makes the step start with the energy of its own state. */
+    /* Without the reset the step would keep e = -H of the state at which the run started. After the reset e is computed
+     * from the step's own start. */
     if (tvi_is_rescaled(orbit->integrator)) tvi_integrator_reset(orbit->integrator);
     scout->last_status = tvi_step(orbit->integrator, size, &orbit->t, orbit->q, orbit->p);
     if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);

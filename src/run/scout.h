@@ -31,7 +31,8 @@ typedef struct {
     double resolving_step_size[TVI_SCOUT_STEPS]; /* the step size whose tail would be TVI_SCOUT_TAIL, at each step */
     int hardest_index;                           /* index of the step with the least resolving_step_size */
     double explored_duration_part;               /* the part of the run's duration that the scout has covered, 0 to 1 */
-    /* true if the degree is at most 2, whose tails tell nothing: one step is made */
+    /* True if the degree is at most 2. The tails of such curves are no estimate of an error, so only one step is
+     * made. */
     bool has_too_low_degree;
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
     tvi_status last_status;      /* the status of the last step */
@@ -44,8 +45,8 @@ typedef struct {
  * step succeeds, with the status of the last step, or if memory is exhausted. */
 TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration);
 
-/* Returns a measure of the error that a run makes between two positions: the distance between them, in which hard parts
- * count in full and others less. */
+/* Returns a measure of the error that a run makes between two positions: the distance between them, in which the
+ * hardest parts of the orbit count in full and others less. */
 double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from_position, double to_position);
 
 #endif

@@ -74,7 +74,7 @@ static double guess_root_by_interpolation(const double g_samples[], double left,
     return at;
 }
 
-/* One event, as the argument of the function that tvi_narrow_bracket calls. */
+/* The context argument of the function that tvi_narrow_bracket calls: the event whose function it evaluates. */
 typedef struct {
     tvi_event_search *search;
     int event_index;
@@ -114,7 +114,7 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int s
     return added;
 }
 
-/* Evaluates g at the given distance from a sample where g is 0. */
+/* Evaluates g at the given distance from theta, a sample where g is 0. */
 static tvi_status sample_event_beside(tvi_event_search *search, int event_index, double theta,
                                       double distance_from_theta, tvi_event_sample *sample)
 {
@@ -164,9 +164,9 @@ static bool is_local_minimum_of_abs_g(const double g[])
     return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
 }
 
-/* Tells whether |g| falls at the start of the step, or rises by less than the part FLAT of its mean slope. The slope is
- * that of the polynomial through five samples. With stride = -1 the samples are read backwards from the end of the
- * step. */
+/* Tells whether |g| falls at the start of the step, or rises there with less than the part FLAT of its mean slope up to
+ * the next sample, over which it rises by abs_g_rise. The slope at the start is that of the polynomial through five
+ * samples. With stride = -1 the samples are read backwards from the end of the step. */
 static bool is_not_rising_at_boundary(const double g[], int stride, double abs_g_rise)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
@@ -199,7 +199,8 @@ static bool has_kink_at_boundary(const double g[], int stride)
 static bool may_have_dip_at_boundary(const double g[], int stride)
 {
     const double abs_g_rise = fabs(g[stride]) - fabs(g[0]);
-    /* If the last two values are equal, the dip is at the end of the step, and is found there. */
+    /* Equal values of the last two samples are excluded, since is_local_minimum_of_abs_g finds such a dip at the sample
+     * before the end. */
     const bool rises = stride > 0 ? abs_g_rise >= 0 : abs_g_rise > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
            (is_not_rising_at_boundary(g, stride, abs_g_rise) || has_kink_at_boundary(g, stride));
@@ -225,8 +226,8 @@ static bool has_certainly_no_root(const double g[])
     return !(found[0] | found[1] || may_have_dip_at_boundary(g, 1) || may_have_dip_at_boundary(g + TVI_SAMPLES, -1));
 }
 
-/* Searches a dip between an end of the step and the sample next to it. A value very near the end distinguishes a dip
- * inside the step from one in the next step. */
+/* Searches for a dip between an end of the step and the sample next to it. A value very near the end distinguishes a
+ * dip inside the step from one in the next step. */
 static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_index, bool is_at_step_end)
 {
     const double *g = search->watched_events[event_index].g_samples, part = 1.0 / TVI_SAMPLES;
@@ -242,7 +243,7 @@ static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_ind
     return TVI_OK;
 }
 
-/* Adds the roots that the signs of two neighbouring samples show, with one at `right` itself. If g is 0 at a sample,
+/* Adds the roots that the signs of two neighbouring samples show, and a root at `right` itself. If g is 0 at a sample,
  * its sign beside the sample is used, since another root may be hidden there. */
 static tvi_status search_between_samples(tvi_event_search *search, int event_index, tvi_event_sample left,
                                          tvi_event_sample right, bool may_interpolate)
@@ -337,7 +338,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
         if (w->g_samples[0] == 0) status = tvi_start_find_leaving_sign(search, event_index);
         w->was_reported_at_stop = false;
     }
-    search->start_kind = TVI_FROM_ANY; /* An observer may change the state before the next step. */
+    search->start_kind = TVI_FROM_ANY; /* The next step may start from any state, since an observer may change it. */
     search->last_searched_step = step;
     return status;
 }

@@ -40,10 +40,10 @@ typedef struct {
  * momentum p (STOP), or any other state. */
 typedef enum { TVI_FROM_OWN, TVI_FROM_STOP, TVI_FROM_ANY } tvi_run_start_kind;
 
-/* The memory of a search. */
+/* A search for roots of event functions on the curve of the integrator's last step. */
 typedef struct {
-    tvi_integrator *integrator;     /* its last step is searched */
-    tvi_partial_step *partial_step; /* computes accurate states inside that step */
+    tvi_integrator *integrator;     /* the integrator whose last step is searched */
+    tvi_partial_step *partial_step; /* computes accurate states inside the integrator's last step */
     int event_count;
     tvi_watched_event *watched_events; /* [event_count] the events of the run */
     /* The kind of state at which the next step to be searched begins. */

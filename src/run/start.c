@@ -65,8 +65,8 @@ static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int even
     return tvi_search_evaluate_event(search, event_index, search->scratch_increment, g);
 }
 
-/* Sets g_samples[0] = 0 if the state at the start of the run lies on the event: the event was reported at this stop,
- * or |g| is at most its roundoff. */
+/* Sets g_samples[0] = 0 if the state at the start of the run lies on the event: the event was reported at the stop from
+ * which the run goes on, or |g| is at most its roundoff. */
 static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_index, const double state[])
 {
     tvi_watched_event *w = &search->watched_events[event_index];
@@ -76,7 +76,8 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
         search->start_kind == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
     if (w->was_reported_at_stop) w->g_samples[0] = 0;
     if (w->g_samples[0] == 0 || search->start_kind == TVI_FROM_OWN) return TVI_OK;
-    /* If the user has changed p at the stop and g has not changed, the event is where it was before. */
+    /* If only p was changed at the stop and g is unchanged, the state does not lie on the event, since the event was
+     * not reported at the stop. */
     if (search->start_kind == TVI_FROM_STOP && search->integrator->stop->count < TVI_STOP_EVENTS) {
         status = evaluate_with_stop_momentum(search, event_index, state, &before);
         if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, state, &here);

@@ -11,11 +11,12 @@
 typedef struct {
     int n, parameter_count;
     bool has_energy_offset;   /* true if the text contains e */
-    double *parameter_values; /* [parameter_count] */
+    double *parameter_values; /* [parameter_count] the values of the parameters */
     double *state_values;     /* [2n + 2][2] t, q[n], p[n] and e, each followed by its low-order part */
 } tvi_state_text;
 
-/* Allocates the two arrays, which the caller frees by free(parameter_values). Returns false if memory is exhausted. */
+/* Allocates both arrays in one block, which the caller frees by free(parameter_values). Returns false if memory is
+ * exhausted. */
 bool tvi_state_text_open(tvi_state_text *state_text, int n, int parameter_count);
 
 /* Writes the state to `text`, unless that is NULL. Returns the number of characters that the state needs. */

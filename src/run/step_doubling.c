@@ -85,13 +85,13 @@ tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h)
 
 /* ---- Distance ---------------------------------------------------------------------------------------------------- */
 
-/* Measures of the orbit_difference d = a - b - lag rate between the states of two orbits, where a is later than b by
- * `lag`. All are divided by the largest component of b. */
+/* Measures of the difference d = a - b - lag rate_a between the states a and b of two orbits, where a is later than b
+ * by `lag` and rate_a is the time derivative of a. All are divided by the largest component of b. */
 typedef struct {
     double largest_difference;    /* the largest |d_i| */
-    double difference_dot_rate;   /* the scalar product d.rate */
-    double rate_squared;          /* the scalar product rate.rate */
-    double largest_relative_rate; /* the largest |rate_i| */
+    double difference_dot_rate;   /* the scalar product d.rate_a */
+    double rate_squared;          /* the scalar product rate_a.rate_a */
+    double largest_relative_rate; /* the largest component of |rate_a| */
 } orbit_difference;
 
 static void accumulate_difference(int n, const double state_a[], const double state_b[], double lag,
@@ -107,7 +107,7 @@ static void accumulate_difference(int n, const double state_a[], const double st
     }
 }
 
-/* The lag of one orbit behind the other is d.rate / rate.rate. It causes the largest distance where the motion is
+/* The lag of one orbit behind the other is d.rate_a / rate_a.rate_a. It causes the largest distance where the motion is
  * fastest. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 {
@@ -162,8 +162,8 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
     tvi_integrator_reset(b->integrator);
 }
 
-/* Integrates the companion beside the scout's orbit, from position number first_position on. Sets distances[k] to
- * their distance at position k, and returns the number of the last position that the companion has reached. */
+/* Integrates the companion beside the scout's orbit, from the position with this index on. Sets distances[k] to their
+ * distance at position k, and returns the index of the last position that the companion has reached. */
 static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position_index,
                                   double distances[])
 {
@@ -173,7 +173,8 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
         distances[k] = doubling->distance;
-        /* The reset makes the step start with the energy of its own state, as the scout's step did. */
+        /* Without the reset the step would keep e = -H of the state at which the companion started. The scout resets
+         * before each step, too. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
         if (k == scout->step_count ||
             step_orbit(doubling, &doubling->half_step_orbit, scout->positions[k + 1] - scout->positions[k]) != TVI_OK)

@@ -13,11 +13,11 @@ typedef struct {
     int n; /* the number of coordinates of an orbit */
     bool is_rescaled;
     tvi_integrated_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
-    double largest_q, largest_p;        /* the largest |q_i| and |p_i| so far, by which differences are divided */
-    tvi_rates rates_evaluator;          /* computes dq/dt and dp/dt of a rescaled system; unused otherwise */
+    double largest_q, largest_p; /* the largest |q_i| and |p_i| so far, by which differences are divided */
+    tvi_rates rates_evaluator;   /* the function that computes dq/dt and dp/dt of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
     double *scout_states;               /* memory for tvi_orbit_scout.states */
-    double largest_relative_rate;       /* the largest time derivative of a component so far, divided by its size */
+    double largest_relative_rate;       /* the largest |dq_i/dt| / largest_q or |dp_i/dt| / largest_p so far */
     double distance;                    /* the distance of the two orbits when it was last measured */
     long steps_tried;                   /* the number of steps of both orbits */
     bool has_exhausted_memory;          /* true if a step has failed for lack of memory */
@@ -41,18 +41,18 @@ TVI_NODISCARD tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling 
                                                               double h, double shift, double *distance);
 
 /* Measures `distance`, the largest difference of a component of q or p between the orbits, divided by largest_q or
- * largest_p. In a rescaled system one orbit may lag behind the other; this error shows only where the motion is
- * fast. The return value is the distance, or the one that the present lag would cause where the motion is fastest,
- * if that is larger. */
+ * largest_p. In a rescaled system one orbit may lag behind the other; this error shows only where the motion is fast.
+ * Returns the distance, or the distance that the present lag would cause where the motion is fastest, if that is
+ * larger. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling);
 
 /* Returns the factor by which the error of a trial between the positions start_position and end_position must be
- * multiplied to give the error of the whole part of the run that the scout has explored. The factor sums the error
- * that is made at each position times its growth to the end, divided by the trial's own error. The growth is
- * measured by a companion, an orbit that starts near the scout's orbit at the end of the trial, displaced in the
- * direction of the trial's error. start_position must be one of the scout's positions. The result is 0 if no
- * companion could be followed. *growth is the largest distance of the companion in the second half of its way
- * divided by that in the first half. */
+ * multiplied to give the error of the whole part of the run that the scout has explored. The factor sums the error that
+ * is made at each position times its growth to the end, divided by the trial's own error. The growth is measured by a
+ * companion, an orbit that starts near the scout's orbit at the end of the trial, displaced in the direction of the
+ * trial's error. start_position must be one of the scout's positions. The result is 0 if no companion could be
+ * followed. *growth_ratio is the largest distance of the companion in the second half of its way divided by that in the
+ * first half. */
 double tvi_step_doubling_measure_error_factor(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
                                               double start_position, double end_position, double *growth_ratio);
 

@@ -13,8 +13,9 @@
  * excess is applied again for each further half of that length.
  *
  * * Each passage of a pericentre adds an error that depends on where in the passage the steps lie. A trial sees one
- * sample of these errors. The samples differ more on orbits whose step sizes differ more, so the suggested step size
- * is divided by a logarithm of that ratio. */
+ * sample of these errors. The samples differ more on orbits that need more different step sizes. Therefore the
+ * suggested step size is divided by 1 + a multiple of the logarithm of the ratio of the largest to the smallest of
+ * these step sizes. */
 #include "run/suggest.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -56,11 +57,11 @@ static const double DOUBT = 0.01, SHIFT = 1e-3, SHIFTS = 4, TIMES = 3;
 typedef struct {
     tvi_trials trials;
     int order;                   /* the order of the method */
-    double degree;               /* the degree of its curve, at least 1 */
+    double degree;               /* the degree of the method's curve, at least 1 */
     double wanted_error, aim;    /* the error that the user wants, and the smaller one that trials aim at */
-    double longest_allowed_step; /* No step size longer than this is tried or suggested. */
-    /* A step size whose trial had a large error, and this error. No shorter step has had an error below a third of
-     * it. */
+    double longest_allowed_step; /* no step size longer than this is tried or suggested */
+    /* A step size whose trial had a large error, and this error. No trial of a shorter step has had an error below a
+     * third of large_error. */
     double step_of_large_error, large_error;
     double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
     /* The longest step size that a trial of the whole run has shown to serve, and the shortest that a trial has
@@ -79,7 +80,7 @@ static double step_size_factor_after_failure(const suggestion_search *search)
     return search->trials.step_doubling.is_rescaled ? FAILS_LATER : FAILS;
 }
 
-/* Returns the factor by which the next step size differs from that of the trial. */
+/* Returns the ratio of the next step size to that of the trial. */
 static double step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
@@ -87,14 +88,14 @@ static double step_size_factor(const suggestion_search *search, const tvi_step_s
     return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
 }
 
-/* Returns the factor by which the suggested step size differs from that of the trial, if no other trial follows. */
+/* Returns the ratio of the suggested step size to that of the trial, if no other trial follows. */
 static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     return fmin(step_size_factor(search, trial), pow(TVI_TRIAL_BAND, 1.0 / search->order));
 }
 
-/* Records a trial whose error is above the aim but as tiny as roundoff may be. It is roundoff if it does not decrease
- * with a step size that should make it a hundredth. */
+/* Records a trial whose error is above the aim although its orbits differ by no more than roundoff may make. The error
+ * is taken as roundoff if a step size that should reduce it to a hundredth does not reduce it. */
 static void detect_roundoff(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->error == INFINITY ||
@@ -124,8 +125,8 @@ static void update_step_size_bracket(suggestion_search *search, const tvi_step_s
         search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, FAILS * trial->h);
 }
 
-/* Tells whether a trial of the whole run may find a longer step size than longest_good_step. It tries *h, or changes *h
- * to a value between longest_good_step and shortest_bad_step. */
+/* Tells whether a trial of the whole run may find a longer step size than longest_good_step. *h is the step size to
+ * try; if it does not lie between longest_good_step and shortest_bad_step, it is replaced by a value between them. */
 static bool may_find_longer_step(const suggestion_search *search, double *h)
 {
     const bool has_worst = search->shortest_bad_step != 0;
@@ -173,7 +174,7 @@ static bool update_suggestion_from_trial(suggestion_search *search, const tvi_st
         trials->largest_covered_error_part = fmax(trials->largest_covered_error_part, trial->covered_error_part);
     detect_roundoff(search, trial);
     update_step_size_bracket(search, trial);
-    /* If the budget is used up, the steps of the companion are released for another trial. */
+    /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
     if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_steps = 0;
     *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step);
     trials->run_step_count *= trial->h / *h;
@@ -196,7 +197,8 @@ static void correct_by_companion_growth(suggestion_search *search, tvi_step_size
     const double growth_factor = tvi_step_doubling_measure_error_factor(
         &trials->step_doubling, &trials->scout, trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
-    /* The growth was measured between two halves of the part that the scout has explored. */
+    /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
+     * halves in the unexplored rest. */
     const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
     suggestion->error = trial->error =
         wanted_error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);

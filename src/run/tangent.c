@@ -97,8 +97,9 @@ tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count
     return reserve_columns(it, column_count);
 }
 
-/* Returns the exponent of the power of two that scales a column to the size of the state. The corrector of the lifted
- * step then measures both alike. M is linear and powers of two are exact, so the scale does not change the result. */
+/* Returns the exponent of the power of two that scales a column to the size of the state. The norm of the lifted step's
+ * corrector then gives the state and the column the same weight. M is linear and powers of two are exact, so the scale
+ * does not change the result. */
 static int find_scaling_exponent(int n, const double q[], const double p[], const double column[])
 {
     const double size_q = tvi_largest_magnitude(n, q, 1), size_p = tvi_largest_magnitude(n, p, 1);
@@ -177,8 +178,8 @@ static tvi_status compute_rescaled_gradient(const tvi_integrator *it, const doub
     return TVI_OK;
 }
 
-/* Sets the component of the column that belongs to e. A neighbouring orbit at the same time has its own e, for which K
- * is 0 as well; this gives dK = 0, and K_e = g. */
+/* Sets the component of the column that belongs to e. A neighbouring orbit at the same time has an e of its own, since
+ * K = 0 on each orbit: dK = 0 and K_e = g give de = -(K_q dq + K_p dp) / g. */
 static tvi_status set_e_component(const tvi_integrator *it, const tvi_step_to_differentiate *step)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -227,7 +228,7 @@ static void load_column(const tvi_integrator *it, const double D[], size_t row_s
     for (int i = 0; i < parameters; i++) rate[i] = D[(size_t)(2 * n + i) * row_stride];
 }
 
-/* Computes the product of M and the loaded column, and writes it to `out`, a column of a matrix whose rows are
+/* Computes the product of M and the loaded column, and writes it to `product`, a column of a matrix whose rows are
  * row_stride numbers apart. */
 static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_step_to_differentiate *step,
                                               double product[], size_t row_stride)

@@ -25,7 +25,7 @@ typedef struct {
 struct tvi_tangent {
     int n;                     /* coordinates of the stepped system: one more than the user's if it is rescaled */
     bool are_momenta_swapped;  /* the lifted system's coordinates (q, dq) have the momenta (dp, p), otherwise (p, dp) */
-    tvi_system *lifted_system; /* its coordinates are q and a tangent vector dq */
+    tvi_system *lifted_system; /* the lifted system, with coordinates (q, dq) */
     tvi_integrator *lifted_integrator; /* makes steps of the lifted system */
     double *lifted_q, *lifted_p;       /* [2n] each, the state of the lifted system */
     double *column;                    /* [2n + parameters] the tangent vector that is being multiplied */
@@ -40,7 +40,7 @@ struct tvi_tangent {
     double *start, *end;
     int column_capacity;         /* the number of columns for which `start` and `end` have memory */
     long step_number;            /* the number of the step to which `start` and `end` belong; 0 if there is none */
-    int propagated_column_count; /* the number of columns that this step has moved */
+    int propagated_column_count; /* the number of columns that were propagated by this step */
 };
 
 /* Refuses tangent vectors that have an element which is not finite. */

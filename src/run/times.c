@@ -18,8 +18,8 @@ static int find_first_time_out_of_order(double h, double t, const double times[]
     return count;
 }
 
-/* Tells whether the given state is the end of the integrator's last step, which went in the direction of h and can
- * still be subdivided. */
+/* Tells whether the given state is the end of the integrator's last step, which went in the direction of h, and from
+ * whose start partial steps can still be made. */
 static bool does_last_step_end_at_state(const tvi_integrator *it, double h, double t, const double q[],
                                         const double p[])
 {

@@ -12,7 +12,8 @@
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
-/* Returns the index, in a member array of q or p, of number k of the list t, q[n], p[n], e. */
+/* Returns the index, in a member array of q or p, of one of the numbers t, q[n], p[n], e, which are counted in this
+ * order. */
 static size_t index_in_member_arrays(const tvi_integrator *it, int member, int number_index)
 {
     const int n = it->system->n, row = number_index == 0   ? n
@@ -66,8 +67,8 @@ static tvi_status read_state_text(tvi_state_text *state_text, const tvi_system *
     return jet_refuse(TVI_EINVAL, "%s", fault);
 }
 
-/* Sets the member's state to that of the text. The parameters of the text have been set before. A state without
- * low-order parts counts as a new state of the user, which may lie on an event. */
+/* Sets the member's state to that of the text. The parameters of the text have been set before. A text without
+ * low-order parts is loaded like a state given by the user: the events at it are tested anew. */
 static tvi_status set_member_state_from_text(tvi_integrator *it, int member, const tvi_state_text *state_text)
 {
     const int n = state_text->n;

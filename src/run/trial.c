@@ -1,12 +1,11 @@
-/* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it. Two orbits with steps h and h/2 start at
- * the start of the run, or at its hardest position if that comes late. Their distance e, relative to the largest
- * coordinate and the largest momentum, is the error of the first orbit up to a part 2^-order (step_doubling.h). If
- * the trial covers the part x of the run's error, the estimate at the end of the run is e x^-a. The error of a
- * symplectic method on a regular orbit grows linearly, a = 1, and that of another method at most quadratically. a =
- * 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may decay; there a
- * is measured, and is at most 5/4.
- *
- * * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
+/* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it. Two orbits with steps h and h/2 start at the
+ * start of the run, or at its hardest position if that comes late. Their distance e, relative to the largest coordinate
+ * and the largest momentum, is the error of the first orbit up to a part 2^-order (step_doubling.h). If the trial
+ * covers the part x of the run's error, the estimate at the end of the run is e x^-a. The error of a symplectic method
+ * on a regular orbit grows linearly, a = 1, and that of another method at most quadratically. a = 5/4 suits the
+ * problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may decay; there a is measured, and
+ * is at most 5/4. * * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of
+ * steps allows it. */
 #include "run/trial.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -28,7 +27,7 @@ static const double SEEN = 0.5;
 static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
-/* Updates the error estimate after the k-th step of the trial, at which the two orbits have the distance e. */
+/* Updates the error estimate after a step of the trial, at whose end the two orbits have this distance. */
 static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long step_number, double distance)
 {
     if (step_number > 1 && is_power_of_two(step_number - 1))

@@ -27,7 +27,7 @@ typedef struct {
     double roundoff_floor;
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
-    /* The position of the scout at the end of the run, and tvi_scout_error_weight of the whole run. */
+    /* The position at the end of the run, and tvi_scout_error_weight of the whole run. */
     double run_end_position, run_weight;
     double start_position;             /* the scout's position at which the last trial began */
     const double *start_state;         /* [2n + 1] q, p and t at start_position */
@@ -42,14 +42,14 @@ typedef struct {
     double h, covered_error_part;
     double end_position;         /* the scout's position at which the trial ends */
     double duration_part_at_end; /* the part of the run's duration up to the end of the trial, 0 to 1 */
-    /* The largest distance of the two orbits in the steps 2^i + 1 ... 2^(i+1) for the last i, and for the one
+    /* The largest distance of the two orbits in the last group of steps 2^i + 1 ... 2^(i+1), and in the group
      * before. */
     double recent_distance, previous_distance;
     /* The estimated error at the end of the run. It is INFINITY if a step has failed, or if the distance of the
      * orbits is too large for an extrapolation. */
     double error;
     bool has_passed_hardest_position;   /* true if the trial has passed the scout's hardest position */
-    bool is_finished, covers_whole_run; /* whether the trial has ended; whether it went from the start to the end */
+    bool is_finished, covers_whole_run; /* true if the trial has ended; true if it went through the whole run */
     tvi_status status;                  /* the status of the last step */
 } tvi_step_size_trial;
 
