@@ -7,8 +7,8 @@
 
 #include "devices.h"
 
-/* Generated code contains the text of all rules, of which it needs only some. Constant structures in it leave out
- * braces and initialisers. */
+/* Switches off warnings that generated code would give: it contains the text of all rules and calls only some of them,
+ * and its constant structures leave out braces and initialisers. */
 #ifdef JET_EMITTED
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-const-variable"
@@ -75,8 +75,8 @@
 #define JET_IN_VECTORS
 #endif
 
-/* Stands before loops that generated code unrolls completely, so that unknowns stay in registers. Elsewhere the
- * bound is a variable, and 16 copies of a loop inside 16 copies of another would only cost compile time. */
+/* Stands before loops that generated code unrolls completely, so that the numbers they set stay in registers. Elsewhere
+ * the bound is a variable, and 16 copies of a loop inside 16 copies of another would only cost compile time. */
 #ifdef JET_EMITTED
 #define JET_UNROLLED JET_UNROLL(16)
 #else
@@ -91,8 +91,8 @@
 #define JET_SIDE_BY_SIDE
 #endif
 
-/* Tells whether an order of a series is a constant for the compiler. JET_UPWARDS, defined by tests, makes all orders
- * count as variables. */
+/* Tells whether the compiler knows an order of a series as a constant. If JET_UPWARDS is defined, as in tests, the
+ * answer is always no. */
 #ifdef JET_UPWARDS
 #define JET_KNOWS(order) false
 #else

@@ -14,51 +14,52 @@ typedef struct {
 /* The contributions to the adjoints of all nodes, with one linked list for each node. */
 typedef struct {
     adjoint_contribution *contributions;
-    int count, capacity;
-    int *newest;    /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
-    jet *sum_terms; /* Scratch for the contributions to one node. */
+    int contribution_count, contribution_capacity;
+    int *newest_contribution; /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
+    jet *sum_terms;           /* Scratch for the contributions to one node. */
     int sum_capacity;
     bool is_out_of_memory;
 } adjoint_lists;
 
-static void add_adjoint_contribution(adjoint_lists *bar, const struct jet_node *node, jet value)
+static void add_adjoint_contribution(adjoint_lists *lists, const struct jet_node *node, jet value)
 {
-    if (bar->count == bar->capacity) {
-        const int capacity = bar->capacity ? 2 * bar->capacity : 256;
-        adjoint_contribution *contributions = realloc(bar->contributions, (size_t)capacity * sizeof *contributions);
+    if (lists->contribution_count == lists->contribution_capacity) {
+        const int capacity = lists->contribution_capacity ? 2 * lists->contribution_capacity : 256;
+        adjoint_contribution *contributions = realloc(lists->contributions, (size_t)capacity * sizeof *contributions);
         if (!contributions) {
-            bar->is_out_of_memory = true;
+            lists->is_out_of_memory = true;
             return;
         }
-        bar->contributions = contributions;
-        bar->capacity = capacity;
+        lists->contributions = contributions;
+        lists->contribution_capacity = capacity;
     }
-    bar->contributions[bar->count] = (adjoint_contribution){value, bar->newest[node->index]};
-    bar->newest[node->index] = bar->count++;
+    lists->contributions[lists->contribution_count] =
+        (adjoint_contribution){value, lists->newest_contribution[node->index]};
+    lists->newest_contribution[node->index] = lists->contribution_count++;
 }
 
 /* Records the sum of a node's contributions, which is the node's adjoint. */
-static jet sum_adjoint_contributions(adjoint_lists *bar, int node_index)
+static jet sum_adjoint_contributions(adjoint_lists *lists, int node_index)
 {
     int count = 0;
-    for (int i = bar->newest[node_index]; i >= 0; i = bar->contributions[i].next_index) count++;
-    if (count > bar->sum_capacity) {
-        jet *sum_terms = realloc(bar->sum_terms, (size_t)count * sizeof *sum_terms);
+    for (int i = lists->newest_contribution[node_index]; i >= 0; i = lists->contributions[i].next_index) count++;
+    if (count > lists->sum_capacity) {
+        jet *sum_terms = realloc(lists->sum_terms, (size_t)count * sizeof *sum_terms);
         if (!sum_terms) {
-            bar->is_out_of_memory = true;
+            lists->is_out_of_memory = true;
             return jet_const(0);
         }
-        bar->sum_terms = sum_terms;
-        bar->sum_capacity = count;
+        lists->sum_terms = sum_terms;
+        lists->sum_capacity = count;
     }
     int free_index = count;
-    /* The buffer has room, since its size was set above. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
-    for (int i = bar->newest[node_index]; i >= 0; i = bar->contributions[i].next_index)
-        bar->sum_terms[--free_index] = bar->contributions[i].value;
-    const jet sum = jet_sum(bar->sum_terms, count);
-    bar->is_out_of_memory |=
-        sum.node && !sum.node->graph &&
-        sum.node->index == TVI_ENOMEM; /* The failure counts even if no input depends on this node. */
+    /* sum_terms has room for all contributions, which were counted. NOLINTNEXTLINE(clang-analyzer-core.NullDereference)
+     * */
+    for (int i = lists->newest_contribution[node_index]; i >= 0; i = lists->contributions[i].next_index)
+        lists->sum_terms[--free_index] = lists->contributions[i].value;
+    const jet sum = jet_sum(lists->sum_terms, count);
+    /* If memory is lacking for the sum, the whole gradient fails, even if no input depends on this node. */
+    lists->is_out_of_memory |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM;
     return sum;
 }
 
@@ -77,15 +78,16 @@ static double extract_constant_factor(jet *product)
     return factor;
 }
 
-static void propagate_adjoint_to_operands(adjoint_lists *bar, struct jet_node *z, jet zbar)
+static void propagate_adjoint_to_operands(adjoint_lists *lists, struct jet_node *z, jet zbar)
 {
     for (int i = 0; i < z->count; i++)
-        add_adjoint_contribution(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
+        add_adjoint_contribution(lists, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = jet_rules[z->op];
     if (!rule) return;
-    const double factor = extract_constant_factor(&zbar); /* The rules are linear in z-bar. */
-    add_adjoint_contribution(bar, z->a, jet_mul(factor, rule->record_pullback(z, zbar, 0)));
-    if (z->b) add_adjoint_contribution(bar, z->b, jet_mul(factor, rule->record_pullback(z, zbar, 1)));
+    /* The contributions are linear in z-bar, so that its constant factor can be multiplied in at the end. */
+    const double factor = extract_constant_factor(&zbar);
+    add_adjoint_contribution(lists, z->a, jet_mul(factor, rule->record_pullback(z, zbar, 0)));
+    if (z->b) add_adjoint_contribution(lists, z->b, jet_mul(factor, rule->record_pullback(z, zbar, 1)));
 }
 
 bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
@@ -94,23 +96,23 @@ bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[
     if (!output.node) return true;
     if (output.node->graph !=
         graph) { /* If the output is poison or belongs to another recording, the gradient is poison. */
-        for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_make_unset() : output;
+        for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_make_unset_poison() : output;
         return true;
     }
-    adjoint_lists bar = {0};
+    adjoint_lists lists = {0};
     const int count = output.node->index + 1;
-    bar.newest = malloc((size_t)count * sizeof *bar.newest);
-    if (!bar.newest) return false;
-    for (int i = 0; i < count; i++) bar.newest[i] = -1;
-    add_adjoint_contribution(&bar, output.node, jet_const(1));
-    for (int i = count - 1; i >= 0 && !bar.is_out_of_memory; i--) {
-        if (bar.newest[i] < 0) continue;
-        const jet zbar = sum_adjoint_contributions(&bar, i);
+    lists.newest_contribution = malloc((size_t)count * sizeof *lists.newest_contribution);
+    if (!lists.newest_contribution) return false;
+    for (int i = 0; i < count; i++) lists.newest_contribution[i] = -1;
+    add_adjoint_contribution(&lists, output.node, jet_const(1));
+    for (int i = count - 1; i >= 0 && !lists.is_out_of_memory; i--) {
+        if (lists.newest_contribution[i] < 0) continue;
+        const jet zbar = sum_adjoint_contributions(&lists, i);
         if (i < inputs) gradient[i] = zbar;
-        if (!bar.is_out_of_memory) propagate_adjoint_to_operands(&bar, jet_graph_node_at(graph, i), zbar);
+        if (!lists.is_out_of_memory) propagate_adjoint_to_operands(&lists, jet_graph_node_at(graph, i), zbar);
     }
-    free(bar.contributions);
-    free(bar.newest);
-    free(bar.sum_terms);
-    return !bar.is_out_of_memory;
+    free(lists.contributions);
+    free(lists.newest_contribution);
+    free(lists.sum_terms);
+    return !lists.is_out_of_memory;
 }

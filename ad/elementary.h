@@ -42,7 +42,7 @@ static const jet_magnitude_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far
     ROW(atan, jet_numbers, jet_nowhere)
 
 /* Defines a function that calls the mathematical library for each number. */
-#define JET_ONE_BY_ONE(name, near, far)                                                                                \
+#define JET_ONE_BY_ONE(name, near_zero, far_from_zero)                                                                 \
     JET_INLINE void jet_array_##name(int count, const double *argument, double *restrict result)                       \
     {                                                                                                                  \
         for (int i = 0; i < count; i++) result[i] = name(argument[i]);                                                 \
@@ -137,42 +137,45 @@ JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, dou
 
 /* Computes the function for numbers of every size, each by the method for its range. */
 JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar,
-                                        jet_magnitude_range near, jet_magnitude_range far, double exponent, int count,
-                                        const double *argument, double *result, double *second_result)
+                                        jet_magnitude_range near_zero, jet_magnitude_range far_from_zero,
+                                        double exponent, int count, const double *argument, double *result,
+                                        double *second_result)
 {
     for (int i = 0; i < count; i++)
-        if (!jet_is_in_range(near, argument[i]) && !jet_is_in_range(far, argument[i]))
+        if (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i]))
             scalar(exponent, argument[i], result + i, second_result ? second_result + i : NULL);
     for (int here = 0; here < count; here += JET_NATIVE) {
         double *const w_here = second_result ? second_result + here : NULL;
-        jet_apply_to_numbers_in_range(function, exponent, near, count - here, argument + here, result + here, w_here);
-        jet_apply_to_numbers_in_range(function, exponent, far, count - here, argument + here, result + here, w_here);
+        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here,
+                                      w_here);
+        jet_apply_to_numbers_in_range(function, exponent, far_from_zero, count - here, argument + here, result + here,
+                                      w_here);
     }
 }
 
-JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude_range near, double exponent, int count,
-                                    const double *argument, double *result, double *second_result)
+JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude_range near_zero, double exponent,
+                                    int count, const double *argument, double *result, double *second_result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
         jet_apply_to_vector(function, exponent, argument + here, result + here,
                             second_result ? second_result + here : NULL);
     if (here < count)
-        jet_apply_to_numbers_in_range(function, exponent, near, count - here, argument + here, result + here,
+        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here,
                                       second_result ? second_result + here : NULL);
 }
 
 /* Defines the function jet_array_NAME. It is inlined for numbers that are all in the range near 0; the code for
  * other numbers is a function of its own. */
-#define JET_ALL_OF(name, near, far, exponent, parameters, second_result)                                               \
+#define JET_ALL_OF(name, near_zero, far_from_zero, exponent, parameters, second_result)                                \
     JET_APART void jet_any_range_##name parameters                                                                     \
     {                                                                                                                  \
-        jet_apply_in_all_ranges(jet_vector_##name, jet_scalar_##name, near, far, exponent, count, argument, result,    \
-                                second_result);                                                                        \
+        jet_apply_in_all_ranges(jet_vector_##name, jet_scalar_##name, near_zero, far_from_zero, exponent, count,       \
+                                argument, result, second_result);                                                      \
     }                                                                                                                  \
     JET_INLINE void jet_array_##name parameters
 
-#define JET_ALL(name, near, far)                                                                                       \
+#define JET_ALL(name, near_zero, far_from_zero)                                                                        \
     extern jet_native_vector JET_SLEEF_OF(name)(jet_native_vector);                                                    \
     JET_INLINE void jet_vector_##name(double exponent, jet_native_vector x, jet_native_vector out[2])                  \
     {                                                                                                                  \
@@ -184,15 +187,16 @@ JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude
         (void)exponent, (void)second_result;                                                                           \
         *result = name(x);                                                                                             \
     }                                                                                                                  \
-    JET_ALL_OF(name, near, far, 0, (int count, const double *argument, double *restrict result), NULL)                 \
+    JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result), NULL)  \
     {                                                                                                                  \
-        if (jet_are_all_in_range(near, count, argument))                                                               \
-            jet_apply_near_zero(jet_vector_##name, near, 0, count, argument, result, NULL);                            \
+        if (jet_are_all_in_range(near_zero, count, argument))                                                          \
+            jet_apply_near_zero(jet_vector_##name, near_zero, 0, count, argument, result, NULL);                       \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
 
-/* Sets result = sin(argument) and second_result = cos(argument). */
+/* The result of SLEEF's function that computes sine and cosine of a vector. jet_array_sincos sets result =
+ * sin(argument) and second_result = cos(argument). */
 typedef struct {
     jet_native_vector sine, cosine;
 } jet_sine_and_cosine;
@@ -218,7 +222,7 @@ JET_ALL_OF(sincos, jet_angles, jet_far_angles, 0,
     else jet_any_range_sincos(count, argument, result, second_result);
 }
 
-/* Sets result = argument^exponent, by SLEEF's pow if both are far from overflow and underflow. */
+/* Set result = argument^exponent, by SLEEF's pow if the argument and the result are far from overflow and underflow. */
 extern jet_native_vector JET_SLEEF_OF(pow)(jet_native_vector, jet_native_vector);
 JET_INLINE void jet_vector_pow(double exponent, jet_native_vector x, jet_native_vector out[2])
 {
@@ -237,9 +241,9 @@ JET_INLINE jet_magnitude_range jet_pow_base_range(double exponent)
 JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
            (double exponent, int count, const double *argument, double *restrict result), NULL)
 {
-    const jet_magnitude_range near = jet_pow_base_range(exponent);
-    if (jet_are_all_in_range(near, count, argument))
-        jet_apply_near_zero(jet_vector_pow, near, exponent, count, argument, result, NULL);
+    const jet_magnitude_range near_zero = jet_pow_base_range(exponent);
+    if (jet_are_all_in_range(near_zero, count, argument))
+        jet_apply_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result, NULL);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

@@ -9,8 +9,8 @@
 
 /* Size limits that keep the time to compile a tape near one second. On tapes with up to APART_MOST operations each
  * sum is a run of its own. On tapes with up to ALONE_MOST operations, of which only values of whole vectors are
- * requested, each operation is a run of its own. The loop over orders is unrolled if the product of operations,
- * orders, and 1 + tangent vectors beside each order is at most UNROLLED_MOST. */
+ * requested, each operation is a run of its own. The loop over orders is unrolled if the product of three numbers is
+ * at most UNROLLED_MOST: operations, orders, and 1 + the tangent vectors that the caller computes with each order. */
 enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 900 };
 
 /* Values of tapes with up to INLINED_MOST operations are inlined for any number of lanes. For the lanes of one
@@ -35,16 +35,17 @@ void jet_emit_rule_source(jet_text *text)
 
 /* ---- The tape as constants --------------------------------------------------------------------------------------- */
 
-static void emit_int_array(jet_text *text, const char *name, const char *array_name, int count, const int value[])
+static void emit_int_array(jet_text *text, const char *tape_name, const char *array_name, int count, const int value[])
 {
-    jet_text_append(text, "static const int %s_%s[] = {0", name, array_name);
+    jet_text_append(text, "static const int %s_%s[] = {0", tape_name, array_name);
     for (int i = 0; i < count; i++) jet_text_append(text, i % 16 ? ", %d" : ",\n    %d", value[i]);
     jet_text_append(text, "};\n");
 }
 
-static void emit_double_array(jet_text *text, const char *name, const char *array_name, int count, const double value[])
+static void emit_double_array(jet_text *text, const char *tape_name, const char *array_name, int count,
+                              const double value[])
 {
-    jet_text_append(text, "static const double %s_%s[] = {0", name, array_name);
+    jet_text_append(text, "static const double %s_%s[] = {0", tape_name, array_name);
     for (int i = 0; i < count; i++) jet_text_append(text, i % 8 ? ", %a" : ",\n    %a", value[i]);
     jet_text_append(text, "};\n");
 }
@@ -52,8 +53,8 @@ static void emit_double_array(jet_text *text, const char *name, const char *arra
 static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
     jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d, 0, %d},\n", (int)run->op,
-                    run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constants,
-                    run->first_constant, run->terms, run->term, run->is_scattered, run->assigned_operands);
+                    run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
+                    run->first_constant_term, run->terms, run->term, run->is_scattered, run->assigned_operands);
 }
 
 typedef struct {
@@ -65,7 +66,7 @@ typedef struct {
     bool splits_operations; /* Each operation is a run of its own. */
 } tape_emitter;
 
-static bool needs_several_positive_operands(const jet_tape *tape)
+static bool has_several_positivity_tests(const jet_tape *tape)
 {
     int roots = 0;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) roots += jet_needs_positive_operand(run);
@@ -79,15 +80,15 @@ static void emit_tape_constants(const tape_emitter *emitter)
     const char *name = emitter->request->name;
     emit_int_array(emitter->text, name, "slot", tape->terms, tape->term_slot);
     emit_int_array(emitter->text, name, "operand_b", tape->terms, tape->term_operand_b);
-    emit_int_array(emitter->text, name, "output", tape->outputs, tape->output);
+    emit_int_array(emitter->text, name, "output", tape->outputs, tape->output_slot);
     emit_double_array(emitter->text, name, "coefficient", tape->terms, tape->term_coefficient);
-    emit_double_array(emitter->text, name, "base", tape->rows, tape->constant_terms);
+    emit_double_array(emitter->text, name, "base", tape->linear_operations, tape->constant_terms);
     jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run_initialiser(emitter->text, run);
-    jet_text_append(emitter->text,
-                    "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_tracks_minimum = %d, %s_is_split = %d };\n",
-                    name, tape->slots, name, tape->outputs, name, needs_several_positive_operands(tape), name,
-                    emitter->splits_operations);
+    jet_text_append(
+        emitter->text,
+        "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_tracks_least_operand = %d, %s_is_split = %d };\n", name,
+        tape->slots, name, tape->outputs, name, has_several_positivity_tests(tape), name, emitter->splits_operations);
     jet_text_append(
         emitter->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
@@ -134,7 +135,8 @@ static bool are_products_with_common_factor(const jet_tape *tape, const jet_run 
            tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
 }
 
-/* Tells whether a pair of such products begins with this run. In a longer sequence the runs are paired two by two. */
+/* Tells whether this run and the next are products with a common factor, and this run is the first of its pair. In a
+ * longer sequence the runs are paired two by two. */
 static bool begins_product_pair(const jet_tape *tape, const jet_run *run)
 {
     return JET_HAS(PAIRS) && run >= tape->run && run + 1 < tape->run + tape->runs &&
@@ -154,9 +156,9 @@ static void emit_run_or_pair(const tape_emitter *emitter, const jet_run *run)
     else emit_run_macro_call(emitter, run);
 }
 
-static void emit_run_reversed(const tape_emitter *emitter, const jet_run *run)
+static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run *run)
 {
-    const jet_run *first = jet_is_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
+    const jet_run *first = jet_is_single_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
     if (!first) emit_run_or_pair(emitter, run);
     else if (jet_end_of_adjacent_sums(emitter->tape, first) == run + 1)
         jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name,
@@ -173,33 +175,35 @@ static void emit_run_lists(const tape_emitter *emitter)
     for (const jet_run *run = begin; run < end; run++) emit_run_or_pair(emitter, run);
     jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR, SUMS)",
                     emitter->request->name);
-    for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;) emit_run_reversed(emitter, run);
+    for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
+        emit_run_of_adjoint_list(emitter, run);
     jet_text_append(emitter->text, "\n");
 }
 
 /* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
 
 /* Writes a function body that calls the sweep of order k. If orders are unrolled, each order is a case with a
- * constant k. The arguments of the call are `block_arguments`, k and `more_arguments`. */
-static void emit_dispatch_on_order(const tape_emitter *emitter, const char *sweep_name, const char *block_arguments,
-                                   const char *more_arguments)
+ * constant k. The arguments of the call are `arguments_before_order`, k and
+ * `arguments_after_order`. */
+static void emit_dispatch_on_order(const tape_emitter *emitter, const char *sweep_name,
+                                   const char *arguments_before_order, const char *arguments_after_order)
 {
     const char *name = emitter->request->name;
     if (emitter->unrolls_orders) jet_text_append(emitter->text, "    switch (k) {\n");
-    for (int k = 0; k <= emitter->request->top && emitter->unrolls_orders; k++)
-        jet_text_append(emitter->text, "    case %d: return %s_%s(%s, %d%s);\n", k, name, sweep_name, block_arguments,
-                        k, more_arguments);
+    for (int k = 0; k <= emitter->request->top_order && emitter->unrolls_orders; k++)
+        jet_text_append(emitter->text, "    case %d: return %s_%s(%s, %d%s);\n", k, name, sweep_name,
+                        arguments_before_order, k, arguments_after_order);
     if (emitter->unrolls_orders) jet_text_append(emitter->text, "    }\n");
-    jet_text_append(emitter->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep_name, block_arguments,
-                    more_arguments);
+    jet_text_append(emitter->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep_name, arguments_before_order,
+                    arguments_after_order);
 }
 
 /* Writes the macro NAME_ORDERS(ORDER), which calls ORDER(k) for all orders k. If orders are unrolled, each k is a
  * constant. */
-static void emit_orders_macro(const tape_emitter *emitter)
+static void emit_loop_over_orders_macro(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name;
-    const int top = emitter->request->top;
+    const int top = emitter->request->top_order;
     jet_text_append(emitter->text, "enum { %s_top = %d };\n#define %s_ORDERS(ORDER) ORDER(0)", name, top, name);
     for (int k = 1; k <= top && emitter->unrolls_orders; k++) jet_text_append(emitter->text, " ORDER(%d)", k);
     if (!emitter->unrolls_orders)
@@ -224,7 +228,7 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
 static void emit_inlined_functions(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name;
-    const int *const lane_counts = emitter->request->lanes;
+    const int *const lane_counts = emitter->request->lane_counts;
     for (int lanes = LEAST_REGISTER; lanes <= MOST_REGISTER; lanes *= 2) emit_value_function(emitter, lanes);
     for (const int *lanes = lane_counts; *lanes > 0; lanes++) {
         const bool is_register = *lanes == 2 || *lanes == 4 || *lanes == 8;
@@ -240,7 +244,7 @@ static void emit_values_sweep(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name;
     jet_text_append(emitter->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
-    for (const int *lanes = emitter->request->lanes; *lanes > 0; lanes++)
+    for (const int *lanes = emitter->request->lane_counts; *lanes > 0; lanes++)
         jet_text_append(emitter->text, "    if (lanes == %d) return %s_values_%d(x);\n", *lanes, name, *lanes);
     jet_text_append(emitter->text, "    return tape->interpreter_sweeps->values(tape, x, lanes);\n}\n");
 }
@@ -258,7 +262,7 @@ static void emit_series_sweep(const tape_emitter *emitter)
 static void emit_tangents_sweep(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name;
-    for (const int *lanes = emitter->request->directions; *lanes > 0; lanes++) {
+    for (const int *lanes = emitter->request->direction_counts; *lanes > 0; lanes++) {
         jet_text_append(emitter->text,
                         "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n"
                         "    enum { lanes = %d };\n",
@@ -268,7 +272,7 @@ static void emit_tangents_sweep(const tape_emitter *emitter)
     jet_text_append(emitter->text,
                     "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
                     name);
-    for (const int *lanes = emitter->request->directions; *lanes > 0; lanes++)
+    for (const int *lanes = emitter->request->direction_counts; *lanes > 0; lanes++)
         jet_text_append(emitter->text, "    if (lanes == %d) %s_tangents_%d(x, dx, k);\n    else\n", *lanes, name,
                         *lanes);
     jet_text_append(emitter->text, "    tape->interpreter_sweeps->tangents(tape, x, dx, k, lanes);\n}\n");
@@ -284,11 +288,11 @@ static void emit_adjoints_sweep(const tape_emitter *emitter)
 }
 
 /* Tells whether the request is for values of whole vectors, and for nothing else. */
-static bool requests_vector_values_alone(const jet_emission_request *request)
+static bool requests_only_vector_values(const jet_emission_request *request)
 {
-    for (const int *lanes = request->lanes; *lanes > 0; lanes++)
+    for (const int *lanes = request->lane_counts; *lanes > 0; lanes++)
         if (*lanes % REGISTER != 0) return false;
-    return !request->has_series && !request->has_adjoints && request->directions[0] == 0;
+    return !request->has_series && !request->has_adjoints && request->direction_counts[0] == 0;
 }
 
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request)
@@ -296,32 +300,33 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     const char *name = request->name;
     const int operation_count = tape->slots - tape->inputs - tape->constants;
     const bool splits_operations =
-        JET_HAS(SPLIT) && operation_count <= ALONE_MOST && requests_vector_values_alone(request);
-    const jet_split_mode mode = splits_operations && request->may_move_pair_factors ? JET_SPLIT_PAIRS
-                                : splits_operations                                 ? JET_SPLIT_ALL
-                                : JET_HAS(SPLIT) && operation_count <= APART_MOST   ? JET_SPLIT_SUMS
-                                                                                    : JET_SPLIT_NONE;
+        JET_HAS(SPLIT) && operation_count <= ALONE_MOST && requests_only_vector_values(request);
+    const jet_split_mode mode = splits_operations && request->may_move_common_factors ? JET_SPLIT_PAIRS
+                                : splits_operations                                   ? JET_SPLIT_ALL
+                                : JET_HAS(SPLIT) && operation_count <= APART_MOST     ? JET_SPLIT_SUMS
+                                                                                      : JET_SPLIT_NONE;
     jet_tape split;
     if (!jet_split_tape_runs(&split, tape, mode)) {
         text->is_incomplete = true;
         return;
     }
     const bool unrolls_orders =
-        JET_HAS(UNROLL) && operation_count * (1 + request->tangent_vectors) * (request->top + 1) <= UNROLLED_MOST;
+        JET_HAS(UNROLL) &&
+        operation_count * (1 + request->tangent_vector_count) * (request->top_order + 1) <= UNROLLED_MOST;
     const tape_emitter emitter = {text, &split, request, operation_count, unrolls_orders, splits_operations};
     if (request->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_tape_constants(&emitter);
     emit_run_lists(&emitter);
     emit_inlined_functions(&emitter);
-    emit_orders_macro(&emitter);
-    if (request->lanes[0] > 0) emit_values_sweep(&emitter);
+    emit_loop_over_orders_macro(&emitter);
+    if (request->lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->has_series) emit_series_sweep(&emitter);
-    if (request->directions[0] > 0) emit_tangents_sweep(&emitter);
+    if (request->direction_counts[0] > 0) emit_tangents_sweep(&emitter);
     if (request->has_adjoints) emit_adjoints_sweep(&emitter);
     jet_text_append(text, "static const jet_sweeps %s_sweeps = {", name);
-    if (request->lanes[0] > 0) jet_text_append(text, ".values = %s_values, ", name);
+    if (request->lane_counts[0] > 0) jet_text_append(text, ".values = %s_values, ", name);
     if (request->has_series) jet_text_append(text, ".series = %s_series, ", name);
-    if (request->directions[0] > 0) jet_text_append(text, ".tangents = %s_tangents, ", name);
+    if (request->direction_counts[0] > 0) jet_text_append(text, ".tangents = %s_tangents, ", name);
     if (request->has_adjoints) jet_text_append(text, ".adjoints = %s_adjoints, ", name);
     jet_text_append(text, ".isa = JET_GENERATED_ISA};\n");
     jet_free_split_tape(&split);

@@ -15,13 +15,15 @@
 /* The parts of a tape that generated code is to compute. The interpreter runs all others. */
 typedef struct {
     const char *name; /* Prefix of all names in the generated text. */
-    /* Numbers of lanes of the values, and numbers of directions of the tangents; a 0 ends each list. */
-    int lanes[3], directions[3];
-    int top; /* Highest order of the series. */
-    /* Number of tangent vectors that the caller computes beside each order; it limits unrolling. */
-    int tangent_vectors;
-    bool has_series, has_adjoints; /* Sweeps of series and of adjoints, with one lane. */
-    bool may_move_pair_factors;    /* The factors of pair interactions may be moved (split.h). */
+    /* The numbers of lanes of the value functions, and the numbers of directions of the tangent functions; a 0 ends
+     * each list. */
+    int lane_counts[3], direction_counts[3];
+    int top_order; /* Highest order of the series. */
+    /* Number of tangent vectors that the caller computes with each order; the more there are, the fewer operations are
+     * unrolled. */
+    int tangent_vector_count;
+    bool has_series, has_adjoints; /* The sweeps of series and of adjoints, with one lane, are requested. */
+    bool may_move_common_factors;  /* A factor that all sums have in common may be moved into the products (split.h). */
 } jet_emission_request;
 
 /* Sets *merged to the sweeps of the generated code, and to those of the interpreter where the code has none. Returns

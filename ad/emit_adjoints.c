@@ -30,9 +30,9 @@ static void mark_adjoints_set(const adjoint_emitter *emitter, int slot, int coun
     }
 }
 
-/* Tells whether the adjoint rule of the run sets only adjoints of the order being swept, of operands with adjacent
- * slots (jet_adjoint_rule). */
-static bool adds_to_own_order_alone(const jet_run *run)
+/* Tells whether the run's adjoint rule (jet_adjoint_rule) adds only to adjoints of the order that is being swept, and
+ * all operands have adjacent slots. */
+static bool adds_to_current_order_only(const jet_run *run)
 {
     return run->op == OP_PRODUCTS || run->op == OP_SQUARES || run->op == OP_POW || run->op == OP_SQRT;
 }
@@ -51,9 +51,10 @@ static void mark_operand_adjoints_set(const adjoint_emitter *emitter, const jet_
 static void mark_initially_set_adjoints(const adjoint_emitter *emitter)
 {
     mark_adjoints_set(emitter, 0, emitter->tape->inputs, false);
-    for (int i = 0; i < emitter->tape->outputs; i++) mark_adjoints_set(emitter, emitter->tape->output[i], 1, false);
+    for (int i = 0; i < emitter->tape->outputs; i++)
+        mark_adjoints_set(emitter, emitter->tape->output_slot[i], 1, false);
     for (const jet_run *run = emitter->tape->run; run < emitter->tape->run + emitter->tape->runs; run++) {
-        if (adds_to_own_order_alone(run) || run->op == OP_LINEAR) continue;
+        if (adds_to_current_order_only(run) || run->op == OP_LINEAR) continue;
         mark_adjoints_set(emitter, run->z, run->operation_count, false);
         mark_operand_adjoints_set(emitter, run);
     }
@@ -61,7 +62,7 @@ static void mark_initially_set_adjoints(const adjoint_emitter *emitter)
 
 /* Returns the first slot of an operand of the run. Operand 2 t is the first factor of term t, and operand 2 t + 1
  * the second one. The result is -1 if there is no such operand. */
-static int first_operand_slot(const jet_tape *tape, const jet_run *run, int operand)
+static int operand_first_slot(const jet_tape *tape, const jet_run *run, int operand)
 {
     const int term = run->term + operand / 2;
     if (run->terms == 0) return operand == 0 ? run->a : -1;
@@ -75,20 +76,20 @@ static void mark_assigned_operands(const adjoint_emitter *emitter, jet_run *run)
 {
     const int operands = run->terms > 0 ? 2 * run->terms : 1;
     for (int operand = 0; operand < operands; operand++) {
-        const int row = first_operand_slot(emitter->tape, run, operand);
+        const int row = operand_first_slot(emitter->tape, run, operand);
         bool is_fresh = JET_HAS(FRESH) && row >= 0 && are_adjoints_unset(emitter, row, run->operation_count);
         for (int other = 0; other < operands; other++)
-            is_fresh = is_fresh && (other == operand || first_operand_slot(emitter->tape, run, other) < 0 ||
-                                    abs(first_operand_slot(emitter->tape, run, other) - row) >= run->operation_count);
+            is_fresh = is_fresh && (other == operand || operand_first_slot(emitter->tape, run, other) < 0 ||
+                                    abs(operand_first_slot(emitter->tape, run, other) - row) >= run->operation_count);
         if (is_fresh) run->assigned_operands |= 1 << operand;
     }
     for (int operand = 0; operand < operands; operand++)
-        if (first_operand_slot(emitter->tape, run, operand) >= 0)
-            mark_adjoints_set(emitter, first_operand_slot(emitter->tape, run, operand), run->operation_count,
+        if (operand_first_slot(emitter->tape, run, operand) >= 0)
+            mark_adjoints_set(emitter, operand_first_slot(emitter->tape, run, operand), run->operation_count,
                               run->assigned_operands >> operand & 1);
 }
 
-static void emit_clear_function(const adjoint_emitter *emitter, const char *name)
+static void emit_clear_adjoints_function(const adjoint_emitter *emitter, const char *name)
 {
     const int slots = emitter->tape->slots;
     jet_text_append(emitter->text, "JET_INLINE void %s_clear(double *bar)\n{\n", name);
@@ -105,7 +106,7 @@ static void emit_clear_function(const adjoint_emitter *emitter, const char *name
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
 /* Tells whether a sum has a term in this slot or in a later one. */
-static bool reads_slot_or_later(const jet_tape *tape, const jet_run *run, int slot)
+static bool reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
 {
     for (int term = run->term; term < run->term + run->terms; term++)
         if (tape->term_slot[term] >= slot) return true;
@@ -115,16 +116,16 @@ static bool reads_slot_or_later(const jet_tape *tape, const jet_run *run, int sl
 const jet_run *jet_first_adjacent_sum(const jet_tape *tape, const jet_run *run)
 {
     const jet_run *first = run;
-    while (first > tape->run && jet_is_sum(first - 1)) first--;
+    while (first > tape->run && jet_is_single_sum(first - 1)) first--;
     for (const jet_run *next = first; next <= run; next++)
-        if (reads_slot_or_later(tape, next, first->z)) first = next;
+        if (reads_slot_at_or_after(tape, next, first->z)) first = next;
     return first;
 }
 
 const jet_run *jet_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
 {
     const jet_run *const end = tape->run + tape->runs, *next = first;
-    while (next < end && jet_is_sum(next) && jet_first_adjacent_sum(tape, next) == first) next++;
+    while (next < end && jet_is_single_sum(next) && jet_first_adjacent_sum(tape, next) == first) next++;
     return next;
 }
 
@@ -164,13 +165,13 @@ static void emit_all_adjoints(const adjoint_emitter *emitter, const char *name)
 {
     mark_initially_set_adjoints(emitter);
     for (jet_run *run = emitter->tape->run + emitter->tape->runs; run-- > emitter->tape->run;) {
-        const jet_run *first = jet_is_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
+        const jet_run *first = jet_is_single_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
         if (first && jet_end_of_adjacent_sums(emitter->tape, first) == run + 1)
             emit_sum_adjoints_function(emitter, first, run + 1, name);
-        else if (adds_to_own_order_alone(run)) mark_assigned_operands(emitter, run);
+        else if (adds_to_current_order_only(run)) mark_assigned_operands(emitter, run);
         else if (!first) mark_operand_adjoints_set(emitter, run);
     }
-    emit_clear_function(emitter, name);
+    emit_clear_adjoints_function(emitter, name);
 }
 
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name)

@@ -8,16 +8,16 @@
 #include "text.h"
 
 /* Tells whether a run is a single sum, on a tape on which each sum is a run of its own. */
-static inline bool jet_is_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
+static inline bool jet_is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
 
 /* Return the first sum in the sequence of adjacent sums that contains `run`, and the end of the sequence that begins
  * with `first`. No sum of a sequence reads another one. */
 const jet_run *jet_first_adjacent_sum(const jet_tape *tape, const jet_run *run);
 const jet_run *jet_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first);
 
-/* Writes NAME_sums_back_i(bar), which computes the adjoints of the sums from run i on, and NAME_clear(bar), which
- * sets those adjoints to 0 that are added to before they are assigned, except those of the inputs. NAME_clear is
- * called for all orders at first. Also sets jet_run.assigned_operands. */
+/* Writes two functions. NAME_sums_back_i(bar) computes the adjoints of the sums from run i on. NAME_clear(bar) sets to
+ * 0 the adjoints that are added to before they are assigned, except those of the inputs; it is called for every order
+ * before the sweeps begin. Also sets jet_run.assigned_operands. */
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name);
 
 #endif

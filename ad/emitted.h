@@ -12,18 +12,18 @@
 
 #include "sums.h"
 
-/* If several operations need positive operands, and each has only a few vectors of them, T_tracks_minimum is set.
+/* If several operations need positive operands, and each has only a few vectors of them, T_tracks_least_operand is set.
  * The least operand of each lane then stays in a register, and is tested once, after all operations. */
 enum { JET_TRACKED_LANES = 8 };
-JET_INLINE bool jet_is_minimum_tracked(const jet_run *run, int lanes)
+JET_INLINE bool jet_is_least_operand_tracked(const jet_run *run, int lanes)
 {
     return jet_needs_positive_operand(run) && run->operation_count == 1 && lanes <= JET_TRACKED_LANES && lanes % 4 == 0;
 }
 
-JET_INLINE int jet_tracked_lane_count(int lanes) { return lanes < JET_TRACKED_LANES ? lanes : JET_TRACKED_LANES; }
+JET_INLINE int jet_least_operand_lane_count(int lanes) { return lanes < JET_TRACKED_LANES ? lanes : JET_TRACKED_LANES; }
 
 /* Updates the least operand of each lane. A NaN is allowed and ignored. */
-JET_INLINE void jet_track_minimum(const double *a, int lanes, double *least)
+JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *least)
 {
     JET_IN_VECTORS
     for (int w = 0; w < lanes; w++) least[w] = a[w] < least[w] ? a[w] : least[w];
@@ -34,8 +34,8 @@ JET_INLINE void jet_track_minimum(const double *a, int lanes, double *least)
         const bool is_inside =                                                                                         \
             evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,         \
                             x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);                                       \
-        if (T##_tracks_minimum && jet_is_minimum_tracked(&T##_run[i], lanes))                                          \
-            jet_track_minimum(x + T##_run[i].a * lanes, lanes, least);                                                 \
+        if (T##_tracks_least_operand && jet_is_least_operand_tracked(&T##_run[i], lanes))                              \
+            jet_track_least_operand(x + T##_run[i].a * lanes, lanes, least);                                           \
         else inside &= is_inside;                                                                                      \
     }
 #define VALUES_ANGLES(T, i, next)             jet_compute_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
@@ -63,17 +63,17 @@ JET_INLINE void jet_track_minimum(const double *a, int lanes, double *least)
 #define TANGENTS_PAIRED(T, i, next)  TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
-/* Tangents of order 0, along one direction for each lane of x. */
-#define IN_LANES_RULE(T, i, name)                                                                                      \
+/* Compute the tangents of order 0, along one direction for each lane of x. */
+#define PER_LANE_RULE(T, i, name)                                                                                      \
     {                                                                                                                  \
-        const jet_run all = jet_flatten_lanes(&T##_run[i], lanes);                                                     \
+        const jet_run all = jet_make_run_over_all_lanes(&T##_run[i], lanes);                                           \
         name##_tangent(&all, x, dx, 0, (size_t)(T.slots * lanes), 1);                                                  \
     }
-#define IN_LANES_ANGLES(T, i, next) IN_LANES_RULE(T, i, sin) IN_LANES_RULE(T, next, cos)
-#define IN_LANES_PRODUCTS(T, i, squares, terms)                                                                        \
+#define PER_LANE_ANGLES(T, i, next) PER_LANE_RULE(T, i, sin) PER_LANE_RULE(T, next, cos)
+#define PER_LANE_PRODUCTS(T, i, squares, terms)                                                                        \
     compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
-#define IN_LANES_PAIRED(T, i, next)  IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
-#define IN_LANES_LINEAR(T, i, terms) compute_linear_order(&T, &T##_run[i], dx, lanes, terms);
+#define PER_LANE_PAIRED(T, i, next)  PER_LANE_PRODUCTS(T, i, false, 1) PER_LANE_PRODUCTS(T, next, false, 1)
+#define PER_LANE_LINEAR(T, i, terms) compute_linear_order(&T, &T##_run[i], dx, lanes, terms);
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
@@ -108,7 +108,7 @@ JET_INLINE void jet_set_to_zero(double *x, int count) { JET_BLOCKS(count, JET_CL
         double least[JET_TRACKED_LANES];                                                                               \
         JET_IN_VECTORS for (int w = 0; w < JET_TRACKED_LANES; w++) least[w] = 1;                                       \
         T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_PAIRED, VALUES_LINEAR);         \
-        if (T##_tracks_minimum) inside &= are_all_positive(jet_tracked_lane_count(lanes), least);                      \
+        if (T##_tracks_least_operand) inside &= are_all_positive(jet_least_operand_lane_count(lanes), least);          \
         return inside;                                                                                                 \
     }
 
@@ -131,7 +131,7 @@ JET_INLINE void jet_set_to_zero(double *x, int count) { JET_BLOCKS(count, JET_CL
             *(V *)(x + T##_output[i] * lanes + here) = *(const V *)(y + T##_output[i] * width);                        \
         }                                                                                                              \
     }
-/* The loop limits are constants, so that blocks that do not occur are not compiled. */
+/* The loop limits are constants, so that the compiler drops loops over vector lengths that do not occur. */
 #ifdef JET_WIDE
 #define IN_REGISTERS(T)                                                                                                \
     for (int here = 0; here < lanes / 8 * 8; here += 8) IN_A_REGISTER(jet_v8, T)                                       \
@@ -170,11 +170,11 @@ JET_INLINE void jet_set_to_zero(double *x, int count) { JET_BLOCKS(count, JET_CL
                  TANGENTS_LINEAR) return true;                                                                         \
     }
 
-#define JET_GENERATED_TANGENTS_IN_LANES(T, LANES)                                                                      \
-    NEVER void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                              \
+#define JET_GENERATED_TANGENTS_PER_LANE(T, LANES)                                                                      \
+    NEVER void T##_tangents_per_lane_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_PAIRED, IN_LANES_LINEAR);           \
+        T##_RUNS(PER_LANE_RULE, PER_LANE_ANGLES, PER_LANE_PRODUCTS, NONE, PER_LANE_PAIRED, PER_LANE_LINEAR);           \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \

@@ -13,9 +13,9 @@ enum { CHUNK = 128 };
 
 struct jet_graph {
     bool open;
-    const char *name;      /* Name of the outputs, for the texts of refusals. */
-    const char *part_name; /* Name of the operations from part_index on, or NULL. */
-    int part_index;
+    const char *name;              /* Name of the outputs, for the texts of refusals. */
+    const char *derived_part_name; /* Name of the operations from derived_part_start on, or NULL. */
+    int derived_part_start;
     bool out_of_memory; /* An operation could not be stored. All outputs are refused from then on. */
     int inputs, parameters, count, capacity;
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
@@ -41,7 +41,7 @@ jet jet_make_domain_poison(jet_op op, double operand)
 
 bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
 
-jet jet_find_common_graph(int count, const jet x[], jet_graph **graph)
+jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph)
 {
     *graph = NULL;
     for (int i = 0; i < count; i++) {
@@ -70,16 +70,16 @@ jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_gr
 long jet_graph_hash_collisions(const jet_graph *graph) { return graph->collisions; }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
 void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->name = name; }
-void jet_graph_begin_named_part(jet_graph *graph, const char *part)
+void jet_graph_begin_derived_part(jet_graph *graph, const char *name)
 {
-    graph->part_index = graph->count;
-    graph->part_name = part;
+    graph->derived_part_start = graph->count;
+    graph->derived_part_name = name;
 }
 
-const char *jet_graph_get_named_part(const jet_graph *graph, int *index)
+const char *jet_graph_get_derived_part(const jet_graph *graph, int *first_index)
 {
-    *index = graph->part_index;
-    return graph->part_name;
+    *first_index = graph->derived_part_start;
+    return graph->derived_part_name;
 }
 
 void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->out_of_memory = true; }
@@ -102,7 +102,7 @@ static uint64_t hash_node(const struct jet_node *node)
 {
     uint64_t hash = mix_into_hash((uint64_t)node->op, double_bits(node->number));
     if (node->op == OP_INPUT) hash = mix_into_hash(hash, (uint64_t)node->index);
-    if (node->op == OP_PARAMETER) hash = mix_into_hash(hash, (uint64_t)node->which);
+    if (node->op == OP_PARAMETER) hash = mix_into_hash(hash, (uint64_t)node->parameter_index);
     if (node->a) hash = mix_into_hash(hash, (uint64_t)node->a->index);
     if (node->b) hash = mix_into_hash(hash, (uint64_t)node->b->index);
     for (int i = 0; i < node->count; i++)
@@ -115,7 +115,7 @@ static bool are_nodes_equal(const struct jet_node *x, const struct jet_node *y)
 {
     if (x->op != y->op || double_bits(x->number) != double_bits(y->number) || x->count != y->count) return false;
     if (x->op == OP_INPUT) return x->index == y->index;
-    if (x->op == OP_PARAMETER) return x->which == y->which;
+    if (x->op == OP_PARAMETER) return x->parameter_index == y->parameter_index;
     if (x->a != y->a || x->b != y->b) return false;
     for (int i = 0; i < x->count; i++)
         if (x->terms[i].node != y->terms[i].node ||
@@ -182,7 +182,7 @@ struct jet_node *jet_graph_find_or_record(jet_graph *graph, struct jet_node want
     return *slot;
 }
 
-jet jet_graph_record_as_jet(jet_graph *graph, struct jet_node wanted)
+jet jet_graph_record_node(jet_graph *graph, struct jet_node wanted)
 {
     bool is_new;
     struct jet_node *node = jet_graph_find_or_record(graph, wanted, &is_new);
@@ -195,7 +195,7 @@ jet_graph *jet_graph_create(int inputs)
     if (!graph) return NULL;
     graph->open = true;
     graph->name = "output";
-    for (int i = 0; i < inputs; i++) (void)jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_INPUT});
+    for (int i = 0; i < inputs; i++) (void)jet_graph_record_node(graph, (struct jet_node){.op = OP_INPUT});
     graph->inputs = inputs;
     if (graph->out_of_memory) {
         jet_graph_free(graph);
@@ -216,25 +216,26 @@ void jet_graph_free(jet_graph *graph)
 
 jet jet_graph_record_constant(jet_graph *graph, double value)
 {
-    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_CONST, .number = value});
+    return jet_graph_record_node(graph, (struct jet_node){.op = OP_CONST, .number = value});
 }
 
 /* Finds the node of the parameter with this index. Returns NULL if there is none. */
-static const struct jet_node *find_parameter_node(const jet_graph *graph, int which)
+static const struct jet_node *find_parameter_node(const jet_graph *graph, int parameter_index)
 {
     for (int i = 0; i < graph->count; i++) {
         const struct jet_node *node = jet_graph_node_at(graph, i);
-        if (node->op == OP_PARAMETER && node->which == which) return node;
+        if (node->op == OP_PARAMETER && node->parameter_index == parameter_index) return node;
     }
     return NULL;
 }
 
-jet jet_graph_record_parameter(jet_graph *graph, int which, double value)
+jet jet_graph_record_parameter(jet_graph *graph, int parameter_index, double value)
 {
-    const struct jet_node *same = find_parameter_node(graph, which);
+    const struct jet_node *same = find_parameter_node(graph, parameter_index);
     if (same && double_bits(same->number) != double_bits(value)) return jet_make_poison(JET_TWO_VALUES);
-    if (which >= graph->parameters) graph->parameters = which + 1;
-    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_PARAMETER, .which = which, .number = value});
+    if (parameter_index >= graph->parameters) graph->parameters = parameter_index + 1;
+    return jet_graph_record_node(
+        graph, (struct jet_node){.op = OP_PARAMETER, .parameter_index = parameter_index, .number = value});
 }
 
 int jet_graph_parameter_count(const jet_graph *graph) { return graph->parameters; }

@@ -82,10 +82,11 @@ struct jet_node {
     struct jet_node *a; /* First operand, or NULL. */
     struct jet_node *b; /* Second operand, or NULL. */
     struct jet_node *w; /* Partner, or NULL. */
-    jet_term *terms;    /* LINEAR: the terms */
+    jet_term *terms;    /* LINEAR: the terms. */
     int count;          /* Number of terms. Poison node: its jet_reason. */
     int mark;           /* Scratch while a sum is recorded: the node's place among the terms. */
-    int which;          /* PARAMETER: its index. It is the last member (tests/ad/test_sharing.c). */
+    /* PARAMETER: its index. It must be the last member, since test_sharing.c compares all members up to it. */
+    int parameter_index;
 };
 
 /* Creates an open graph, whose first nodes are its inputs. Returns NULL if memory is lacking. */
@@ -93,22 +94,24 @@ jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
 /* Sets the name of the outputs in texts of refusals. The name must be static. */
 void jet_graph_set_output_name(jet_graph *graph, const char *name);
-/* Sets the name of all operations that are recorded from here on, for texts of refusals. They are derived from the
- * user's operations, such as the energy of a Lagrangian. The name must be static. */
-void jet_graph_begin_named_part(jet_graph *graph, const char *part);
-/* Returns that name, and in *index the index of the first of these operations. NULL: no name was set. */
-const char *jet_graph_get_named_part(const jet_graph *graph, int *index);
+/* Names all operations that are recorded from here on, for texts of refusals. The library derives these operations
+ * from the user's, such as the energy of a Lagrangian. The name must be static. */
+void jet_graph_begin_derived_part(jet_graph *graph, const char *name);
+/* Returns the name set by jet_graph_begin_derived_part, and in *first_index the index of the first operation recorded
+ * after it. Returns NULL if no name was set. */
+const char *jet_graph_get_derived_part(const jet_graph *graph, int *first_index);
 void jet_graph_free(jet_graph *graph);
 
 /* Returns the node that equals `wanted`, and records it if there is none. The graph then owns the terms of `wanted`.
  * Returns NULL if memory is lacking. */
 struct jet_node *jet_graph_find_or_record(jet_graph *graph, struct jet_node wanted, bool *is_new);
-/* The same as a jet, which is poison if memory is lacking. */
-jet jet_graph_record_as_jet(jet_graph *graph, struct jet_node wanted);
+/* Does the same as jet_graph_find_or_record, but returns the node as a jet, which is poison if memory is lacking. */
+jet jet_graph_record_node(jet_graph *graph, struct jet_node wanted);
 jet jet_graph_record_constant(jet_graph *graph, double value);
-/* A number that may be replaced in later runs (jet_parameter). TVI_EINVAL: it was recorded with another value. */
-jet jet_graph_record_parameter(jet_graph *graph, int which, double value);
-/* 1 + the largest index of a parameter. */
+/* Records the parameter with this index, a number that may be replaced before later sweeps (jet_parameter). The result
+ * is poison with the status TVI_EINVAL if the parameter was recorded with another value before. */
+jet jet_graph_record_parameter(jet_graph *graph, int parameter_index, double value);
+/* Returns 1 + the largest index of a parameter, or 0 if the graph has no parameters. */
 int jet_graph_parameter_count(const jet_graph *graph);
 /* Records that an operation was lost for want of memory. No output is accepted any more. */
 void jet_graph_mark_out_of_memory(jet_graph *graph);
@@ -122,9 +125,9 @@ struct jet_node *jet_graph_node_at(const jet_graph *graph, int index);
 
 static inline jet jet_from_node(struct jet_node *node) { return (jet){0, node}; }
 
-/* Finds the open graph that all nodes among x belong to, NULL if all are numbers. Returns poison if no operation on
- * x can be recorded, otherwise a number. */
-jet jet_find_common_graph(int count, const jet x[], jet_graph **graph);
+/* Sets *graph to the open graph to which all nodes among x belong, or to NULL if all x are numbers. Returns poison if
+ * no operation on x can be recorded, since one of them is poison, or two belong to different graphs; otherwise 0. */
+jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph);
 /* Returns a poison jet, which belongs to no graph and holds the reason. All jets made from it are the same poison.
  * The index of its node is the status. */
 jet jet_make_poison(jet_reason reason);
@@ -133,7 +136,7 @@ jet jet_make_domain_poison(jet_op op, double operand);
 bool jet_is_poison(jet x);
 /* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
  * set. */
-static inline jet jet_make_unset(void) { return jet_make_poison(JET_UNSET); }
+static inline jet jet_make_unset_poison(void) { return jet_make_poison(JET_UNSET); }
 /* Makes jets outputs of the open graph. Nodes of the graph stay as they are, and finite numbers become constant
  * nodes. Any other jet is refused, with a text (jet_last_refusal_text). */
 tvi_status jet_graph_accept_outputs(jet_graph *graph, int outputs, jet output[]);

@@ -1,5 +1,5 @@
-/* interpreter.h - Declares the functions that run the sweeps of a tape. tape.h ends with this file. Generated code,
- * which has no interpreter, is compiled without it. */
+/* interpreter.h - Declares the functions that run the sweeps of a tape. tape.h includes this file at its end. Generated
+ * code, which has no interpreter, is compiled without it. */
 #ifndef TVI_AD_INTERPRETER_H
 #define TVI_AD_INTERPRETER_H
 
@@ -39,10 +39,10 @@ static inline void jet_sweep_tangents(const jet_tape *tape, const double *series
 }
 
 /* Computes the tangents of one order along a series of several lanes, with one direction for each of these lanes. */
-static inline void jet_sweep_tangents_in_lanes(const jet_tape *tape, const double *series, double *tangents, int order,
+static inline void jet_sweep_tangents_per_lane(const jet_tape *tape, const double *series, double *tangents, int order,
                                                int lanes)
 {
-    tape->sweeps->tangents_in_lanes(tape, series, tangents, order, lanes);
+    tape->sweeps->tangents_per_lane(tape, series, tangents, order, lanes);
 }
 
 /* Computes the adjoints of one order along a series of one lane; the caller goes through the orders top_order, ...,

@@ -47,7 +47,7 @@ static bool are_terms_finite(const struct jet_node *sum)
 jet jet_record_linear_combination(int count, const double coefficient[], const jet x[])
 {
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(count, x, &graph);
+    const jet refused = jet_find_graph_or_poison(count, x, &graph);
     if (refused.node) return refused;
     struct jet_node sum = {.op = OP_LINEAR};
     if (graph && !(sum.terms = calloc((size_t)count, sizeof *sum.terms))) {
@@ -62,7 +62,7 @@ jet jet_record_linear_combination(int count, const double coefficient[], const j
     const bool finite = are_terms_finite(&sum);
     const bool is_number = sum.count == 0;
     const bool is_one_node = sum.count == 1 && sum.terms[0].coefficient == 1 && sum.number == 0;
-    if (finite && !is_number && !is_one_node) return jet_graph_record_as_jet(graph, sum);
+    if (finite && !is_number && !is_one_node) return jet_graph_record_node(graph, sum);
     const jet result = !finite     ? jet_make_poison(JET_NOT_FINITE)
                        : is_number ? jet_const(sum.number)
                                    : jet_from_node(sum.terms[0].node);
@@ -81,10 +81,10 @@ jet jet_record_sub(jet a, jet b)
 
 /* Returns the poison of an operation for which memory is lacking, and marks the graph of x so that all its outputs
  * are refused. */
-static jet poison_out_of_memory(int count, const jet x[])
+static jet make_memory_poison(int count, const jet x[])
 {
     jet_graph *graph;
-    if (!jet_find_common_graph(count, x, &graph).node && graph) jet_graph_mark_out_of_memory(graph);
+    if (!jet_find_graph_or_poison(count, x, &graph).node && graph) jet_graph_mark_out_of_memory(graph);
     return jet_make_poison(JET_NO_MEMORY);
 }
 
@@ -92,7 +92,7 @@ jet jet_sum(const jet x[], int count)
 {
     if (count <= 0) return jet_const(0);
     double *ones = calloc((size_t)count, sizeof *ones);
-    if (!ones) return poison_out_of_memory(count, x);
+    if (!ones) return make_memory_poison(count, x);
     for (int i = 0; i < count; i++) ones[i] = 1;
     const jet sum = jet_record_linear_combination(count, ones, x);
     free(ones);
@@ -103,7 +103,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
 {
     if (count <= 0) return jet_const(0);
     jet *products = calloc((size_t)count, sizeof *products);
-    if (!products) return poison_out_of_memory(count, x);
+    if (!products) return make_memory_poison(count, x);
     for (int i = 0; i < count; i++) products[i] = jet_mul(x[i], y[i]);
     const jet sum = jet_sum(products, count);
     free(products);
@@ -128,10 +128,10 @@ static jet fold_constant_operation(jet_op op, double exponent, double a, double 
 
 enum { PARAMETERS_MAX = 1000 };
 
-jet jet_parameter(jet of_recording, int index, double value)
+jet jet_parameter(jet any_jet, int index, double value)
 {
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(1, &of_recording, &graph);
+    const jet refused = jet_find_graph_or_poison(1, &any_jet, &graph);
     if (refused.node) return refused;
     if (!graph || index < 0 || index >= PARAMETERS_MAX) return jet_make_poison(JET_NO_PARAMETER);
     if (!isfinite(value)) return jet_make_poison(JET_NOT_FINITE);
@@ -141,20 +141,20 @@ jet jet_parameter(jet of_recording, int index, double value)
 jet jet_record_mul(jet a, jet b)
 {
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(2, (const jet[]){a, b}, &graph);
+    const jet refused = jet_find_graph_or_poison(2, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!graph) return fold_constant_operation(OP_MUL, 0, a.number, b.number);
     if (!a.node) return jet_record_linear_combination(1, &a.number, &b);
     if (!b.node) return jet_record_linear_combination(1, &b.number, &a);
-    if (a.node == b.node) return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_SQR, .a = a.node});
+    if (a.node == b.node) return jet_graph_record_node(graph, (struct jet_node){.op = OP_SQR, .a = a.node});
     if (a.node->index > b.node->index) return jet_record_mul(b, a);
-    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_MUL, .a = a.node, .b = b.node});
+    return jet_graph_record_node(graph, (struct jet_node){.op = OP_MUL, .a = a.node, .b = b.node});
 }
 
 jet jet_record_div(jet a, jet b)
 {
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(2, (const jet[]){a, b}, &graph);
+    const jet refused = jet_find_graph_or_poison(2, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!b.node && b.number == 0) return jet_make_domain_poison(OP_DIV, b.number);
     if (!graph) return fold_constant_operation(OP_DIV, 0, a.number, b.number);
@@ -165,22 +165,22 @@ jet jet_record_div(jet a, jet b)
     if (!a.node && a.number == 0) return a;
     if (!a.node) a = jet_graph_record_constant(graph, a.number);
     if (jet_is_poison(a)) return a;
-    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_DIV, .a = a.node, .b = b.node});
+    return jet_graph_record_node(graph, (struct jet_node){.op = OP_DIV, .a = a.node, .b = b.node});
 }
 
-/* Records a^count for count >= 1 by repeated squaring. The result exists for every a, unlike that of OP_POW. */
-static jet record_integer_power(jet a, int count)
+/* Records a^exponent for exponent >= 1 by repeated squaring. The result exists for every a, unlike that of OP_POW. */
+static jet record_integer_power(jet a, int exponent)
 {
-    if (count == 1) return a;
-    const jet half = record_integer_power(a, count / 2);
+    if (exponent == 1) return a;
+    const jet half = record_integer_power(a, exponent / 2);
     const jet square = jet_mul(half, half);
-    return count % 2 ? jet_mul(square, a) : square;
+    return exponent % 2 ? jet_mul(square, a) : square;
 }
 
 jet jet_record_pow(jet a, double c)
 {
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(1, &a, &graph);
+    const jet refused = jet_find_graph_or_poison(1, &a, &graph);
     if (refused.node) return refused;
     if (!isfinite(c)) return jet_make_poison(JET_NOT_FINITE);
     const bool natural = c >= 0 && c == floor(c);
@@ -190,7 +190,7 @@ jet jet_record_pow(jet a, double c)
     if (c == 0.5) return jet_sqrt(a);
     if (c == -1) return jet_div(1, a);
     if (natural && c <= INTEGER_POWER_MAX) return record_integer_power(a, (int)c);
-    return jet_graph_record_as_jet(graph, (struct jet_node){.op = OP_POW, .a = a.node, .number = c});
+    return jet_graph_record_node(graph, (struct jet_node){.op = OP_POW, .a = a.node, .number = c});
 }
 
 static jet record_node_with_partner(jet_graph *graph, jet_op op, struct jet_node *a, struct jet_node *b);
@@ -240,7 +240,7 @@ jet jet_record_operation(jet_op op, jet a, jet b)
 {
     const int operands = jet_rules[op]->operand_count;
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(operands, (const jet[]){a, b}, &graph);
+    const jet refused = jet_find_graph_or_poison(operands, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!graph) return fold_constant_operation(op, 0, a.number, b.number);
     if (operands == 1) return record_node_with_partner(graph, op, a.node, NULL);

@@ -9,33 +9,35 @@ typedef struct {
     const jet_graph *source;
     jet_graph *target;
     const jet *parameter_direction; /* Direction of each parameter; NULL: all are 0. */
-    bool *is_needed;                /* [nodes] Tells whether an output depends on the node of `source`. */
+    bool *is_node_needed;           /* [nodes] Tells whether an output depends on the node of `source`. */
     jet *value, *rate;              /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
     jet *term_jets;                 /* Scratch: the operands of a sum, and 1 for its constant term. */
     double *term_coefficients;
 } forward_recording;
 
-static void mark_needed_nodes(forward_recording *recording, int count, int outputs, const jet output[])
+static void mark_needed_nodes(forward_recording *recording, int node_count, int outputs, const jet output[])
 {
-    for (int i = 0; i < outputs; i++) recording->is_needed[output[i].node->index] = true;
-    for (int i = count - 1; i >= 0; i--) {
+    for (int i = 0; i < outputs; i++) recording->is_node_needed[output[i].node->index] = true;
+    for (int i = node_count - 1; i >= 0; i--) {
         const struct jet_node *z = jet_graph_node_at(recording->source, i);
-        if (!recording->is_needed[i]) continue;
-        if (z->a) recording->is_needed[z->a->index] = true;
-        if (z->b) recording->is_needed[z->b->index] = true;
-        for (int term = 0; term < z->count; term++) recording->is_needed[z->terms[term].node->index] = true;
+        if (!recording->is_node_needed[i]) continue;
+        if (z->a) recording->is_node_needed[z->a->index] = true;
+        if (z->b) recording->is_node_needed[z->b->index] = true;
+        for (int term = 0; term < z->count; term++) recording->is_node_needed[z->terms[term].node->index] = true;
     }
 }
 
-/* Records number + sum_i coefficient_i x_i, with the coefficients of the sum z. */
-static jet combine_operands(const forward_recording *recording, const struct jet_node *z, const jet x[], double number)
+/* Records constant_term + sum_i coefficient_i operand_i, with the coefficients of the sum z. operand_jets has a jet for
+ * each node of the source. */
+static jet record_operand_combination(const forward_recording *recording, const struct jet_node *z,
+                                      const jet operand_jets[], double constant_term)
 {
     for (int term = 0; term < z->count; term++) {
         recording->term_coefficients[term] = z->terms[term].coefficient;
-        recording->term_jets[term] = x[z->terms[term].node->index];
+        recording->term_jets[term] = operand_jets[z->terms[term].node->index];
     }
     recording->term_coefficients[z->count] = 1;
-    recording->term_jets[z->count] = jet_const(number);
+    recording->term_jets[z->count] = jet_const(constant_term);
     return jet_record_linear_combination(z->count + 1, recording->term_coefficients, recording->term_jets);
 }
 
@@ -45,15 +47,15 @@ static jet record_value(const forward_recording *recording, const struct jet_nod
     const jet b = z->b ? recording->value[z->b->index] : jet_const(0);
     switch (z->op) {
     case OP_CONST: return jet_const(z->number);
-    case OP_PARAMETER: return jet_graph_record_parameter(recording->target, z->which, z->number);
-    case OP_LINEAR: return combine_operands(recording, z, recording->value, z->number);
+    case OP_PARAMETER: return jet_graph_record_parameter(recording->target, z->parameter_index, z->number);
+    case OP_LINEAR: return record_operand_combination(recording, z, recording->value, z->number);
     case OP_SQR: return jet_sqr(a);
     case OP_MUL: return jet_mul(a, b);
     case OP_DIV: return jet_div(a, b);
     case OP_POW: return jet_pow(a, z->number);
     case OP_SECH2:
-        (void)jet_tanh(
-            a); /* The tape needs sech^2 before tanh, whose series reads it. Falls through to record sech^2 itself. */
+        /* Each order of sech^2 is computed from the same order of tanh, which must therefore be recorded before it. */
+        (void)jet_tanh(a);
     default: return jet_record_operation(z->op, a, b);
     }
 }
@@ -64,8 +66,8 @@ static jet record_derivative(const forward_recording *recording, const struct je
 {
     if (z->op == OP_CONST) return jet_const(0);
     if (z->op == OP_PARAMETER)
-        return recording->parameter_direction ? recording->parameter_direction[z->which] : jet_const(0);
-    if (z->op == OP_LINEAR) return combine_operands(recording, z, recording->rate, 0);
+        return recording->parameter_direction ? recording->parameter_direction[z->parameter_index] : jet_const(0);
+    if (z->op == OP_LINEAR) return record_operand_combination(recording, z, recording->rate, 0);
     if (!value.node || !value.node->graph) return value;
     const jet_rule *rule = jet_rules[z->op];
     const jet da = recording->rate[z->a->index];
@@ -75,28 +77,28 @@ static jet record_derivative(const forward_recording *recording, const struct je
     return jet_add(rule->record_pullback(value.node, da, swapped), rule->record_pullback(value.node, db, !swapped));
 }
 
-static bool allocate_forward_recording(forward_recording *recording, int count)
+static bool allocate_forward_recording(forward_recording *recording, int node_count)
 {
     int terms = 0;
-    for (int i = 0; i < count; i++) {
-        const int of_node = jet_graph_node_at(recording->source, i)->count;
-        terms = of_node > terms ? of_node : terms;
+    for (int i = 0; i < node_count; i++) {
+        const int term_count = jet_graph_node_at(recording->source, i)->count;
+        terms = term_count > terms ? term_count : terms;
     }
-    const size_t nodes = (size_t)count + 1, most = (size_t)terms + 1;
-    recording->is_needed = calloc(nodes, sizeof *recording->is_needed);
+    const size_t nodes = (size_t)node_count + 1, most_terms = (size_t)terms + 1;
+    recording->is_node_needed = calloc(nodes, sizeof *recording->is_node_needed);
     recording->value = calloc(nodes, sizeof *recording->value);
     recording->rate = calloc(nodes, sizeof *recording->rate);
-    recording->term_jets = calloc(most, sizeof *recording->term_jets);
-    recording->term_coefficients = calloc(most, sizeof *recording->term_coefficients);
-    return recording->is_needed && recording->value && recording->rate && recording->term_jets &&
+    recording->term_jets = calloc(most_terms, sizeof *recording->term_jets);
+    recording->term_coefficients = calloc(most_terms, sizeof *recording->term_coefficients);
+    return recording->is_node_needed && recording->value && recording->rate && recording->term_jets &&
            recording->term_coefficients;
 }
 
-static void record_all_nodes(forward_recording *recording, int count, const jet input[], const jet direction[])
+static void record_all_nodes(forward_recording *recording, int node_count, const jet input[], const jet direction[])
 {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < node_count; i++) {
         const struct jet_node *z = jet_graph_node_at(recording->source, i);
-        if (!recording->is_needed[i]) continue;
+        if (!recording->is_node_needed[i]) continue;
         recording->value[i] = z->op == OP_INPUT ? input[i] : record_value(recording, z);
         recording->rate[i] = z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
     }
@@ -107,17 +109,17 @@ bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, 
                                     const jet output[], jet value[], jet rate[])
 {
     forward_recording recording = {.source = source, .target = target, .parameter_direction = parameter_direction};
-    const int count = jet_graph_node_count(source);
-    const bool allocated = allocate_forward_recording(&recording, count);
+    const int node_count = jet_graph_node_count(source);
+    const bool allocated = allocate_forward_recording(&recording, node_count);
     if (allocated) {
-        mark_needed_nodes(&recording, count, outputs, output);
-        record_all_nodes(&recording, count, input, direction);
+        mark_needed_nodes(&recording, node_count, outputs, output);
+        record_all_nodes(&recording, node_count, input, direction);
         for (int i = 0; i < outputs; i++) {
             value[i] = recording.value[output[i].node->index];
             rate[i] = recording.rate[output[i].node->index];
         }
     }
-    free(recording.is_needed);
+    free(recording.is_node_needed);
     free(recording.value);
     free(recording.rate);
     free(recording.term_jets);

@@ -49,7 +49,7 @@ static bool is_product_node(const struct jet_node *z) { return z->op == OP_MUL |
 
 /* Returns the operation that computes the node on the tape. A sum of products becomes one operation, PRODUCTS or
  * SQUARES, if nothing else reads its products. */
-static jet_op chosen_operation(const graph_lowering *lowering, const struct jet_node *z)
+static jet_op choose_tape_operation(const graph_lowering *lowering, const struct jet_node *z)
 {
     if (is_product_node(z)) return z->op == OP_SQR ? OP_SQUARES : OP_PRODUCTS;
     if (!JET_HAS(TERMS) || z->op != OP_LINEAR || z->number != 0 || z->count > JET_TERMS_MAX) return z->op;
@@ -62,12 +62,13 @@ static jet_op chosen_operation(const graph_lowering *lowering, const struct jet_
     return op;
 }
 
-/* Returns an operand of the node: the first (which = 0) or second (which = 1) factor of a pair. The partner counts
+/* Returns an operand of the node: the first (factor = 0) or second factor (factor = 1) of a pair. The partner counts
  * as the second operand if it is read at the order that is being computed. NULL: there is no such operand. */
-static const struct jet_node *operand_node(const graph_lowering *lowering, const tape_placement *z, int pair, int which)
+static const struct jet_node *operand_node(const graph_lowering *lowering, const tape_placement *z, int pair,
+                                           int factor)
 {
     const struct jet_node *read = sum_term(z, pair).node;
-    if (which == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
+    if (factor == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
     return reads_partner_at_same_order(lowering, read) ? read->w : read->b;
 }
 
@@ -80,12 +81,12 @@ static void choose_all_operations(graph_lowering *lowering, int outputs, const j
         if (!lowering->is_node_needed[i]) continue;
         tape_placement *z = &lowering->placements[i];
         z->node = jet_graph_node_at(lowering->graph, i);
-        z->op = chosen_operation(lowering, z->node);
-        z->rank = z->slot = -1;
-        z->operand = lowering->operands + lowering->pair_count;
-        if (is_sum_of_products_op(z->op)) z->pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
-        else z->pair_count = jet_rules[z->op] ? 1 : 0;
-        lowering->pair_count += z->pair_count;
+        z->op = choose_tape_operation(lowering, z->node);
+        z->subgroup = z->slot = -1;
+        z->operand = lowering->operands + lowering->operand_pair_count;
+        if (is_sum_of_products_op(z->op)) z->operand_pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
+        else z->operand_pair_count = jet_rules[z->op] ? 1 : 0;
+        lowering->operand_pair_count += z->operand_pair_count;
         if (z->op == z->node->op || z->node->op != OP_LINEAR) continue;
         for (int term = 0; term < z->node->count; term++)
             lowering->is_node_needed[z->node->terms[term].node->index] = false;
@@ -106,10 +107,10 @@ static void assign_levels(graph_lowering *lowering)
     for (int i = 0; i < lowering->node_count; i++) {
         if (!lowering->is_node_needed[i]) continue;
         tape_placement *z = &lowering->placements[i];
-        for (int pair = 0; pair < z->pair_count; pair++)
-            for (int which = 0; which < 2; which++)
-                z->level = larger_int(z->level, node_level(lowering, operand_node(lowering, z, pair, which)) + 1);
-        if (z->pair_count == 0)
+        for (int pair = 0; pair < z->operand_pair_count; pair++)
+            for (int factor = 0; factor < 2; factor++)
+                z->level = larger_int(z->level, node_level(lowering, operand_node(lowering, z, pair, factor)) + 1);
+        if (z->operand_pair_count == 0)
             for (int term = 0; term < z->node->count; term++)
                 z->level = larger_int(z->level, node_level(lowering, z->node->terms[term].node) + 1);
         lowering->nodes_by_level[lowering->needed_count++] = z;
@@ -122,34 +123,35 @@ static int compare_by_level(const void *first, const void *second)
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
 }
 
-static void set_rank_if_unset(const graph_lowering *lowering, const struct jet_node *node, int rank)
+static void set_subgroup_if_unset(const graph_lowering *lowering, const struct jet_node *node, int subgroup)
 {
-    if (node && lowering->placements[node->index].rank < 0) lowering->placements[node->index].rank = rank;
+    if (node && lowering->placements[node->index].subgroup < 0) lowering->placements[node->index].subgroup = subgroup;
 }
 
-/* Ranks the operations of a level, so that operations of one rank read adjacent slots. The rank of an operation with
- * two operands is the number of operations before it that read one of these operands. The rank of any other
- * operation is that of the first such reader, or its place among the terms of the first sum that reads it. As an
- * example, let x, y and z be the components of the distances of many pairs; they are squared and summed, and each is
- * multiplied by a function of its pair. Then all x have one rank, all y the next, and all z the third. */
-static void rank_operations(graph_lowering *lowering, tape_placement *level[], int count)
+/* Divides the operations of a level into subgroups, whose operations read adjacent slots. The subgroup of an operation
+ * with two operands is the number of operations before it that read one of these operands. An operation with fewer
+ * operands gets the subgroup of the first two-operand operation that reads it, or its position among the terms of the
+ * first sum that reads it. As an example, let x, y and z be the components of the distances of many pairs; they are
+ * squared and summed, and each is multiplied by a function of its pair. Then all x form one subgroup, all y the next,
+ * and all z the third. */
+static void assign_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
-        for (int pair = 0; pair < z->pair_count; pair++) {
+        for (int pair = 0; pair < z->operand_pair_count; pair++) {
             const struct jet_node *a = operand_node(lowering, z, pair, 0), *b = operand_node(lowering, z, pair, 1);
             if (b)
-                z->rank =
-                    larger_int(z->rank, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
-            if (!b && z->pair_count == 1) continue;
-            set_rank_if_unset(lowering, a, z->pair_count > 1 ? pair : z->rank);
-            set_rank_if_unset(lowering, b, z->pair_count > 1 ? pair : z->rank);
+                z->subgroup = larger_int(
+                    z->subgroup, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
+            if (!b && z->operand_pair_count == 1) continue;
+            set_subgroup_if_unset(lowering, a, z->operand_pair_count > 1 ? pair : z->subgroup);
+            set_subgroup_if_unset(lowering, b, z->operand_pair_count > 1 ? pair : z->subgroup);
         }
     }
     for (int i = 0; i < count; i++)
-        for (int pair = 0; pair < level[i]->pair_count; pair++)
-            for (int which = 0; which < 2; which++) {
-                const struct jet_node *read = operand_node(lowering, level[i], pair, which);
+        for (int pair = 0; pair < level[i]->operand_pair_count; pair++)
+            for (int factor = 0; factor < 2; factor++) {
+                const struct jet_node *read = operand_node(lowering, level[i], pair, factor);
                 if (read) lowering->use_counts[read->index] = 0;
             }
 }
@@ -158,7 +160,7 @@ static int compare_numbers(double a, double b) { return (a > b) - (a < b); }
 
 static int compare_coefficients(const tape_placement *x, const tape_placement *y)
 {
-    for (int pair = 0; pair < x->pair_count; pair++) {
+    for (int pair = 0; pair < x->operand_pair_count; pair++) {
         const int order = compare_numbers(sum_term(x, pair).coefficient, sum_term(y, pair).coefficient);
         if (order) return order;
     }
@@ -170,12 +172,12 @@ static int compare_run_groups(const tape_placement *x, const tape_placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
     /* Sums of equally many terms are sorted together. */
-    if (x->pair_count == 0) return x->node->count - y->node->count;
-    if (x->pair_count != y->pair_count) return x->pair_count - y->pair_count;
+    if (x->operand_pair_count == 0) return x->node->count - y->node->count;
+    if (x->operand_pair_count != y->operand_pair_count) return x->operand_pair_count - y->operand_pair_count;
     return jet_rules[x->node->op] ? compare_numbers(x->node->number, y->node->number) : compare_coefficients(x, y);
 }
 
-/* Compares two nodes of a level for qsort: by group and rank, then by the slots of their operands, so that adjacent
+/* Compares two nodes of a level for qsort: by group and subgroup, then by the slots of their operands, so that adjacent
  * results have adjacent operands. compare_by_first_operand compares the slots of operand a first, and
  * compare_by_second_operand those of operand b. Sums that are outputs come last, in the order of the outputs. */
 static int compare_by_first_operand(const void *first, const void *second)
@@ -183,8 +185,8 @@ static int compare_by_first_operand(const void *first, const void *second)
     const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
     const int group = compare_run_groups(x, y);
     if (group) return group;
-    if (x->level > 0 && x->rank != y->rank) return x->rank - y->rank;
-    if (x->pair_count == 0)
+    if (x->level > 0 && x->subgroup != y->subgroup) return x->subgroup - y->subgroup;
+    if (x->operand_pair_count == 0)
         return x->level > 0 && x->output_number != y->output_number ? x->output_number - y->output_number
                                                                     : x->node->index - y->node->index;
     const int *of_x = x->operand[0], *of_y = y->operand[0];
@@ -206,22 +208,22 @@ static void assign_next_slot(graph_lowering *lowering, tape_placement *z)
 }
 
 static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count, int pair,
-                                  int which)
+                                  int factor)
 {
-    if (!operand_node(lowering, group[0], pair, which)) return true;
+    if (!operand_node(lowering, group[0], pair, factor)) return true;
     for (int i = 1; i < count; i++)
-        if (group[i]->operand[pair][which] != group[0]->operand[pair][which] + i) return false;
+        if (group[i]->operand[pair][factor] != group[0]->operand[pair][factor] + i) return false;
     return true;
 }
 
-static bool are_operands_adjacent_by_rank(const graph_lowering *lowering, tape_placement *const group[], int count,
-                                          int *ranks)
+static bool are_operands_adjacent_in_subgroups(const graph_lowering *lowering, tape_placement *const group[], int count,
+                                               int *subgroup_count)
 {
-    for (int begin = 0, end = 0; begin < count; begin = end, ++*ranks) {
-        while (end < count && group[end]->rank == group[begin]->rank) end++;
-        for (int pair = 0; pair < group[0]->pair_count; pair++)
-            for (int which = 0; which < 2; which++)
-                if (!are_operands_adjacent(lowering, group + begin, end - begin, pair, which)) return false;
+    for (int begin = 0, end = 0; begin < count; begin = end, ++*subgroup_count) {
+        while (end < count && group[end]->subgroup == group[begin]->subgroup) end++;
+        for (int pair = 0; pair < group[0]->operand_pair_count; pair++)
+            for (int factor = 0; factor < 2; factor++)
+                if (!are_operands_adjacent(lowering, group + begin, end - begin, pair, factor)) return false;
     }
     return true;
 }
@@ -229,35 +231,37 @@ static bool are_operands_adjacent_by_rank(const graph_lowering *lowering, tape_p
 /* Copies an operand that the operations of a group read at scattered slots to adjacent slots, so that the group
  * becomes one run. */
 static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_placement *group[], int count, int pair,
-                                            int which)
+                                            int factor)
 {
-    if (are_operands_adjacent(lowering, group, count, pair, which)) return;
+    if (are_operands_adjacent(lowering, group, count, pair, factor)) return;
     for (int i = 0; i < count; i++) {
         tape_placement *copy = &lowering->placements[lowering->node_count + lowering->copies++];
         *copy = (tape_placement){
-            .op = OP_LINEAR, .level = group[i]->level, .operand = lowering->operands + lowering->pair_count++};
-        copy->operand[0][0] = group[i]->operand[pair][which];
+            .op = OP_LINEAR, .level = group[i]->level, .operand = lowering->operands + lowering->operand_pair_count++};
+        copy->operand[0][0] = group[i]->operand[pair][factor];
         assign_next_slot(lowering, copy);
-        group[i]->operand[pair][which] = copy->slot;
+        group[i]->operand[pair][factor] = copy->slot;
     }
 }
 
-/* Arranges the operations of a group so that their operands are adjacent. If the order by rank does this, it is
+/* Arranges the operations of a group so that their operands are adjacent. If the order by subgroups does this, it is
  * kept. Otherwise the group is sorted by one operand, and the other operand is copied to adjacent slots. Tapes of
- * values read scattered operands where they are, unless each rank has at least SHORT operations on average. */
+ * values read scattered operands where they are, unless each subgroup has at least SHORT operations on
+ * average; copies are then cheaper. */
 enum { SHORT = 4 };
 static void arrange_group_operands(graph_lowering *lowering, tape_placement *group[], int count)
 {
-    int ranks = 0;
-    const bool by_rank = are_operands_adjacent_by_rank(lowering, group, count, &ranks);
+    int subgroup_count = 0;
+    const bool in_subgroups = are_operands_adjacent_in_subgroups(lowering, group, count, &subgroup_count);
     const bool is_scattered = JET_HAS(SCATTERED) && lowering->kind == JET_TAPE_VALUES &&
-                              is_sum_of_products_op(group[0]->op) && (!by_rank || count < SHORT * ranks);
+                              is_sum_of_products_op(group[0]->op) && (!in_subgroups || count < SHORT * subgroup_count);
     for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
-    if (by_rank || is_scattered) return;
+    if (in_subgroups || is_scattered) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
-    for (int pair = 0; pair < group[0]->pair_count; pair++)
-        for (int which = 0; which < 2; which++) copy_operands_to_adjacent_slots(lowering, group, count, pair, which);
+    for (int pair = 0; pair < group[0]->operand_pair_count; pair++)
+        for (int factor = 0; factor < 2; factor++)
+            copy_operands_to_adjacent_slots(lowering, group, count, pair, factor);
 }
 
 static int find_group_end(tape_placement *const level[], int begin, int end)
@@ -271,18 +275,18 @@ static int find_group_end(tape_placement *const level[], int begin, int end)
 static void assign_slots_of_level(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++)
-        for (int pair = 0; pair < level[i]->pair_count; pair++)
-            for (int which = 0; which < 2; which++)
-                level[i]->operand[pair][which] = node_slot(lowering, operand_node(lowering, level[i], pair, which));
+        for (int pair = 0; pair < level[i]->operand_pair_count; pair++)
+            for (int factor = 0; factor < 2; factor++)
+                level[i]->operand[pair][factor] = node_slot(lowering, operand_node(lowering, level[i], pair, factor));
     qsort(level, (size_t)count, sizeof *level, compare_by_first_operand);
     for (int i = 0; i < count; i++)
-        if (level[i]->pair_count == 0) assign_next_slot(lowering, level[i]);
+        if (level[i]->operand_pair_count == 0) assign_next_slot(lowering, level[i]);
     for (int begin = 0, end = 0; begin < count; begin = end) {
         end = find_group_end(level, begin, count);
-        if (level[begin]->pair_count > 0) arrange_group_operands(lowering, level + begin, end - begin);
+        if (level[begin]->operand_pair_count > 0) arrange_group_operands(lowering, level + begin, end - begin);
     }
     for (int i = 0; i < count; i++)
-        if (level[i]->pair_count > 0) assign_next_slot(lowering, level[i]);
+        if (level[i]->operand_pair_count > 0) assign_next_slot(lowering, level[i]);
 }
 
 static void call_for_each_level(graph_lowering *lowering,
@@ -301,7 +305,7 @@ static void call_for_each_level(graph_lowering *lowering,
 static void assign_slots_by_level(graph_lowering *lowering)
 {
     qsort(lowering->nodes_by_level, (size_t)lowering->needed_count, sizeof *lowering->nodes_by_level, compare_by_level);
-    call_for_each_level(lowering, rank_operations);
+    call_for_each_level(lowering, assign_subgroups);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

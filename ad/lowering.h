@@ -10,30 +10,31 @@
 typedef struct {
     const struct jet_node *node; /* The node; NULL for a copy of the first operand. */
     jet_op op;                   /* The operation that computes the node on the tape. */
-    int level;         /* Level: 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    int rank;          /* Place among the operations of its level (rank_operations). */
+    int level;         /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
+    int subgroup;      /* Operations of a level with equal subgroups read adjacent slots (assign_subgroups). */
     int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
     /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */
     bool is_scattered;
     /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
      * otherwise 1. */
-    int pair_count;
-    int (*operand)[2]; /* [pair_count] Slots of the operands that are read at the order that is being computed. */
+    int operand_pair_count;
+    int (*operand)
+        [2]; /* [operand_pair_count] Slots of the operands that are read at the order that is being computed. */
 } tape_placement;
 
 /* The state of the lowering of one graph. */
 typedef struct {
     const jet_graph *graph;
     jet_tape_kind kind;
-    int node_count;                  /* Number of nodes in the graph. */
-    bool *is_node_needed;            /* [count] An output depends on the node. */
-    int *use_counts;                 /* [count] Number of operations that read the node; later scratch, all 0. */
+    int node_count;       /* Number of nodes in the graph. */
+    bool *is_node_needed; /* [node_count] Tells whether an output depends on the node. */
+    int *use_counts; /* [node_count] Number of operations that read the node. Later scratch, which is 0 between uses. */
     tape_placement *placements;      /* Placements of all nodes by their index, followed by those of the copies. */
     tape_placement **nodes_by_level; /* [needed_count] The needed nodes, sorted by level. */
     tape_placement **nodes_by_slot;  /* [slots] Nodes and copies, sorted by slot. */
     int (*operands)[2];              /* Memory for tape_placement.operand of all placements. */
-    int needed_count, copies, slots, pair_count;
+    int needed_count, copies, slots, operand_pair_count;
 } graph_lowering;
 
 /* Chooses the nodes that the outputs need, the operations that compute them, and their slots. */
@@ -48,7 +49,7 @@ static inline bool needs_partner(const graph_lowering *lowering, const struct je
 /* Tells whether order k of z is computed from order k of its partner. */
 static inline bool reads_partner_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
 {
-    return needs_partner(lowering, z) && jet_rules[z->op]->partner == W_SAME;
+    return needs_partner(lowering, z) && jet_rules[z->op]->partner_orders == W_SAME;
 }
 
 static inline bool is_sum_of_products_op(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }

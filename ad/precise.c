@@ -55,7 +55,7 @@ static long double evaluate_operation(const jet_run *run, long double a, long do
 
 static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run, int i, const long double *values)
 {
-    long double sum = tape->constant_terms[run->first_constant + i];
+    long double sum = tape->constant_terms[run->first_constant_term + i];
     for (int k = run->term + i * run->terms, end = k + run->terms; k < end; k++)
         sum += tape->term_coefficient[k] * values[tape->term_slot[k]];
     return sum;

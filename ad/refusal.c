@@ -47,27 +47,28 @@ tvi_status jet_explain_refused_output(const char *name, int outputs, int i, jet 
 
 /* Returns the operand that is outside the domain: the divisor of a division, or the first operand of any other
  * operation. */
-static double offending_operand(const jet_run *run, const double *x, int lanes, int member)
+static double operand_outside_domain(const jet_run *run, const double *x, int lanes, int index)
 {
-    return x[(run->op == OP_DIV ? run->b : run->a) * lanes + member];
+    return x[(run->op == OP_DIV ? run->b : run->a) * lanes + index];
 }
 
 bool jet_explain_failed_sweep(const jet_tape *tape, double *x, int lanes)
 {
     double z;
-    (void)tape->interpreter_sweeps->values(tape, x, lanes); /* Generated code may not have stored all slots. */
+    /* Generated code does not store all slots; the interpreter therefore computes them again. */
+    (void)tape->interpreter_sweeps->values(tape, x, lanes);
     (void)jet_refuse(TVI_EDOMAIN, "an operation has no power series");
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
         if (!operation_names[run->op]) continue;
         const double *a = x + (size_t)run->a * (size_t)lanes, *b = x + (size_t)run->b * (size_t)lanes;
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
-            const int member = i / lanes;
+            const int operation = i / lanes;
             const bool is_part =
-                tape->derived_part && tape->recording_index[run->z + member] >= tape->derived_part_first;
+                tape->derived_part_name && tape->recording_index[run->z + operation] >= tape->derived_part_start;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
-                             is_part ? tape->derived_part : "", is_part ? ": " : "", operation_names[run->op],
-                             offending_operand(run, x, lanes, i), tape->recording_index[run->z + member]);
+                             is_part ? tape->derived_part_name : "", is_part ? ": " : "", operation_names[run->op],
+                             operand_outside_domain(run, x, lanes, i), tape->recording_index[run->z + operation]);
             return false;
         }
     }

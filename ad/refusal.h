@@ -6,7 +6,7 @@
 #include "compiler.h"
 #include "tape.h"
 
-/* Sets the text from a printf-like format, whose arguments may include the text before. Returns the status. */
+/* Sets the text from a printf-like format. The previous text may be one of the arguments. Returns the status. */
 tvi_status jet_refuse(tvi_status status, const char *format, ...) JET_FORMAT(2, 3) JET_COLD;
 /* Sets the text to "out of memory" if the status is TVI_ENOMEM. Returns the status. */
 tvi_status jet_explain_out_of_memory(tvi_status status);

@@ -3,7 +3,8 @@
  * rule_*.c.
  *
  * Series are normalised: x(s) = sum_k x_k s^k. The macros below make the loops of a rule from a body that is written
- * for a vector type V (vector.h). The macro S reads a number of a series for all lanes of a tangent. */
+ * for a vector type V (vector.h). The parameter S of a body is the macro with which it reads a
+ * number that all lanes of a tangent share. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 
@@ -37,15 +38,15 @@ typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand);
 
 /* The orders of the partner from which order k of z is computed. Values (order 0) need no partner. */
 typedef enum {
-    W_NONE,  /* the operation has no partner */
-    W_LOWER, /* orders 0..k-1 */
-    W_SAME   /* orders 0..k; only for operations with one operand */
+    W_NONE,  /* The operation has no partner. */
+    W_LOWER, /* Orders 0..k-1. */
+    W_SAME   /* Orders 0..k; only for operations with one operand. */
 } jet_partner_role;
 
 /* The rule of one operation. */
 typedef struct {
     int operand_count; /* 1 or 2 */
-    jet_partner_role partner;
+    jet_partner_role partner_orders;
     jet_values_rule *compute_values;
     jet_series_rule *compute_series_order;
     jet_tangent_rule *compute_tangents;
@@ -114,8 +115,8 @@ static inline bool jet_needs_positive_operand(const jet_run *run)
 }
 
 /* Returns the run for a block of one lane that covers all operations and lanes of a run in a block of several lanes.
- * The numbers of both are adjacent. */
-JET_INLINE jet_run jet_flatten_lanes(const jet_run *run, int lanes)
+ * Both runs cover the same consecutive numbers. */
+JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
 {
     return (jet_run){.op = run->op,
                      .operation_count = run->operation_count * lanes,

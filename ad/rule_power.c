@@ -105,7 +105,7 @@ typedef struct {
  * the relative error of y^2, |e| < 2^-12. */
 JET_INLINE inverse_root_estimate estimate_inverse_root(roots_vector a)
 {
-    /* The minimum of these operands is NaN if a is NaN. */
+    /* min_pd returns its second operand if one of them is NaN; the result is thus NaN if a is. */
     const roots_vector bounded = OF_ROOTS(min_pd)(OF_ROOTS(set1_pd)(DBL_MAX), a);
     const roots_vector y = ROOTS_BITS(estimate_inverse_roots(bounded), ~((1LL << 36) - 1));
     const roots_vector square = y * y, e = OF_ROOTS(fnmadd_pd)(bounded, square, OF_ROOTS(set1_pd)(1));
@@ -133,8 +133,8 @@ JET_INLINE roots_vector refine_inverse_power(int k, inverse_root_estimate root)
     return ROOTS_CHOOSE(usual, rounded, 1 / OF_ROOTS(sqrt_pd)(root.a));
 }
 
-/* The type of a function that computes several powers of one vector, from the power with index k on. */
 enum { INVERSE_ROOTS = 4 };
+/* The type of a function that computes powers of one vector: a^(-k/2) and those that follow it. */
 typedef void powers_of_block(int k, int powers, roots_vector a, roots_vector power[]);
 
 JET_INLINE void compute_inverse_root_powers(int k, int powers, roots_vector a, roots_vector power[])
@@ -196,7 +196,7 @@ JET_INLINE void compute_inverse_root_power(int k, int width, const double *a, do
 }
 #endif
 
-JET_INLINE bool compute_gravity_powers(int k, int powers, int width, const double *a, double *restrict z)
+JET_INLINE bool compute_inverse_half_powers(int k, int powers, int width, const double *a, double *restrict z)
 {
 #ifdef HAS_ROOTS
     return apply_in_vector_blocks(compute_inverse_root_powers, k, powers, width, a, z);
@@ -206,7 +206,7 @@ JET_INLINE bool compute_gravity_powers(int k, int powers, int width, const doubl
 #endif
 }
 
-JET_INLINE bool compute_other_power(double exponent, int width, const double *a, double *restrict z)
+JET_INLINE bool compute_general_power(double exponent, int width, const double *a, double *restrict z)
 {
 #ifdef HAS_ROOTS
     if (exponent == 0.75 || exponent == -0.25 || exponent == -0.75 || exponent == -1.25)
@@ -219,21 +219,21 @@ JET_INLINE bool compute_other_power(double exponent, int width, const double *a,
 }
 
 /* Computes a power whose exponent is no constant for the compiler. It is a function of its own, so that
- * compute_gravity_powers need not save registers for it. */
-JET_APART bool compute_unknown_power(double exponent, int width, const double *a, double *restrict z)
+ * compute_inverse_half_powers need not save registers for it. */
+JET_APART bool compute_variable_power(double exponent, int width, const double *a, double *restrict z)
 {
-    return compute_other_power(exponent, width, a, z);
+    return compute_general_power(exponent, width, a, z);
 }
 
 static bool evaluate_pow(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return exponent == -0.5      ? compute_gravity_powers(1, 1, width, a, z)
-           : exponent == -1.5    ? compute_gravity_powers(3, 1, width, a, z)
-           : exponent == -2.5    ? compute_gravity_powers(5, 1, width, a, z)
-           : exponent == -3.5    ? compute_gravity_powers(7, 1, width, a, z)
-           : JET_KNOWS(exponent) ? compute_other_power(exponent, width, a, z)
-                                 : compute_unknown_power(exponent, width, a, z);
+    return exponent == -0.5      ? compute_inverse_half_powers(1, 1, width, a, z)
+           : exponent == -1.5    ? compute_inverse_half_powers(3, 1, width, a, z)
+           : exponent == -2.5    ? compute_inverse_half_powers(5, 1, width, a, z)
+           : exponent == -3.5    ? compute_inverse_half_powers(7, 1, width, a, z)
+           : JET_KNOWS(exponent) ? compute_general_power(exponent, width, a, z)
+                                 : compute_variable_power(exponent, width, a, z);
 }
 
 bool jet_compute_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
@@ -241,16 +241,16 @@ bool jet_compute_inverse_roots(const jet_run *run, int powers, double *x, int la
     const int width = run->operation_count * lanes;
     const double *a = x + (size_t)run->a * (size_t)lanes;
     double *z = x + (size_t)run->z * (size_t)lanes;
-    return powers == 2   ? compute_gravity_powers(3, 2, width, a, z)
-           : powers == 3 ? compute_gravity_powers(5, 3, width, a, z)
-                         : compute_gravity_powers(7, 4, width, a, z);
+    return powers == 2   ? compute_inverse_half_powers(3, 2, width, a, z)
+           : powers == 3 ? compute_inverse_half_powers(5, 3, width, a, z)
+                         : compute_inverse_half_powers(7, 4, width, a, z);
 }
 
 /* The series rule computes z_k:
  * a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2).
- * a_k is known last, and its term takes one operation. If the compiler knows k and computes a single number, the
- * other terms are (c+1) sum i a_i z_{k-i} - k sum a_i z_{k-i}. One vector then holds both sums, and the factors made
- * from a_i serve all k. */
+ * The term of a_k is separate, since a_k is known last; one operation then follows it. If k is a constant for the
+ * compiler and a single number is computed, the other terms are (c+1) sum i a_i z_{k-i} - k sum a_i z_{k-i}. One vector
+ * then holds both sums, and its factors made from a_i are the same for all k. */
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \

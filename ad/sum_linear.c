@@ -34,7 +34,7 @@ TABLE(sums_one, compute_sums_one_lane, (const jet_tape *tape, const jet_run *run
         V sum = c[0] * S(V, a[0], 0);                                                                                  \
         for (int term = 1; term < kept; term++) sum += c[term] * S(V, a[term], 0);                                     \
         for (int term = kept; term < terms; term++) sum += coefficient[term] * S(V, block, from[term]);                \
-        if (number) sum += *number;                                                                                    \
+        if (constant_terms) sum += *constant_terms;                                                                    \
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
@@ -50,23 +50,23 @@ TABLE(sums_one, compute_sums_one_lane, (const jet_tape *tape, const jet_run *run
         JET_AT(V, z, 1) = next;                                                                                        \
     }
 
-/* Computes the sums of a run in a block of several lanes. `number` points to the constant terms of the run; NULL:
+/* Computes the sums of a run in a block of several lanes. `constant_terms` points to those of the run; NULL:
  * there are none. */
 JET_INLINE void compute_sums_many_lanes(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                        const double *number, int terms)
+                                        const double *constant_terms, int terms)
 {
     const size_t stride = (size_t)lanes;
     const int *from = tape->term_slot + run->term, kept = terms < OWN_MAX ? terms : OWN_MAX;
     const double *coefficient = tape->term_coefficient + run->term, *a[OWN_MAX];
     double *z = block + stride * (size_t)run->z, *const end = z + stride * (size_t)run->operation_count, c[OWN_MAX];
-    if (lanes == 8 && !number && terms > OWN_MAX)
+    if (lanes == 8 && !constant_terms && terms > OWN_MAX)
         for (; z + stride < end; z += 2 * stride, from += 2 * terms, coefficient += 2 * terms)
             JET_BLOCKS_OF_8(lanes, LINEAR_PAIR, JET_OF)
     for (; z < end; z += stride, from += terms, coefficient += terms) {
         for (int term = 0; term < kept; term++)
             a[term] = block + stride * (size_t)from[term], c[term] = coefficient[term];
         JET_BLOCKS(lanes, LINEAR, JET_OF);
-        if (number) number++;
+        if (constant_terms) constant_terms++;
     }
 }
 
@@ -94,20 +94,20 @@ void jet_compute_linear_order(const jet_tape *tape, const jet_run *run, double *
 JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
     const size_t stride = (size_t)lanes;
-    if (!run->has_constants) return;
+    if (!run->has_constant_terms) return;
     for (int i = 0; i < run->operation_count; i++) {
-        const double base = tape->constant_terms[run->first_constant + i];
+        const double base = tape->constant_terms[run->first_constant_term + i];
         double *z = block + (size_t)(run->z + i) * stride;
         if (base != 0) JET_BLOCKS(lanes, ADD_NUMBER, JET_OF);
     }
 }
 
 TABLE(with_numbers, compute_sums_many_lanes, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape,
-      run, block, lanes, tape->constant_terms + run->first_constant)
+      run, block, lanes, tape->constant_terms + run->first_constant_term)
 
 void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
-    if (run->has_constants && lanes > 8) {
+    if (run->has_constant_terms && lanes > 8) {
         FUNCTION(with_numbers, run)(tape, run, block, lanes);
     } else {
         jet_compute_linear_order(tape, run, block, lanes);

@@ -42,8 +42,8 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
                                  block, lanes, terms);
 }
 
-/* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The numbers that are computed last are
- * in the last term, so that the other terms need not wait for them. */
+/* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The factors that a recurrence computes last
+ * belong to the last term, so that the other terms need not wait for them. */
 #define SUMS(V, sum, from, to, term)                                                                                   \
     if (terms == 1) {                                                                                                  \
         const int t = 0;                                                                                               \

@@ -2,13 +2,13 @@
  * of each run's operation. It is compiled once for each instruction set. */
 #include "sums.h"
 
-static const double *slot_numbers(const double *block, int index, int lanes)
+static const double *slot_numbers(const double *block, int slot, int lanes)
 {
-    return block + (size_t)index * (size_t)lanes;
+    return block + (size_t)slot * (size_t)lanes;
 }
-static double *writable_slot_numbers(double *block, int index, int lanes)
+static double *writable_slot_numbers(double *block, int slot, int lanes)
 {
-    return block + (size_t)index * (size_t)lanes;
+    return block + (size_t)slot * (size_t)lanes;
 }
 
 static bool is_product_run(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
@@ -74,7 +74,7 @@ static void sweep_tangents(const jet_tape *tape, const double *block, double *ta
     }
 }
 
-static void sweep_tangents_in_lanes(const jet_tape *tape, const double *block, double *tangent_block, int order,
+static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, double *tangent_block, int order,
                                     int lanes)
 {
     const size_t stride = (size_t)tape->slots * (size_t)lanes;
@@ -83,7 +83,7 @@ static void sweep_tangents_in_lanes(const jet_tape *tape, const double *block, d
         else if (run->op == OP_LINEAR)
             jet_compute_linear_order(tape, run, tangent_block + (size_t)order * stride, lanes);
         else {
-            const jet_run all = jet_flatten_lanes(run, lanes);
+            const jet_run all = jet_make_run_over_all_lanes(run, lanes);
             jet_rules[run->op]->compute_tangents(&all, block, tangent_block, order, stride, 1);
         }
     }
@@ -106,4 +106,4 @@ static void combine_rows(int count, const double *c, size_t coefficient_stride, 
 }
 
 const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa),    sweep_values,   sweep_series, sweep_tangents,
-                                            sweep_tangents_in_lanes, sweep_adjoints, combine_rows};
+                                            sweep_tangents_per_lane, sweep_adjoints, combine_rows};

@@ -23,10 +23,14 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
 {
     const int terms = z->node ? z->node->count : 1;
     const double number = z->node ? z->node->number : 0;
-    const jet_run run = {
-        OP_LINEAR,          1, z->slot, .has_constants = number != 0, .first_constant = tape->rows, .terms = terms,
-        .term = tape->terms};
-    tape->constant_terms[tape->rows++] = number;
+    const jet_run run = {OP_LINEAR,
+                         1,
+                         z->slot,
+                         .has_constant_terms = number != 0,
+                         .first_constant_term = tape->linear_operations,
+                         .terms = terms,
+                         .term = tape->terms};
+    tape->constant_terms[tape->linear_operations++] = number;
     if (!z->node) {
         append_tape_term(tape, 1, z->operand[0][0], 0);
         return run;
@@ -36,26 +40,26 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
     return run;
 }
 
-static bool extends_linear_run(jet_run *run, const jet_run *next)
+static bool join_linear_run(jet_run *run, const jet_run *next)
 {
     if (next->terms != run->terms) return false;
-    run->has_constants |= next->has_constants;
+    run->has_constant_terms |= next->has_constant_terms;
     return true;
 }
 
-/* Makes a run of one sum of products, and appends its terms to the tape. extends_product_run removes the terms again
+/* Makes a run of one sum of products, and appends its terms to the tape. join_product_run removes the terms again
  * if the operation joins the run before. */
 static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 {
     const jet_run run = {
-        z->op, 1, z->slot, .terms = z->pair_count, .term = tape->terms, .is_scattered = z->is_scattered};
-    for (int pair = 0; pair < z->pair_count; pair++)
+        z->op, 1, z->slot, .terms = z->operand_pair_count, .term = tape->terms, .is_scattered = z->is_scattered};
+    for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
     return run;
 }
 
-static bool extends_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
+static bool join_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
 {
     if (next->terms != run->terms || next->is_scattered != run->is_scattered) return false;
     if (run->is_scattered) return true;
@@ -82,7 +86,7 @@ static jet_run make_rule_run(const graph_lowering *lowering, const tape_placemen
     return run;
 }
 
-static bool extends_rule_run(const jet_run *run, const jet_run *next)
+static bool can_join_rule_run(const jet_run *run, const jet_run *next)
 {
     const int count = run->operation_count, of_b = jet_rules[run->op]->operand_count == 2 ? count : 0;
     const bool same_w = (run->w == 0 && next->w == 0) || next->w == run->w + count;
@@ -91,14 +95,14 @@ static bool extends_rule_run(const jet_run *run, const jet_run *next)
 
 /* Tells whether the operation `next` can join the last run: it must be of the same level and kind, and have adjacent
  * operands. */
-static bool extends_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
+static bool can_join_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
 {
     if (tape->runs == 0) return false;
     jet_run *run = &tape->run[tape->runs - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
-    if (next->op == OP_LINEAR) return extends_linear_run(run, next);
-    return is_sum_of_products_op(next->op) ? extends_product_run(tape, run, next) : extends_rule_run(run, next);
+    if (next->op == OP_LINEAR) return join_linear_run(run, next);
+    return is_sum_of_products_op(next->op) ? join_product_run(tape, run, next) : can_join_rule_run(run, next);
 }
 
 /* Appends an operation to the last run, or as a run of its own. */
@@ -107,14 +111,15 @@ static void append_operation(const graph_lowering *lowering, jet_tape *tape, con
     const jet_run next = z->op == OP_LINEAR             ? make_linear_run(lowering, tape, z)
                          : is_sum_of_products_op(z->op) ? make_product_run(tape, z)
                                                         : make_rule_run(lowering, z);
-    if (extends_last_run(lowering, tape, &next)) tape->run[tape->runs - 1].operation_count++;
+    if (can_join_last_run(lowering, tape, &next)) tape->run[tape->runs - 1].operation_count++;
     else tape->run[tape->runs++] = next;
 }
 
 static void append_constant(jet_tape *tape, const tape_placement *z)
 {
     tape->constant_values[tape->constants++] = z->node->number;
-    if (z->op == OP_PARAMETER) tape->parameter[tape->parameters++] = (jet_tape_parameter){z->node->which, z->slot};
+    if (z->op == OP_PARAMETER)
+        tape->parameter[tape->parameters++] = (jet_tape_parameter){z->node->parameter_index, z->slot};
 }
 
 static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
@@ -146,12 +151,12 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
     tape->term_operand_b = calloc(pairs + copies, sizeof *tape->term_operand_b);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
-    tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
+    tape->output_slot = calloc((size_t)outputs + 1, sizeof *tape->output_slot);
     tape->recording_index = calloc(nodes + copies, sizeof *tape->recording_index);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
            lowering->nodes_by_slot && lowering->operands && tape->run && tape->constant_values && tape->parameter &&
-           tape->constant_terms && tape->term_slot && tape->term_operand_b && tape->term_coefficient && tape->output &&
-           tape->recording_index;
+           tape->constant_terms && tape->term_slot && tape->term_operand_b && tape->term_coefficient &&
+           tape->output_slot && tape->recording_index;
 }
 
 /* Counts the runs from this one on that one call computes together. They are sines and the cosines of the same
@@ -181,11 +186,11 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, inputs, outputs, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->derived_part = jet_graph_get_named_part(lowering->graph, &tape->derived_part_first);
-    tape->derived_part_first += 1 - jet_graph_input_count(lowering->graph);
+    tape->derived_part_name = jet_graph_get_derived_part(lowering->graph, &tape->derived_part_start);
+    tape->derived_part_start += 1 - jet_graph_input_count(lowering->graph);
     tape->slots = lowering->slots;
     tape->outputs = outputs;
-    for (int i = 0; i < outputs; i++) tape->output[i] = node_slot(lowering, output[i].node);
+    for (int i = 0; i < outputs; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
     if (JET_HAS(PAD) && lowering->kind == JET_TAPE_SERIES && !jet_pad_tape_runs(tape)) return false;
     const jet_run *const end = tape->run + tape->runs;
     for (jet_run *run = tape->run; run < end; run++) run->fused_runs = count_runs_computed_together(run, end);

@@ -19,18 +19,18 @@ typedef enum {
     JET_TAPE_SERIES
 } jet_tape_kind;
 
-/* A run: the operations z + i = op(a + i, b + i), i < count, of adjacent slots z + i, with partners w + i.
- * LINEAR: z + i has the constant term constant_terms[first_constant + i], and terms of its own, term_coefficient[k]
- * times slot term_slot[k], for `terms` values k from term + i * terms on.
+/* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i, with partners w + i.
+ * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own,
+ * term_coefficient[k] times slot term_slot[k], for `terms` values k from term + i * terms on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
  * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. If operands are scattered, on
  * tapes of values alone, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
-    double exponent;    /* Exponent of POW; all others have 0. */
-    bool has_constants; /* LINEAR: some constant term is not 0. */
-    int first_constant, terms, term;
+    double exponent;         /* Exponent of POW; all others have 0. */
+    bool has_constant_terms; /* LINEAR: some constant term is not 0. */
+    int first_constant_term, terms, term;
     bool is_scattered;
     int fused_runs; /* Number of runs from this one on that one call computes together; otherwise 1. */
     /* A bit for each operand whose adjoint this run assigns instead of adding to it (emit_adjoints.h); otherwise 0. */
@@ -50,24 +50,24 @@ typedef enum { jet_isa_base, jet_isa_avx2, jet_isa_avx512, JET_ISA_COUNT } jet_i
 
 typedef struct jet_sweeps jet_sweeps;
 
-/* A recorded function as a straight-line program. Its integers are the numbers of inputs, constants and so on. */
+/* A recorded function as a straight-line program. The members of type int are the lengths of the arrays below. */
 typedef struct {
     /* The sweeps that run the tape: those of the interpreter, or of generated code (emit.h). */
     const jet_sweeps *sweeps;
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
-    int inputs, constants, parameters, slots, runs, rows, terms, outputs;
+    int inputs, constants, parameters, slots, runs, linear_operations, terms, outputs;
     jet_run *run;
     double *constant_values;         /* [constants] Values of the slots inputs .. inputs + constants - 1. */
     jet_tape_parameter *parameter;   /* [parameters] The constants that may be replaced. */
-    double *constant_terms;          /* [rows] Constant terms of the LINEAR operations. */
+    double *constant_terms;          /* [linear_operations] Constant terms of the LINEAR operations. */
     int *term_slot, *term_operand_b; /* [terms] Slots of the terms, or of the factors of products. */
     double *term_coefficient;
-    int *output; /* [outputs] Slots of the outputs. */
-    /* [slots] Number of the operation in the order of recording, from 1 on; 0 for copies, less for inputs. */
+    int *output_slot; /* [outputs] Slots of the outputs. */
+    /* [slots] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
     int *recording_index;
-    /* Name of the operations that are not the user's own (jet_graph_begin_named_part), or NULL. */
-    const char *derived_part;
-    int derived_part_first; /* The recording_index of the first of these. */
+    /* Name of the operations that are not the user's own (jet_graph_begin_derived_part), or NULL. */
+    const char *derived_part_name;
+    int derived_part_start; /* The recording_index of the first of these operations. */
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which the graph has accepted. The first `inputs` inputs of the graph
@@ -77,7 +77,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
 void jet_tape_free(jet_tape *tape);
 
 /* Tells whether a slot is 0 for all inputs and parameters. */
-bool jet_tape_is_slot_zero(const jet_tape *tape, int slot);
+bool jet_tape_is_slot_always_zero(const jet_tape *tape, int slot);
 
 /* Continues an FNV-1a hash with these bytes. Each step is a bijection of the hash, so that a single changed byte
  * always changes the result. */
@@ -92,9 +92,9 @@ uint64_t jet_tape_hash(uint64_t hash, const jet_tape *tape);
  * until a sweep computes them, so that a number that was read too early shows. */
 void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
 
-/* Sets parameter i in a prepared block to value[i][width], for i < count. The `width` values are repeated over the
- * lanes. Other parameters stay as they are. */
-void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int count, int width,
+/* Sets parameter i in a prepared block to value[i][values_each], for i < parameter_count. These values are repeated
+ * over the lanes. Other parameters stay as they are. */
+void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count, int values_each,
                              const double value[]);
 
 /* Reads value[i] of each parameter i of the tape from one lane of a block. Other elements of `value` stay as they
@@ -107,7 +107,7 @@ struct jet_sweeps {
     bool (*values)(const jet_tape *tape, double *x, int lanes);
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
-    void (*tangents_in_lanes)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
+    void (*tangents_per_lane)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
     /* Computes out[w] = sum_{j < count} c_j table[j][w] for w < width, with c_j = c[j * stride]. The last terms,
      * which are the smallest in a series, are added first. */

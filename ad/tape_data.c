@@ -20,11 +20,11 @@ static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
     const tape_array all[TAPE_ARRAYS] = {
         {tape->constant_values, (size_t)tape->constants * sizeof *tape->constant_values},
         {tape->parameter, (size_t)tape->parameters * sizeof *tape->parameter},
-        {tape->constant_terms, (size_t)tape->rows * sizeof *tape->constant_terms},
+        {tape->constant_terms, (size_t)tape->linear_operations * sizeof *tape->constant_terms},
         {tape->term_slot, terms * sizeof *tape->term_slot},
         {tape->term_operand_b, terms * sizeof *tape->term_operand_b},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
-        {tape->output, (size_t)tape->outputs * sizeof *tape->output},
+        {tape->output_slot, (size_t)tape->outputs * sizeof *tape->output_slot},
         {tape->recording_index, 0},
     };
     memcpy(list, all, sizeof all);
@@ -39,11 +39,12 @@ void jet_tape_prepare_block(const jet_tape *tape, double *x, int orders, int lan
         for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant_values[i];
 }
 
-void jet_tape_set_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[])
+void jet_tape_set_parameters(const jet_tape *tape, double *x, int lanes, int parameter_count, int values_each,
+                             const double value[])
 {
     for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
-        for (int lane = 0; it->parameter_index < count && lane < lanes; lane++)
-            x[it->slot * lanes + lane] = value[it->parameter_index * width + lane % width];
+        for (int lane = 0; it->parameter_index < parameter_count && lane < lanes; lane++)
+            x[it->slot * lanes + lane] = value[it->parameter_index * values_each + lane % values_each];
 }
 
 void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, int lane, double value[])
@@ -52,7 +53,7 @@ void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, 
         value[it->parameter_index] = x[it->slot * lanes + lane];
 }
 
-bool jet_tape_is_slot_zero(const jet_tape *tape, int slot)
+bool jet_tape_is_slot_always_zero(const jet_tape *tape, int slot)
 {
     const int which = slot - tape->inputs;
     bool is_zero = which >= 0 && which < tape->constants && tape->constant_values[which] == 0;
@@ -89,8 +90,8 @@ uint64_t jet_hash(uint64_t hash, const void *data, size_t bytes)
     ROW(b)                                                                                                             \
     ROW(w)                                                                                                             \
     ROW(exponent)                                                                                                      \
-    ROW(has_constants)                                                                                                 \
-    ROW(first_constant)                                                                                                \
+    ROW(has_constant_terms)                                                                                            \
+    ROW(first_constant_term)                                                                                           \
     ROW(terms)                                                                                                         \
     ROW(term)                                                                                                          \
     ROW(is_scattered)
@@ -107,8 +108,8 @@ static uint64_t hash_run(uint64_t hash, const jet_run *run)
 uint64_t jet_tape_hash(uint64_t hash, const jet_tape *tape)
 {
     if (!tape) return jet_hash(hash, "", 1);
-    const int counts[] = {tape->inputs, tape->constants, tape->parameters, tape->slots,
-                          tape->runs,   tape->rows,      tape->terms,      tape->outputs};
+    const int counts[] = {tape->inputs, tape->constants,         tape->parameters, tape->slots,
+                          tape->runs,   tape->linear_operations, tape->terms,      tape->outputs};
     hash = jet_hash(hash, counts, sizeof counts);
     for (int i = 0; i < tape->runs; i++) hash = hash_run(hash, &tape->run[i]);
     tape_array list[TAPE_ARRAYS];

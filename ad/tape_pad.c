@@ -15,35 +15,35 @@ typedef struct {
     int *new_slot;                 /* [slots] New number of the slot. */
 } run_padding;
 
-static int count_missing_to_whole_vectors(int count)
+static int padding_length(int operation_count)
 {
-    const int rest = count % VECTOR;
-    return count > VECTOR && rest > FEW ? VECTOR - rest : 0;
+    const int rest = operation_count % VECTOR;
+    return operation_count > VECTOR && rest > FEW ? VECTOR - rest : 0;
 }
 
-/* Returns the first slot of the k-th operand of a run, which must not be LINEAR; -1: the run has no more operands. */
-static int first_operand_slot(const jet_tape *tape, const jet_run *run, int k)
+/* Returns the first slot of an operand of a run, which must not be LINEAR. Operands are counted from 0; -1: the run has
+ * no such operand. */
+static int operand_first_slot(const jet_tape *tape, const jet_run *run, int operand)
 {
-    if (run->terms == 0) return k == 0 ? run->a : k == 1 && jet_rules[run->op]->operand_count == 2 ? run->b : -1;
-    if (k >= 2 * run->terms) return -1;
-    const int term = run->term + k / 2;
-    return k % 2 == 0 || run->op == OP_SQUARES ? tape->term_slot[term] : tape->term_operand_b[term];
+    if (run->terms == 0)
+        return operand == 0 ? run->a : operand == 1 && jet_rules[run->op]->operand_count == 2 ? run->b : -1;
+    if (operand >= 2 * run->terms) return -1;
+    const int term = run->term + operand / 2;
+    return operand % 2 == 0 || run->op == OP_SQUARES ? tape->term_slot[term] : tape->term_operand_b[term];
 }
 
 static int last_slot(const jet_run *run, int first) { return first + run->operation_count - 1; }
 
-/* Tells whether the last operation of the run can be repeated: all its operands must have as many copies, or be
- * sums, which can always be copied. */
+/* Tells whether the last operation of the run can be repeated: each of its operands must have as many copies as the run
+ * lacks operations, or be a sum, which can always be copied. */
 static bool can_pad_run(const run_padding *p, const jet_run *run)
 {
-    if (run->op == OP_LINEAR || run->is_scattered || run->w != 0 ||
-        count_missing_to_whole_vectors(run->operation_count) == 0)
+    if (run->op == OP_LINEAR || run->is_scattered || run->w != 0 || padding_length(run->operation_count) == 0)
         return false;
-    for (int k = 0, first; (first = first_operand_slot(p->tape, run, k)) >= 0; k++) {
+    for (int k = 0, first; (first = operand_first_slot(p->tape, run, k)) >= 0; k++) {
         const int slot = last_slot(run, first);
         if (!p->producing_run[slot]) return false;
-        if (p->producing_run[slot]->op != OP_LINEAR &&
-            p->copy_counts[slot] < count_missing_to_whole_vectors(run->operation_count))
+        if (p->producing_run[slot]->op != OP_LINEAR && p->copy_counts[slot] < padding_length(run->operation_count))
             return false;
     }
     return true;
@@ -52,7 +52,7 @@ static bool can_pad_run(const run_padding *p, const jet_run *run)
 /* Requests copies of the last slot of the range of slots that begins at `first` and has the length of the run. */
 static void request_copies_of_range(const run_padding *p, const jet_run *run, int first)
 {
-    const int slot = last_slot(run, first), count = count_missing_to_whole_vectors(run->operation_count);
+    const int slot = last_slot(run, first), count = padding_length(run->operation_count);
     if (p->copy_counts[slot] < count) p->copy_counts[slot] = count;
     p->begins_vector[first] = true;
 }
@@ -66,7 +66,7 @@ static void request_copies_of_all_runs(const run_padding *p)
         const bool is_even = run->op != OP_LINEAR && run->operation_count % VECTOR == 0;
         if (!is_even && !can_pad_run(p, run)) continue;
         request_copies_of_range(p, run, run->z);
-        for (int k = 0, first; (first = first_operand_slot(p->tape, run, k)) >= 0; k++)
+        for (int k = 0, first; (first = operand_first_slot(p->tape, run, k)) >= 0; k++)
             request_copies_of_range(p, run, first);
     }
 }
@@ -97,13 +97,13 @@ static bool are_all_runs_still_adjacent(const run_padding *p)
         if (run->op == OP_LINEAR) continue;
         if (!are_slots_still_adjacent(p, run, run->z) || (run->w != 0 && !are_slots_still_adjacent(p, run, run->w)))
             return false;
-        for (int k = 0, first; (first = first_operand_slot(p->tape, run, k)) >= 0; k++)
+        for (int k = 0, first; (first = operand_first_slot(p->tape, run, k)) >= 0; k++)
             if (!are_slots_still_adjacent(p, run, first)) return false;
     }
     return true;
 }
 
-static void append_moved_terms(const run_padding *p, jet_tape *to, int first, int count)
+static void append_renumbered_terms(const run_padding *p, jet_tape *to, int first, int count)
 {
     const jet_tape *tape = p->tape;
     for (int term = first; term < first + count; term++, to->terms++) {
@@ -123,23 +123,24 @@ static void append_padded_run(const run_padding *p, jet_tape *to, const jet_run 
     next.term = to->terms;
     if (run->op != OP_LINEAR) {
         next.operation_count += p->copy_counts[last_slot(run, run->z)];
-        append_moved_terms(p, to, run->term, run->terms);
+        append_renumbered_terms(p, to, run->term, run->terms);
         to->run[to->runs++] = next;
         return;
     }
     next.operation_count = 0;
-    next.first_constant = to->rows;
+    next.first_constant_term = to->linear_operations;
     for (int i = 0; i < run->operation_count; i++)
         for (int copy = 0; copy <= p->copy_counts[run->z + i]; copy++, next.operation_count++) {
-            if (p->new_slot[run->z + i] + copy != next.z + next.operation_count) { /* A new vector begins. */
+            if (p->new_slot[run->z + i] + copy != next.z + next.operation_count) {
+                /* The next result begins a new vector, and leaves a gap; the run ends here. */
                 to->run[to->runs++] = next;
                 next.z = p->new_slot[run->z + i];
                 next.operation_count = 0;
-                next.first_constant = to->rows;
+                next.first_constant_term = to->linear_operations;
                 next.term = to->terms;
             }
-            to->constant_terms[to->rows++] = p->tape->constant_terms[run->first_constant + i];
-            append_moved_terms(p, to, run->term + i * run->terms, run->terms);
+            to->constant_terms[to->linear_operations++] = p->tape->constant_terms[run->first_constant_term + i];
+            append_renumbered_terms(p, to, run->term + i * run->terms, run->terms);
         }
     to->run[to->runs++] = next;
 }
@@ -151,7 +152,7 @@ static void fill_padded_tape(const run_padding *p, jet_tape *to)
         for (int copy = 0; copy <= p->copy_counts[slot]; copy++)
             to->recording_index[p->new_slot[slot] + copy] = copy == 0 ? tape->recording_index[slot] : 0;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) append_padded_run(p, to, run);
-    for (int i = 0; i < tape->outputs; i++) to->output[i] = p->new_slot[tape->output[i]];
+    for (int i = 0; i < tape->outputs; i++) to->output_slot[i] = p->new_slot[tape->output_slot[i]];
 }
 
 /* Builds the new tape, and replaces the old one by it. Tapes of series alone are padded; they have no scattered
@@ -164,7 +165,7 @@ static bool build_padded_tape(const run_padding *p, int new_slots)
         terms += (size_t)run->operation_count * (size_t)run->terms * (VECTOR - FEW);
     const size_t slots = (size_t)new_slots + 1;
     to.slots = new_slots;
-    to.rows = to.terms = to.runs = 0;
+    to.linear_operations = to.terms = to.runs = 0;
     to.run = calloc(slots, sizeof *to.run);
     to.constant_terms = calloc(slots, sizeof *to.constant_terms);
     to.recording_index = calloc(slots, sizeof *to.recording_index);

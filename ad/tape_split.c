@@ -42,14 +42,14 @@ static void append_split_run(const run_splitting *s, const jet_run *run, int fro
         part.a += from;
         part.b += jet_rules[run->op]->operand_count == 2 ? from : 0;
     }
-    if (run->op == OP_LINEAR) part.first_constant += from;
+    if (run->op == OP_LINEAR) part.first_constant_term += from;
     s->split->run[s->split->runs++] = part;
 }
 
-static void split_runs_in_order(const run_splitting *s, jet_split_mode which)
+static void split_runs_in_tape_order(const run_splitting *s, jet_split_mode mode)
 {
     for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->runs; run++) {
-        const bool is_apart = which == JET_SPLIT_SUMS && has_terms_per_operation(run);
+        const bool is_apart = mode == JET_SPLIT_SUMS && has_terms_per_operation(run);
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
             append_split_run(s, run, i, is_apart ? 1 : run->operation_count);
     }
@@ -77,14 +77,14 @@ void jet_tape_mark_dependents(const jet_tape *tape, bool depends[])
         }
 }
 
-/* Tells whether the operation of this slot reads the slot `made`, and all its operands are on the new tape. */
-static bool waits_only_for(const run_splitting *s, int slot, int made)
+/* Tells whether the operation of this slot reads the slot `made_slot`, and all its operands are on the new tape. */
+static bool is_ready_after(const run_splitting *s, int slot, int made_slot)
 {
     const jet_run *run = s->producing_run[slot];
     bool reads = false;
     for (int k = 0, a; (a = jet_operation_operand_slot(s->tape, run, slot - run->z, k)) >= 0; k++) {
         if (s->producing_run[a]) return false;
-        reads |= a == made;
+        reads |= a == made_slot;
     }
     return reads;
 }
@@ -111,7 +111,7 @@ static void append_operation_with_dependents(const run_splitting *s, int slot)
     }
     for (int next = 0; next < s->tape->slots; next++)
         for (const jet_run *made = run; made <= run + has_cosine; made++)
-            if (s->producing_run[next] && waits_only_for(s, next, made->z + i))
+            if (s->producing_run[next] && is_ready_after(s, next, made->z + i))
                 append_operation_with_dependents(s, next);
 }
 
@@ -142,14 +142,14 @@ static double common_coefficient_in_sums(const jet_tape *split, int slot)
 
 /* Counts the products that have this slot as a factor, and whose coefficient in all sums has this magnitude, or had
  * before it was moved into the product. */
-static int count_products_with_factor(const jet_tape *split, int slot, double size)
+static int count_products_with_factor(const jet_tape *split, int slot, double coefficient_magnitude)
 {
     int count = 0;
     for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
         const int term = run->term;
         if (!is_single_product(run) || (split->term_slot[term] != slot && split->term_operand_b[term] != slot))
             continue;
-        count += split->term_coefficient[term] * common_coefficient_in_sums(split, run->z) == size;
+        count += split->term_coefficient[term] * common_coefficient_in_sums(split, run->z) == coefficient_magnitude;
     }
     return count;
 }
@@ -164,7 +164,7 @@ static void move_common_factors(jet_tape *split)
     for (const jet_run *made = split->run; made < split->run + split->runs; made++) {
         if (!is_single_product(made)) continue;
         bool is_output = false;
-        for (int i = 0; i < split->outputs; i++) is_output |= split->output[i] == made->z;
+        for (int i = 0; i < split->outputs; i++) is_output |= split->output_slot[i] == made->z;
         const double size = is_output ? 0 : common_coefficient_in_sums(split, made->z);
         if (size == 0 || size == 1) continue;
         int *one = &split->term_slot[made->term], *other = &split->term_operand_b[made->term];
@@ -184,12 +184,12 @@ static void move_common_factors(jet_tape *split)
     }
 }
 
-static void split_all_runs(const run_splitting *s)
+static void split_runs_in_dependence_order(const run_splitting *s)
 {
     const jet_tape *tape = s->tape;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
         for (int i = 0; i < run->operation_count; i++) s->producing_run[run->z + i] = run;
-    for (int i = 0; i < tape->outputs; i++) append_operation_with_dependents(s, tape->output[i]);
+    for (int i = 0; i < tape->outputs; i++) append_operation_with_dependents(s, tape->output_slot[i]);
     for (int slot = 0; slot < tape->slots; slot++) append_operation_with_dependents(s, slot);
 }
 
@@ -203,7 +203,7 @@ void jet_free_split_tape(jet_tape *split)
     free(split->term_coefficient);
 }
 
-bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode which)
+bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode mode)
 {
     size_t terms = 1;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
@@ -219,9 +219,9 @@ bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode w
     const bool has_memory =
         s.producing_run && split->run && split->term_slot && split->term_operand_b && split->term_coefficient;
     if (!has_memory) jet_free_split_tape(split);
-    else if (which == JET_SPLIT_ALL || which == JET_SPLIT_PAIRS) split_all_runs(&s);
-    else split_runs_in_order(&s, which);
-    if (has_memory && which == JET_SPLIT_PAIRS) move_common_factors(split);
+    else if (mode == JET_SPLIT_ALL || mode == JET_SPLIT_PAIRS) split_runs_in_dependence_order(&s);
+    else split_runs_in_tape_order(&s, mode);
+    if (has_memory && mode == JET_SPLIT_PAIRS) move_common_factors(split);
     free(s.producing_run);
     return has_memory;
 }

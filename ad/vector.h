@@ -101,7 +101,8 @@ JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
     return is_row;
 }
 
-/* Coefficient j of a series x, and of a tangent x, at the current vector; AT may be assigned to, OF is constant. */
+/* Coefficient j of a series x at the current vector; JET_D_: of a tangent x. JET_AT and JET_D_AT can be assigned to,
+ * JET_OF and JET_D_OF are only read. */
 #define JET_AT(V, x, j)   (*(V *)((x) + stride * (size_t)(j) + here))
 #define JET_OF(V, x, j)   (*(const V *)((x) + stride * (size_t)(j) + here))
 #define JET_D_AT(V, x, j) (*(V *)((x) + dstride * (size_t)(j) + here))
@@ -110,9 +111,8 @@ JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
 #define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
 
 /* Computes sum += sum_{j=from}^{to} term(j), in two chains of additions, which need not wait for each other. If the
- * compiler knows the orders, the sum goes from the middle outwards. The factors of a recurrence that are computed
- * last are in the first and the last term, and those of the last term are computed last of all; this term is added
- * alone. */
+ * compiler knows the orders, the sum goes from the middle outwards: the first and the last term, whose factors a
+ * recurrence computes last, are then added last. The very last term is added alone. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \
     do {                                                                                                               \
         V odd = {0};                                                                                                   \
@@ -128,7 +128,7 @@ JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
             if (above == most) JET_TWO_TERMS(sum, sum, below, above, term)                                             \
         } else JET_SUM_UPWARDS(V, sum, least, most, term);                                                             \
     } while (0)
-/* Computes the same sum for increasing j, in two chains. */
+/* Computes the sum of JET_SUM for increasing j, in two chains of additions. */
 #define JET_SUM_UPWARDS(V, sum, from, to, term)                                                                        \
     do {                                                                                                               \
         V second = {0};                                                                                                \
@@ -152,7 +152,8 @@ JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
         }                                                                                                              \
     }
 
-/* Executes the statement for j = from..to. A transposed sum thereby adds to other orders. */
+/* Executes the statement for j = from..to. Adjoint rules use it, whose statements add to a different order for each
+ * j. */
 #define JET_EACH(from, to, statement)                                                                                  \
     for (int j = (from), last = (to); j <= last; j++) statement
 

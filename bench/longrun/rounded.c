@@ -104,7 +104,7 @@ static tvi_status evaluate(rounded *r)
     const size_t size = NODES * sizeof(double);
     memcpy(r->block, r->Q, (size_t)r->system->n * size);
     if (!jet_sweep_values(tape, r->block, NODES)) return TVI_EDOMAIN;
-    for (int u = 0; u < r->system->n; u++) memcpy(r->force + u * NODES, r->block + tape->output[u] * NODES, size);
+    for (int u = 0; u < r->system->n; u++) memcpy(r->force + u * NODES, r->block + tape->output_slot[u] * NODES, size);
     return TVI_OK;
 }
 

@@ -32,7 +32,7 @@ quad_system *quad_system_force(int n, const double mass[], tvi_force_fn *force, 
 {
     jet *inputs, *F = quad_allocate((size_t)n, sizeof *F);
     jet_graph *graph = open_graph(n, &inputs);
-    for (int i = 0; i < n; i++) F[i] = jet_make_unset();
+    for (int i = 0; i < n; i++) F[i] = jet_make_unset_poison();
     force(inputs, inputs[n], F, ctx);
     quad_system *system = system_of(graph, n, mass, F);
     jet_graph_free(graph);

@@ -28,7 +28,7 @@ static void acceleration(const double *restrict q, double *restrict a)
     const bool inside = jet_sweep_values(tape, block, LANES);
     for (int k = 0; k < n; k++)
         for (int l = 0; l < LANES; l++)
-            a[k * LANES + l] = inside ? block[tape->output[k] * LANES + l] / recorded->mass[k] : NAN;
+            a[k * LANES + l] = inside ? block[tape->output_slot[k] * LANES + l] / recorded->mass[k] : NAN;
 }
 
 tvi_status gauss_recorded(const tvi_system *system, int order, const baseline_task *task, double q[], double p[],

@@ -16,7 +16,7 @@ static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)
 static int find_rate_slot(const tvi_system *system, int unknown)
 {
     const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
-    return system->field_values->output[output];
+    return system->field_values->output_slot[output];
 }
 
 static void prepare_fixed_point_field(galerkin_field *field)
@@ -29,7 +29,7 @@ void tvi_galerkin_displace_outputs(const galerkin_field *field, const jet_tape *
     const int lanes = field->nodes.lanes;
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
-            x[tape->output[i] * lanes + lane] +=
+            x[tape->output_slot[i] * lanes + lane] +=
                 tvi_roundoff_random_sign(field->value_noise, field->value_noise->change[i]);
 }
 

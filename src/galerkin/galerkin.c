@@ -57,10 +57,11 @@ bool tvi_galerkin_needs_no_hessian(const tvi_system *system)
  * coordinate follows from a quadrature, so that passes need not move them. */
 static int count_last_cyclic_coordinates(const tvi_system *system)
 {
-    const int *force = system->field_values->output;
+    const int *force = system->field_values->output_slot;
     int count = 0;
     if (system->form != TVI_HAMILTONIAN) return 0;
-    while (count < system->n && jet_tape_is_slot_zero(system->field_values, force[system->n - 1 - count])) count++;
+    while (count < system->n && jet_tape_is_slot_always_zero(system->field_values, force[system->n - 1 - count]))
+        count++;
     return count;
 }
 
@@ -368,11 +369,11 @@ static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_option
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
     tvi_used_tapes used = {.values = {.name = "tvi_values",
-                                      .lanes = {lanes, of_batch},
-                                      .may_move_pair_factors = system->form == TVI_SEPARABLE},
+                                      .lane_counts = {lanes, of_batch},
+                                      .may_move_common_factors = system->form == TVI_SEPARABLE},
                            .code_member = "galerkin",
                            .emit_loops = emit_generated_steps};
-    if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lanes = {lanes}};
+    if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lane_counts = {lanes}};
     return used;
 }
 

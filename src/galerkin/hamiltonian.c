@@ -138,8 +138,8 @@ static void prepare_hamiltonian_field(galerkin_field *field)
     prepare_inner_rounds(field, work, &passes->rounds);
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->rate_row[u] = field->nodes.unknowns + u;
-        work->rate_slot[false][u] = field->system->field_values->output[gradient_component_of_rate(field, u)];
-        work->rate_slot[true][u] = field->system->hessian_values->output[gradient_component_of_rate(field, u)];
+        work->rate_slot[false][u] = field->system->field_values->output_slot[gradient_component_of_rate(field, u)];
+        work->rate_slot[true][u] = field->system->hessian_values->output_slot[gradient_component_of_rate(field, u)];
     }
     passes->nodes = &field->nodes;
     passes->impulse_matrix = field->impulse_matrix;

@@ -61,8 +61,8 @@ static void prepare_lagrangian_passes(lagrangian_passes *work, const galerkin_fi
     work->impulse_matrix = field->impulse_matrix;
     work->rate_row = field->rate_row;
     work->tape_blocks = model->blocks;
-    work->gradient_slot[false] = system->field_values->output;
-    work->gradient_slot[true] = system->hessian_values->output;
+    work->gradient_slot[false] = system->field_values->output_slot;
+    work->gradient_slot[true] = system->hessian_values->output_slot;
     work->gradient_expansion = model->expansion;
     work->gradient_expansion.centre_gradient = work->gradient;
 }

@@ -33,7 +33,7 @@ static void list_hessian_rows(const tvi_system *system, lanes_hessian_element *t
     for (int half = 1; half >= 0; half--)
         for (int k = 0; k < system->hessian_entries; k++) {
             const int i = system->hessian[k].row, j = system->hessian[k].column;
-            const int slot = system->hessian_values->output[rows + k];
+            const int slot = system->hessian_values->output_slot[rows + k];
             if (j / system->n == half) term[end[i]++] = (lanes_hessian_element){j, slot};
             if (i != j && i / system->n == half) term[end[j]++] = (lanes_hessian_element){i, slot};
         }

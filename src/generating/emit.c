@@ -17,7 +17,7 @@ static void emit_text_lines(jet_text *text, const char *const lines[])
 static void emit_output_slots(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
 {
     jet_text_append(text, "static const int %s[] = {", table);
-    for (int i = 0; i < tape->outputs; i++) jet_text_append(text, "%d, ", tape->output[i]);
+    for (int i = 0; i < tape->outputs; i++) jet_text_append(text, "%d, ", tape->output_slot[i]);
     jet_text_append(text, "};\n#define %s %s\n", macro, table);
 }
 
@@ -67,8 +67,8 @@ static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_
     if (has_velocities)
         jet_text_append(
             text,
-            "JET_GENERATED_TANGENTS_IN_LANES(tvi_series, %d)\n"
-            "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), tvi_series_tangents_in_lanes_%d(x, dx))\n",
+            "JET_GENERATED_TANGENTS_PER_LANE(tvi_series, %d)\n"
+            "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), tvi_series_tangents_per_lane_%d(x, dx))\n",
             points, points);
     else jet_text_append(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");
     if (has_seed)

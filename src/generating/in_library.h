@@ -50,7 +50,7 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define ORDERS_SERIES(curve, k)                                                                                        \
     jet_sweep_series((curve)->system->field_series, (curve)->series_block, k, CURVE_WIDTH(curve))
 #define ORDERS_TANGENTS(curve, dx, k, lanes)                                                                           \
-    (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_in_lanes : jet_sweep_tangents)((curve)->system->field_series,         \
+    (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_per_lane : jet_sweep_tangents)((curve)->system->field_series,         \
                                                                                 (curve)->series_block, dx, k, lanes)
 
 /* These multiply by the Jacobian of the field's series. */
@@ -61,7 +61,7 @@ enum { CURVE_MOST_WIDTH = 1 };
 
 /* These evaluate the field at the nodes, and its tangents. */
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
-#define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_in_lanes(tape, x, dx, 0, lanes)
+#define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_per_lane(tape, x, dx, 0, lanes)
 
 /* Returns the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_estimate_node_momenta_roundoff(action, curve)

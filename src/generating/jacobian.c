@@ -40,21 +40,23 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
-    tvi_used_tapes used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
-                           .code_member = "curve",
-                           .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
+    tvi_used_tapes used = {
+        .series = {.name = "tvi_series", .lane_counts = {1}, .top_order = top, .has_series = !is_whole},
+        .code_member = "curve",
+        .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
-    used.series.tangent_vectors = used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;
-    if (used.series.has_adjoints) used.series.directions[0] = 1;
-    else if (is_whole) used.series.directions[0] = 0;
-    else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
-    else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
+    used.series.tangent_vector_count =
+        used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;
+    if (used.series.has_adjoints) used.series.direction_counts[0] = 1;
+    else if (is_whole) used.series.direction_counts[0] = 0;
+    else if (directions < TVI_CURVE_LANES) used.series.direction_counts[0] = left;
+    else used.series.direction_counts[0] = TVI_CURVE_LANES, used.series.direction_counts[1] = left;
     if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
-    if (system->form == TVI_HAMILTONIAN) used.series.lanes[1] = points; /* velocities at the nodes */
-    used.values = (jet_emission_request){.name = "tvi_values", .lanes = {points}};
+    if (system->form == TVI_HAMILTONIAN) used.series.lane_counts[1] = points; /* velocities at the nodes */
+    used.values = (jet_emission_request){.name = "tvi_values", .lane_counts = {points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
-        used.bend = (jet_emission_request){.name = "tvi_bend", .lanes = {points}};
+        used.bend = (jet_emission_request){.name = "tvi_bend", .lane_counts = {points}};
     return used;
 }
 

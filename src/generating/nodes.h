@@ -176,7 +176,7 @@ static inline const double *seeds_field_output_row(const tvi_action *action, con
                                                    int i)
 {
     (void)tape;
-    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output)[i] * (size_t)seeds_count_lanes(action);
+    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output_slot)[i] * (size_t)seeds_count_lanes(action);
 }
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */

@@ -103,7 +103,7 @@ static void set_start_values(const refinement_step *step)
  * otherwise. */
 static long double compute_rate(const refinement_step *step, int i)
 {
-    const int n = step->system->n, *output = step->system->field_values->output;
+    const int n = step->system->n, *output = step->system->field_values->output_slot;
     const long double *y = step->refinement->field_slots, h = step->h;
     if (step->system->form == TVI_SEPARABLE) return h * y[output[i]] / step->system->mass[i] * h;
     return i < n ? h * y[output[n + i]] : -h * y[output[i - n]];

@@ -126,7 +126,7 @@ static inline tvi_form curve_form(const tvi_curve *curve)
 static inline const int *curve_output_slots(const tvi_curve *curve)
 {
     (void)curve;
-    return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output);
+    return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot);
 }
 
 static inline int curve_output_slot(const tvi_curve *curve, int i) { return curve_output_slots(curve)[i]; }

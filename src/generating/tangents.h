@@ -98,8 +98,8 @@ static inline void curve_store_tangent_block(tvi_curve *curve, const curve_tange
     const int n = curve_dimension(curve);
     if (curve_is_jacobian_in_tangent_block()) return;
     if (form == TVI_LAGRANGIAN)
-        curve_store_jacobian_columns(curve, block, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output) + n, 0,
-                                     curve->dU);
+        curve_store_jacobian_columns(curve, block, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot) + n,
+                                     0, curve->dU);
     if (form == TVI_HAMILTONIAN) curve_store_jacobian_columns(curve, block, NULL, n, curve->dU);
     curve_store_jacobian_columns(curve, block, NULL, 0, curve->dQ);
 }

@@ -20,7 +20,7 @@ bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const
     for (int i = 0; i < curve->n; i++) {
         double slope = 0;
         for (int k = work->closure.p_degree; k > 0; k--) slope += k * tvi_curve_momentum_coefficient(curve, k, i);
-        work->shift[i] = fabs(h * work->field[tape->output[i]] - slope / curve->kappa[i]);
+        work->shift[i] = fabs(h * work->field[tape->output_slot[i]] - slope / curve->kappa[i]);
         most = fmax(most, work->shift[i]);
         scale = fmax(scale, fabs(origin->p[i]) + fabs(increments->dp[i]));
     }

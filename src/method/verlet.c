@@ -56,7 +56,7 @@ JET_INLINE bool compute_forces(verlet_work *w, int width, const tvi_batch_origin
             left -= w->is_outside[m];
         }
     for (int i = 0; i < n; i++)
-        memcpy(out + i * width, w->force_block + tape->output[i] * width, (size_t)width * sizeof *out);
+        memcpy(out + i * width, w->force_block + tape->output_slot[i] * width, (size_t)width * sizeof *out);
     return left > 0;
 }
 
@@ -185,7 +185,7 @@ static double bound_energy_change(const void *work)
 
 static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_used_tapes){.values = {.name = "tvi_values", .lanes = {1, choose_batch_width(system, options)}}};
+    return (tvi_used_tapes){.values = {.name = "tvi_values", .lane_counts = {1, choose_batch_width(system, options)}}};
 }
 
 static const tvi_stepper single_stepper_functions = {.take = allocate_one_member,

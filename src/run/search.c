@@ -332,7 +332,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
     for (int event_index = 0; event_index < search->event_count && status == TVI_OK; event_index++) {
         tvi_watched_event *w = &search->watched_events[event_index];
         memcpy(w->g_samples + 1,
-               search->joint_tape_block + (size_t)search->joint_tape->output[event_index] * TVI_SAMPLES,
+               search->joint_tape_block + (size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES,
                TVI_SAMPLES * sizeof *w->g_samples);
         w->begins_on_event = false;
         if (w->g_samples[0] == 0) status = tvi_start_find_leaving_sign(search, event_index);

@@ -103,7 +103,7 @@ tvi_status tvi_start_evaluate_events(tvi_event_search *search)
     const bool inside = jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES);
     for (int event_index = 0; event_index < search->event_count; event_index++) {
         double *first = &search->watched_events[event_index].g_samples[0];
-        *first = g[(size_t)search->joint_tape->output[event_index] * TVI_SAMPLES];
+        *first = g[(size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
         if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, state, first);
         if (status == TVI_OK) status = set_g_to_zero_if_on_event(search, event_index, state);

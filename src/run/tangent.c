@@ -174,7 +174,7 @@ static tvi_status compute_rescaled_gradient(const tvi_integrator *it, const doub
     memcpy(tangent->field_block + n, p, bytes);
     jet_tape_set_parameters(tape, tangent->field_block, 1, tvi_system_parameters(it->system), 1, parameters);
     if (!jet_sweep_values(tape, tangent->field_block, 1)) return TVI_EDOMAIN;
-    for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->field_block[tape->output[i]];
+    for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->field_block[tape->output_slot[i]];
     return TVI_OK;
 }
 
@@ -193,7 +193,7 @@ static tvi_status set_e_component(const tvi_integrator *it, const tvi_step_to_di
     jet_tape_set_parameters(tape, tangent->energy_block, 1, tvi_system_parameters(tangent->lifted_system), 1,
                             tangent->parameters_and_rates);
     const bool inside = jet_sweep_values(tape, tangent->energy_block, 1);
-    tangent->column[e] = -tangent->energy_block[tape->output[0]] / tangent->gradient[e];
+    tangent->column[e] = -tangent->energy_block[tape->output_slot[0]] / tangent->gradient[e];
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 

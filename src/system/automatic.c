@@ -40,7 +40,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 {
     const int n = motion->n;
     if (!record_gradient_in_q_p(graph, H, n, all, first)) return false;
-    jet_graph_begin_named_part(
+    jet_graph_begin_derived_part(
         graph, "the automatic g, which has no value there (take a smaller step, or give a g of your own)");
     for (int i = 0; i < n; i++) {
         if (!record_gradient_in_q_p(graph, first[i], n, all, row)) return false;
@@ -161,7 +161,7 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
 {
     const size_t n = (size_t)base->n;
     jet_graph *graph;
-    const jet refused = jet_find_common_graph(1, &H, &graph);
+    const jet refused = jet_find_graph_or_poison(1, &H, &graph);
     if (refused.node) return refused;
     jet *jets = malloc((4 * n * n + 6 * n + 1) * sizeof *jets), sum = jet_make_poison(JET_NO_MEMORY);
     if (!jets) return sum;

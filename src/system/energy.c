@@ -70,7 +70,7 @@ static tvi_status evaluate_energy_tape(tvi_energy_work *work, double t, const do
     if (velocities) memcpy(x + n, velocities, n * sizeof *q);
     if (system->energy->inputs > system->energy_inputs) x[system->energy_inputs] = t;
     const bool inside = jet_sweep_values(system->energy, x, 1);
-    *value = x[system->energy->output[0]];
+    *value = x[system->energy->output_slot[0]];
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
@@ -128,7 +128,7 @@ void tvi_energy_batch_compute(const tvi_energy_batch *batch, const double t[], c
     if (!has_masses) memcpy(x + n * width, p, n * row);
     if (tape->inputs > system->energy_inputs) memcpy(x + (size_t)system->energy_inputs * width, t, row);
     (void)jet_sweep_values(tape, x, batch->lane_count);
-    const double *value = x + (size_t)tape->output[0] * width, sign = has_masses ? system->energy_sign : 1;
+    const double *value = x + (size_t)tape->output_slot[0] * width, sign = has_masses ? system->energy_sign : 1;
     for (size_t lane = 0; lane < width; lane++) H[lane] = sign * value[lane];
     for (size_t i = 0; i < n && has_masses; i++)
         for (size_t lane = 0; lane < width; lane++)
@@ -149,7 +149,7 @@ long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, cons
     const jet_tape *tape = work->system->energy;
     for (int i = 0; i < tape->inputs; i++) work->long_double_values[i] = work->tape_block[i];
     jet_sweep_long_double_values(tape, work->tape_block, work->long_double_values);
-    return work->long_double_values[tape->output[0]];
+    return work->long_double_values[tape->output_slot[0]];
 }
 
 /* Allocates the memory for one energy, which the caller frees. `parameters` NULL stands for the values in the

@@ -62,7 +62,7 @@ tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const doubl
 {
     memcpy(block, x, (2 * (size_t)event->n + 1) * sizeof *x);
     if (!jet_sweep_values(event->tape, block, 1)) return tvi_refuse_failed_evaluation("event function", TVI_EDOMAIN);
-    *g = block[event->tape->output[0]];
+    *g = block[event->tape->output_slot[0]];
     return isfinite(*g) ? TVI_OK : tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE);
 }
 

@@ -49,7 +49,7 @@ static double sum_first_order_terms(const tvi_event *event, const tvi_event_expa
         for (int i = first; i < first + SAMPLES && i < inputs; i++)
             expansion->tangents[i * SAMPLES + i - first] = sizes[i];
         jet_sweep_tangents(event->series, expansion->series_block, expansion->tangents, 0, SAMPLES);
-        for (int s = 0; s < SAMPLES; s++) sum += fabs(expansion->tangents[event->series->output[0] * SAMPLES + s]);
+        for (int s = 0; s < SAMPLES; s++) sum += fabs(expansion->tangents[event->series->output_slot[0] * SAMPLES + s]);
     }
     return sum;
 }
@@ -62,7 +62,8 @@ tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_e
     const double of_inputs = DBL_EPSILON * sum_first_order_terms(event, expansion, sizes);
     memset(expansion->tangents, 0, (2 * (size_t)event->n + 1) * SAMPLES * sizeof *expansion->tangents);
     tvi_roundoff_sweep_tape(event->series, 0, NULL, expansion->series_block, expansion->tangents);
-    *roundoff = of_inputs + tvi_largest_magnitude(SAMPLES, expansion->tangents + event->series->output[0] * SAMPLES, 1);
+    *roundoff =
+        of_inputs + tvi_largest_magnitude(SAMPLES, expansion->tangents + event->series->output_slot[0] * SAMPLES, 1);
     return TVI_OK;
 }
 
@@ -80,7 +81,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
         double *order = expansion->series_block + (size_t)k * slots;
         for (size_t i = 0; i < inputs; i++) order[i] = k == 1 ? displacement[i] : 0;
         (void)jet_sweep_series(tape, expansion->series_block, k, 1);
-        last = order[tape->output[0]];
+        last = order[tape->output_slot[0]];
         *change += last;
     }
     *is_exact = fabs(last) <= DBL_EPSILON * fabs(*change);

@@ -42,7 +42,7 @@ tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double 
     tvi_system_write_time(system, legendre->field_block, 1, &t);
     if (!jet_sweep_values(tape, legendre->field_block, 1)) return TVI_EDOMAIN;
     for (int i = 0; i < n; i++) {
-        y[i] = legendre->field_block[tape->output[n + i]];
+        y[i] = legendre->field_block[tape->output_slot[n + i]];
         if (!isfinite(y[i])) return TVI_ENONFINITE;
     }
     return TVI_OK;
@@ -56,7 +56,7 @@ static tvi_status factor_slope_matrix(tvi_legendre *legendre)
     jet_sweep_tangents(tape, legendre->field_block, legendre->tangents, 0, n);
     for (int i = 0; i < n; i++)
         memcpy(legendre->slope_factor.lu + (size_t)i * (size_t)n,
-               legendre->tangents + (size_t)tape->output[n + i] * (size_t)n, (size_t)n * sizeof(double));
+               legendre->tangents + (size_t)tape->output_slot[n + i] * (size_t)n, (size_t)n * sizeof(double));
     return tvi_factor_compute(&legendre->slope_factor);
 }
 

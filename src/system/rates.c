@@ -29,7 +29,7 @@ tvi_status tvi_rates_compute(tvi_rates *rates, const double x[], double rate[])
 {
     const tvi_system *system = rates->system;
     const jet_tape *tape = system->field_values;
-    const int n = system->n, *output = tape->output;
+    const int n = system->n, *output = tape->output_slot;
     const double *block = rates->block;
     memcpy(rates->block, x, (size_t)system->inputs * sizeof *x);
     tvi_system_write_time(system, rates->block, 1, &x[2 * n]);

@@ -26,7 +26,7 @@ double tvi_roundoff_random_sign(tvi_roundoff *roundoff, double size)
 static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, int i)
 {
     int exponent;
-    return run->op == OP_LINEAR && run->terms == 1 && tape->constant_terms[run->first_constant + i] == 0 &&
+    return run->op == OP_LINEAR && run->terms == 1 && tape->constant_terms[run->first_constant_term + i] == 0 &&
            fabs(frexp(tape->term_coefficient[run->term + i], &exponent)) == 0.5;
 }
 
@@ -37,7 +37,7 @@ static double roundoff_scale(const jet_tape *tape, const jet_run *run, int i, co
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
     if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + i]);
     if (is_multiplication_exact(tape, run, i)) return 0;
-    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant + i]) : 0;
+    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant_term + i]) : 0;
     for (int term = 0; term < run->terms; term++) {
         const int k = run->term + term + (is_linear ? i * run->terms : 0), at = is_linear ? 0 : i;
         const double a = x[tape->term_slot[k] + at];
@@ -87,8 +87,9 @@ int tvi_roundoff_estimate_of_field(tvi_roundoff *roundoff, const tvi_system *sys
         if (!jet_sweep_values(tape, roundoff->field_block, 1)) continue;
         tvi_roundoff_sweep_tape(tape, system->inputs, NULL, roundoff->field_block, roundoff->tangents);
         for (int i = 0; i < outputs; i++)
-            roundoff->change[i] = fmax(
-                roundoff->change[i], tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output[i] * SAMPLES, 1));
+            roundoff->change[i] =
+                fmax(roundoff->change[i],
+                     tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output_slot[i] * SAMPLES, 1));
     }
     return points * (1 + SAMPLES);
 }

@@ -77,7 +77,7 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     recording->t = jet_graph_input(system->graph, inputs);
     for (int i = 0; i < n; i++) {
         if (general) recording->r[i] = jet_graph_input(system->graph, inputs + 1 + i);
-        recording->field[i] = jet_make_unset();
+        recording->field[i] = jet_make_unset_poison();
         system->mass[i] = statement->mass ? statement->mass[i] : 1;
     }
     return TVI_OK;
@@ -122,7 +122,7 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
     const int n = system->n;
     jet *force = malloc((size_t)n * sizeof *force);
     if (!force) return TVI_ENOMEM;
-    for (int i = 0; i < n; i++) force[i] = jet_make_unset();
+    for (int i = 0; i < n; i++) force[i] = jet_make_unset_poison();
     statement->drive(recording->q, v, recording->t, force, statement->drive_ctx);
     jet_graph_set_output_name(system->graph, "driving force");
     const tvi_status status = jet_graph_accept_outputs(system->graph, n, force);
@@ -213,7 +213,7 @@ static void set_lift_inputs(const system_recording *recording, const tvi_system 
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time = inputs == n + 1 ? n : 2 * n;
     const bool momenta = recording->system->form == TVI_HAMILTONIAN;
-    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset();
+    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_make_unset_poison();
     for (int i = 0; i < n; i++) {
         input[i] = recording->q[i];
         direction[i] = recording->q[n + i];

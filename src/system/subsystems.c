@@ -33,7 +33,7 @@ static void unite_operations(const jet_tape *tape, const bool depends[], int set
 /* Unites each component with its momentum or velocity, and with the outputs of the field for both. */
 static void unite_components(const tvi_system *system, const bool depends[], int set_parent[])
 {
-    const int n = system->n, *output = system->field_values->output;
+    const int n = system->n, *output = system->field_values->output_slot;
     for (int u = 0; u < system->inputs; u++) {
         unite_sets(set_parent, u % n, u);
         if (depends[output[u]]) unite_sets(set_parent, u % n, output[u]);

@@ -42,7 +42,7 @@ static void read_parameters(const jet_graph *graph, double value[])
 {
     for (int i = 0; i < jet_graph_node_count(graph); i++) {
         const struct jet_node *node = jet_graph_node_at(graph, i);
-        if (node->op == OP_PARAMETER) value[node->which] = node->number;
+        if (node->op == OP_PARAMETER) value[node->parameter_index] = node->number;
     }
 }
 

@@ -100,7 +100,7 @@ static void get_outputs(const recording *r, int degree, int lanes, const double 
 {
     for (int k = 0; k <= degree; k++)
         for (int i = 0; i < r->outputs; i++)
-            memcpy(z + (i * (degree + 1) + k) * lanes, block + (k * r->tape->slots + r->tape->output[i]) * lanes,
+            memcpy(z + (i * (degree + 1) + k) * lanes, block + (k * r->tape->slots + r->tape->output_slot[i]) * lanes,
                    (size_t)lanes * sizeof *z);
 }
 
@@ -151,7 +151,7 @@ void run_sizes(const recording *r, int lanes, const double x[], double size[])
     set_inputs(r, 0, lanes, 0, 0, x, block);
     (void)jet_sweep_values(r->tape, block, lanes);
     for (int i = 0; i < r->outputs * lanes; i++)
-        size[i] = size_of(r->tape, r->tape->output[i / lanes], lanes, block + i % lanes);
+        size[i] = size_of(r->tape, r->tape->output_slot[i / lanes], lanes, block + i % lanes);
     free(block);
 }
 
@@ -182,7 +182,7 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
         ck_assert(jet_sweep_series(r->tape, block, k, lanes_of_x));
         set_inputs(r, degree, lanes, k, k, dx, dblock);
         if (lanes_of_x == 1) jet_sweep_tangents(r->tape, block, dblock, k, lanes);
-        else jet_sweep_tangents_in_lanes(r->tape, block, dblock, k, lanes);
+        else jet_sweep_tangents_per_lane(r->tape, block, dblock, k, lanes);
     }
     get_outputs(r, degree, lanes, dblock, dz);
     free(block);
@@ -207,7 +207,7 @@ void run_adjoints(const recording *r, clear_fn *clear, int degree, const double 
     for (int k = 0; k <= degree; k++) {
         set_inputs(r, degree, 1, k, k, x, block);
         ck_assert(jet_sweep_series(tape, block, k, 1));
-        for (int i = 0; i < r->outputs; i++) bar[k * tape->slots + tape->output[i]] += zbar[i * (degree + 1) + k];
+        for (int i = 0; i < r->outputs; i++) bar[k * tape->slots + tape->output_slot[i]] += zbar[i * (degree + 1) + k];
     }
     for (int k = degree; k >= 0; k--) jet_sweep_adjoints(tape, block, bar, k, degree);
     for (int i = 0; i < r->inputs; i++)

@@ -57,7 +57,7 @@ START_TEST(forces_are_those_of_the_tape)
     jet_emit_rule_source(&text);
     jet_emit_tape(&text, r.tape,
                   &(jet_emission_request){
-                      .name = "V", .lanes = {lanes[0], lanes[1]}, .may_move_pair_factors = cases[_i].is_force});
+                      .name = "V", .lane_counts = {lanes[0], lanes[1]}, .may_move_common_factors = cases[_i].is_force});
     jet_text_append(&text, "extern const jet_sweeps *const sweeps;\nconst jet_sweeps *const sweeps = &V_sweeps;\n");
     library code = library_make(&text, "-O1 -march=native");
     const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
@@ -87,7 +87,8 @@ static int calls_for(int bodies)
     recording r = record_forces(bodies);
     jet_text text = {0};
     int calls = 0;
-    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name = "V", .lanes = {8, 64}, .may_move_pair_factors = true});
+    jet_emit_tape(&text, r.tape,
+                  &(jet_emission_request){.name = "V", .lane_counts = {8, 64}, .may_move_common_factors = true});
     for (const char *at = text.data; (at = strstr(at, "(V, ")); at++) calls++;
     free(text.data);
     recording_free(&r);

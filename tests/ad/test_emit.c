@@ -31,11 +31,11 @@ static void emit_function(jet_text *text, int i)
     char names[2][16];
     snprintf(names[0], sizeof names[0], "S%d", i);
     snprintf(names[1], sizeof names[1], "V%d", i);
-    const jet_emission_request of_values = {.name = names[1], .lanes = {LANES, 1}};
+    const jet_emission_request of_values = {.name = names[1], .lane_counts = {LANES, 1}};
     const jet_emission_request of_series = {.name = names[0],
-                                            .lanes = {1},
-                                            .directions = {DIRECTIONS},
-                                            .top = i % 2 ? MANY_ORDERS : DEGREE, /* in loops, or unrolled */
+                                            .lane_counts = {1},
+                                            .direction_counts = {DIRECTIONS},
+                                            .top_order = i % 2 ? MANY_ORDERS : DEGREE, /* in loops, or unrolled */
                                             .has_series = true,
                                             .has_adjoints = true};
     jet_emit_tape(text, series.tape, &of_series);

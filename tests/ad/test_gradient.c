@@ -224,7 +224,7 @@ START_TEST(lift_of_poison_is_poison)
     jet z = jet_mul(jet_graph_input(from, 0), jet_exp(jet_graph_input(from, 1))), value, rate;
     ck_assert_int_eq(jet_graph_accept_outputs(from, 1, &z), TVI_OK);
     jet_graph_close(from);
-    const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_make_unset()};
+    const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_make_unset_poison()};
     ck_assert(jet_record_forward_derivatives(from, graph, all, one, NULL, 1, &z, &value, &rate));
     ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &value), TVI_OK);
     ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &rate), TVI_EINVAL);
@@ -270,7 +270,7 @@ END_TEST
     {                                                                                                                  \
         jet first = jet_const(0);                                                                                      \
         (void)x, (void)y, (void)first;                                                                                 \
-        if (out[0].node == jet_make_unset().node) out[0] = output;                                                     \
+        if (out[0].node == jet_make_unset_poison().node) out[0] = output;                                              \
         else out[1] = by_x, out[2] = by_y;                                                                             \
     }
 RECORDED(BUILD)
@@ -292,7 +292,7 @@ START_TEST(gradient_records_no_more_than_needed)
 {
     jet_graph *graph = jet_graph_create(2);
     const jet a = jet_graph_input(graph, 0), b = jet_graph_input(graph, 1);
-    jet out[3] = {jet_make_unset(), jet_make_unset(), jet_make_unset()}, g[2];
+    jet out[3] = {jet_make_unset_poison(), jet_make_unset_poison(), jet_make_unset_poison()}, g[2];
     recorded[_i].build(a, b, out);
     const int before = jet_graph_node_count(graph);
     ck_assert(jet_record_gradient(graph, out[0], 2, g));
@@ -316,7 +316,7 @@ static tvi_status gradient_status(jet_graph *graph, jet output)
 START_TEST(gradient_of_poison_is_poison)
 {
     jet_graph *graph = jet_graph_create(8), *other = jet_graph_create(8);
-    ck_assert_int_eq(gradient_status(graph, jet_make_unset()), TVI_EINVAL);
+    ck_assert_int_eq(gradient_status(graph, jet_make_unset_poison()), TVI_EINVAL);
     ck_assert_int_eq(gradient_status(graph, jet_log(0)), TVI_EDOMAIN);
     ck_assert_int_eq(gradient_status(graph, jet_exp(1000)), TVI_ENONFINITE);
     ck_assert_int_eq(gradient_status(graph, jet_sqr(jet_graph_input(other, 1))), TVI_EINVAL);
@@ -331,7 +331,7 @@ START_TEST(gradient_takes_the_first_inputs)
 {
     jet_graph *graph = jet_graph_create(3);
     const jet a = jet_graph_input(graph, 0), b = jet_graph_input(graph, 1), t = jet_graph_input(graph, 2);
-    jet g[3] = {jet_make_unset(), jet_make_unset(), jet_const(7)};
+    jet g[3] = {jet_make_unset_poison(), jet_make_unset_poison(), jet_const(7)};
     ck_assert(jet_record_gradient(graph, jet_mul(jet_mul(a, t), b), 2, g));
     check_same("first", g[0], jet_mul(t, b));
     check_same("second", g[1], jet_mul(a, t));

@@ -35,15 +35,15 @@ START_TEST(arrays_are_hashed)
 {
     recording r = record_all_kinds();
     jet_tape *tape = r.tape;
-    ck_assert(tape->constants > 0 && tape->rows > 0 && tape->terms > 0 && tape->outputs == 4);
+    ck_assert(tape->constants > 0 && tape->linear_operations > 0 && tape->terms > 0 && tape->outputs == 4);
     for (int i = 0; i < tape->constants; i++) EXPECT_SEEN(tape, tape->constant_values[i]);
-    for (int i = 0; i < tape->rows; i++) EXPECT_SEEN(tape, tape->constant_terms[i]);
+    for (int i = 0; i < tape->linear_operations; i++) EXPECT_SEEN(tape, tape->constant_terms[i]);
     for (int i = 0; i < tape->terms; i++) {
         EXPECT_SEEN(tape, tape->term_slot[i]);
         EXPECT_SEEN(tape, tape->term_operand_b[i]);
         EXPECT_SEEN(tape, tape->term_coefficient[i]);
     }
-    for (int i = 0; i < tape->outputs; i++) EXPECT_SEEN(tape, tape->output[i]);
+    for (int i = 0; i < tape->outputs; i++) EXPECT_SEEN(tape, tape->output_slot[i]);
     EXPECT_SEEN(tape, tape->inputs);
     EXPECT_SEEN(tape, tape->slots);
     recording_free(&r);
@@ -63,13 +63,13 @@ START_TEST(runs_are_hashed)
         EXPECT_SEEN(r.tape, run->b);
         EXPECT_SEEN(r.tape, run->w);
         EXPECT_SEEN(r.tape, run->exponent);
-        EXPECT_SEEN(r.tape, run->first_constant);
+        EXPECT_SEEN(r.tape, run->first_constant_term);
         EXPECT_SEEN(r.tape, run->terms);
         EXPECT_SEEN(r.tape, run->term);
         const uint64_t before = hash_of(r.tape);
-        run->has_constants = !run->has_constants;
+        run->has_constant_terms = !run->has_constant_terms;
         ck_assert(hash_of(r.tape) != before);
-        run->has_constants = !run->has_constants;
+        run->has_constant_terms = !run->has_constant_terms;
     }
     recording_free(&r);
 }

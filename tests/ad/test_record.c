@@ -15,14 +15,14 @@
     ROW(nothing_wrong, jet_sin(x), TVI_OK)                                                                             \
     ROW(just_a_number, jet_const(3), TVI_OK)                                                                           \
     ROW(an_input, x, TVI_OK)                                                                                           \
-    ROW(unset, jet_make_unset(), TVI_EINVAL)                                                                           \
-    ROW(unset_used, jet_add(x, jet_make_unset()), TVI_EINVAL)                                                          \
-    ROW(unset_alone, jet_exp(jet_make_unset()), TVI_EINVAL)                                                            \
-    ROW(unset_to_power, jet_pow(jet_make_unset(), 0), TVI_EINVAL)                                                      \
-    ROW(unset_times_zero, jet_mul(0, jet_make_unset()), TVI_EINVAL)                                                    \
-    ROW(unset_in_sum, jet_sum((const jet[]){x, jet_make_unset(), x}, 3), TVI_EINVAL)                                   \
-    ROW(unset_in_dot, jet_dot((const jet[]){x, jet_make_unset()}, (const jet[]){x, x}, 2), TVI_EINVAL)                 \
-    ROW(unset_far_down, jet_sin(jet_mul(2, jet_sub(jet_make_unset(), x))), TVI_EINVAL)                                 \
+    ROW(unset, jet_make_unset_poison(), TVI_EINVAL)                                                                    \
+    ROW(unset_used, jet_add(x, jet_make_unset_poison()), TVI_EINVAL)                                                   \
+    ROW(unset_alone, jet_exp(jet_make_unset_poison()), TVI_EINVAL)                                                     \
+    ROW(unset_to_power, jet_pow(jet_make_unset_poison(), 0), TVI_EINVAL)                                               \
+    ROW(unset_times_zero, jet_mul(0, jet_make_unset_poison()), TVI_EINVAL)                                             \
+    ROW(unset_in_sum, jet_sum((const jet[]){x, jet_make_unset_poison(), x}, 3), TVI_EINVAL)                            \
+    ROW(unset_in_dot, jet_dot((const jet[]){x, jet_make_unset_poison()}, (const jet[]){x, x}, 2), TVI_EINVAL)          \
+    ROW(unset_far_down, jet_sin(jet_mul(2, jet_sub(jet_make_unset_poison(), x))), TVI_EINVAL)                          \
     ROW(another, other, TVI_EINVAL)                                                                                    \
     ROW(another_alone, jet_sin(other), TVI_EINVAL)                                                                     \
     ROW(mixed_sum, jet_add(x, other), TVI_EINVAL)                                                                      \

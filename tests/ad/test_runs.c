@@ -32,7 +32,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         slot = run->z + run->operation_count;
         ck_assert_int_le(slot, tape->slots);
         if (rule && rule->operand_count == 2) ck_assert_int_le(run->b + run->operation_count, run->z);
-        if (rule && rule->partner == W_SAME && kind == JET_TAPE_SERIES)
+        if (rule && rule->partner_orders == W_SAME && kind == JET_TAPE_SERIES)
             ck_assert_int_le(run->w + run->operation_count, run->z);
         if (run->op != OP_LINEAR && !is_product(run)) {
             ck_assert_int_le(run->a + run->operation_count, run->z);
@@ -51,14 +51,14 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             }
             continue;
         }
-        ck_assert_int_eq(run->first_constant, row);
+        ck_assert_int_eq(run->first_constant_term, row);
         row += run->operation_count;
         for (int i = 0; i < run->operation_count * run->terms; i++, term++)
             ck_assert_int_lt(tape->term_slot[term], run->z);
     }
     ck_assert_int_eq(term, tape->terms);
     ck_assert(tape->slots == slot || (kind == JET_TAPE_SERIES && tape->slots == (slot + VECTOR - 1) / VECTOR * VECTOR));
-    ck_assert_int_eq(row, tape->rows);
+    ck_assert_int_eq(row, tape->linear_operations);
 }
 
 START_TEST(tapes_are_laid_out)

@@ -46,7 +46,8 @@ static int values_that_differ(const function *f)
     for (int i = 0; i < f->inputs; i++) precise[i] = x[i];
     jet_sweep_long_double_values(r.tape, block, precise);
     for (int i = 0; i < f->outputs; i++) {
-        const long double value = precise[r.tape->output[i]], unit = nextafter(fabs(want[i]), INFINITY) - fabs(want[i]);
+        const long double value = precise[r.tape->output_slot[i]],
+                          unit = nextafter(fabs(want[i]), INFINITY) - fabs(want[i]);
         ck_assert_msg(fabsl(value - want[i]) <= 0.51L * unit, "%s", f->name);
         differ += z[i] != want[i];
     }

@@ -241,12 +241,15 @@ START_TEST(closed_recording_is_not_written)
     ck_assert_int_le(count, MOST);
     for (int i = 0; i < count; i++) before[i] = *jet_graph_node_at(graph, i);
     jet gradient[2];
-    for (int i = 0; i < COUNT(same); i++) same[i].build(x, u, (jet[2]){jet_make_unset(), jet_make_unset()});
-    for (int i = 0; i < COUNT(different); i++) different[i].build(y, u, (jet[2]){jet_make_unset(), jet_make_unset()});
+    for (int i = 0; i < COUNT(same); i++)
+        same[i].build(x, u, (jet[2]){jet_make_unset_poison(), jet_make_unset_poison()});
+    for (int i = 0; i < COUNT(different); i++)
+        different[i].build(y, u, (jet[2]){jet_make_unset_poison(), jet_make_unset_poison()});
     ck_assert(jet_record_gradient(graph, u, 2, gradient));
     ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, gradient), TVI_EINVAL);
     ck_assert_int_eq(jet_graph_node_count(graph), count);
-    const size_t bytes = offsetof(struct jet_node, which) + sizeof before->which; /* what follows is not set */
+    const size_t bytes =
+        offsetof(struct jet_node, parameter_index) + sizeof before->parameter_index; /* what follows is not set */
     for (int i = 0; i < count; i++) ck_assert_mem_eq(&before[i], jet_graph_node_at(graph, i), bytes);
     jet_graph_free(graph);
 }

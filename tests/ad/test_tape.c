@@ -80,7 +80,7 @@ START_TEST(what_is_not_needed_is_left_out)
     ck_assert_int_eq(tape->slots, 5);
     double block[5] = {7, 3, 16};
     ck_assert(jet_sweep_values(tape, block, 1));
-    ck_assert_double_eq(block[tape->output[0]], 12);
+    ck_assert_double_eq(block[tape->output_slot[0]], 12);
     jet_tape_free(tape);
     jet_graph_free(graph);
 }
@@ -120,7 +120,7 @@ START_TEST(products_that_are_outputs_stay)
     const double in[] = {3, 5, 7};
     double got[2];
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
-    for (int i = 0; i < 2; i++) ck_assert_int_ge(r.tape->output[i], r.tape->inputs);
+    for (int i = 0; i < 2; i++) ck_assert_int_ge(r.tape->output_slot[i], r.tape->inputs);
     ck_assert(run_values(&r, 1, in, got));
     ck_assert_double_eq(got[_i], 15);
     ck_assert_double_eq(got[1 - _i], 50);
