@@ -17,8 +17,6 @@
 /* Generated code computes two similar operations as one vector: sum_products.c, chosen in emit.c. */
 #define JET_DEVICE_PAIRS  64
 #define JET_DEVICE_UNROLL 128 /* Generated code has the orders of a series as constants: emit.c. */
-/* Generated code assigns the first contribution to an adjoint, instead of adding it to 0: emit_adjoints.c. */
-#define JET_DEVICE_FRESH 256
 /* Barriers keep the compiler from vectors that would wait for recent stores: compiler.h. */
 #define JET_DEVICE_BARRIERS 512
 

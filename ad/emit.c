@@ -52,9 +52,9 @@ static void emit_double_array(jet_text *text, const char *tape_name, const char 
 
 static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
-    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d, 0, %d},\n", (int)run->op,
+    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d, 0},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
-                    run->first_constant_term, run->terms, run->term, run->is_scattered, run->assigned_operands);
+                    run->first_constant_term, run->terms, run->term, run->is_scattered);
 }
 
 typedef struct {

@@ -36,10 +36,9 @@ const char *const *jet_embedded_source_lines(void);
 /* Writes the source text of the rules. The generated text begins with it. */
 void jet_emit_rule_source(jet_text *text);
 /* Writes the definition `static const jet_sweeps NAME_sweeps`, which has NULL for sweeps that are not requested. For
- * other generated code it also defines the tape NAME; NAME_values_LANES(x) for each requested number of lanes and
- * for 2, 4 and 8; for one lane NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), to be inlined with
- * constants; for adjoints NAME_clear(bar) (emit_adjoints.h); and NAME_ORDERS(ORDER), which calls ORDER(k) for all
- * orders k of a series. */
+ * other generated code it also defines the tape NAME; NAME_values_LANES(x) for each requested number of lanes and for
+ * 2, 4 and 8; for one lane NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), to be inlined with constants;
+ * and NAME_ORDERS(ORDER), which calls ORDER(k) for all orders k of a series. */
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request);
 
 #endif

@@ -1,6 +1,5 @@
 /* emit_adjoints.h - Writes the adjoint functions of generated code; emit.c calls it. The contributions of adjacent
- * sums to an operand are summed in one statement. The first contribution to a slot is assigned, so that the slot
- * need not be set to 0 before. */
+ * sums to an operand are summed in one statement. */
 #ifndef TVI_AD_EMIT_ADJOINTS_H
 #define TVI_AD_EMIT_ADJOINTS_H
 
@@ -15,9 +14,7 @@ static inline bool jet_is_single_sum(const jet_run *run) { return run->op == OP_
 const jet_run *jet_first_adjacent_sum(const jet_tape *tape, const jet_run *run);
 const jet_run *jet_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first);
 
-/* Writes two functions. NAME_sums_back_i(bar) computes the adjoints of the sums from run i on. NAME_clear(bar) sets to
- * 0 the adjoints that are added to before they are assigned, except those of the inputs; it is called for every order
- * before the sweeps begin. Also sets jet_run.assigned_operands. */
+/* Writes the functions NAME_sums_back_i(bar), which compute the adjoints of the adjacent sums from run i on. */
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name);
 
 #endif

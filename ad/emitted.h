@@ -82,10 +82,6 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
 #define ADJOINTS_LINEAR(T, i, terms)            add_linear_adjoints(&T, &T##_run[i], bar + k * T.slots, terms);
 #define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
-/* Sets numbers to 0. Adjoints that are added to before they are assigned must be 0 at first. */
-#define JET_CLEAR(V, S) *(V *)(x + here) = (V){0};
-JET_INLINE void jet_set_to_zero(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, ); }
-
 /* The instruction set for which this code is compiled. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
 #define JET_GENERATED_ISA jet_isa_avx512

@@ -163,19 +163,6 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
         }                                                                                                              \
     }
 
-/* Adds x to bar_k, or assigns it if nothing was added to bar_k before. bar is the adjoint of an operand of the run:
- * operand 0 is a, and the factors of term t are the operands 2 t and 2 t + 1. */
-#define JET_ADD_TO(V, bar, operand, x)                                                                                 \
-    do {                                                                                                               \
-        if (JET_IS_ASSIGNED(run, operand)) JET_AT(V, bar, k) = (x);                                                    \
-        else JET_AT(V, bar, k) += (x);                                                                                 \
-    } while (0)
-#ifdef JET_EMITTED
-#define JET_IS_ASSIGNED(run, operand) ((run)->assigned_operands >> (operand)&1)
-#else
-#define JET_IS_ASSIGNED(run, operand) false
-#endif
-
 /* Defines the function name_adjoint from the body ADJOINT(V, S), which adds to JET_AT(V, abar, j) and the like. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
     static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride)        \

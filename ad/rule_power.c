@@ -47,7 +47,7 @@ static bool evaluate_sqrt(double exponent, int width, const double *a, const dou
         for (int j = top; j > k; j--) sum += S(V, zbar, j) * S(V, z, j - k);                                           \
         const V s = (S(V, zbar, k) - 2.0 * sum) / (2.0 * S(V, z, 0));                                                  \
         JET_AT(V, zbar, k) = s;                                                                                        \
-        JET_ADD_TO(V, abar, 0, s);                                                                                     \
+        JET_AT(V, abar, k) += s;                                                                                       \
     }
 
 JET_FRAMES(sqrt, SQRT)
@@ -289,7 +289,7 @@ bool jet_compute_inverse_roots(const jet_run *run, int powers, double *x, int la
         }                                                                                                              \
         const V s = (S(V, zbar, k) + of_z) * inverse;                                                                  \
         JET_AT(V, zbar, k) = s;                                                                                        \
-        JET_ADD_TO(V, abar, 0, of_a + c * (k > 0 ? k : 1) * s * S(V, z, 0));                                           \
+        JET_AT(V, abar, k) += of_a + c * (k > 0 ? k : 1) * s * S(V, z, 0);                                             \
     }
 
 JET_FRAMES(pow, POW)

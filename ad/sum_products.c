@@ -274,8 +274,8 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, cons
             of_a += S(V, zbar, j) * S(V, p.factor_b[t], j - k);                                                        \
             of_b += S(V, zbar, j) * S(V, p.factor_a[t], j - k);                                                        \
         }                                                                                                              \
-        JET_ADD_TO(V, abar[t], 2 * t, p.coefficient[t] * of_a);                                                        \
-        JET_ADD_TO(V, bbar[t], 2 * t + 1, p.coefficient[t] * of_b);                                                    \
+        JET_AT(V, abar[t], k) += p.coefficient[t] * of_a;                                                              \
+        JET_AT(V, bbar[t], k) += p.coefficient[t] * of_b;                                                              \
     }
 
 /* The adjoint rule updates the adjoints:
@@ -284,7 +284,7 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, cons
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
         SUMS(V, sum, k, top, S(V, zbar, k + top - j) * S(V, p.factor_a[t], top - j))                                   \
-        for (int t = 0; t < terms; t++) JET_ADD_TO(V, abar[t], 2 * t, 2 * p.coefficient[t] * sum[t]);                  \
+        for (int t = 0; t < terms; t++) JET_AT(V, abar[t], k) += 2 * p.coefficient[t] * sum[t];                        \
     }
 
 JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, const double *block,

@@ -33,8 +33,6 @@ typedef struct {
     int first_constant_term, terms, term;
     bool is_scattered;
     int fused_runs; /* Number of runs from this one on that one call computes together; otherwise 1. */
-    /* A bit for each operand whose adjoint this run assigns instead of adding to it (emit_adjoints.h); otherwise 0. */
-    int assigned_operands;
 } jet_run;
 
 /* A constant that may be replaced: the parameter with this index. */

@@ -42,7 +42,7 @@ static const struct {
     int mask;
     const char *name;
 } devices[] = {NAMED(PAD),   NAMED(TOGETHER), NAMED(TERMS),  NAMED(SCATTERED), NAMED(ROOTS),
-               NAMED(SPLIT), NAMED(PAIRS),    NAMED(UNROLL), NAMED(FRESH),     NAMED(BARRIERS)};
+               NAMED(SPLIT), NAMED(PAIRS),    NAMED(UNROLL), NAMED(BARRIERS)};
 enum {
     PROBLEMS = sizeof problems / sizeof *problems,
     DEVICES = sizeof devices / sizeof *devices,

@@ -21,9 +21,8 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->series_block, k)
 #define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->series_block, dx, k, lanes)
 
-#define PRODUCTS_TANGENTS          tvi_series_tangents
-#define PRODUCTS_ADJOINTS          tvi_series_adjoints
-#define PRODUCTS_CLEAR(curve, bar) tvi_series_clear(bar)
+#define PRODUCTS_TANGENTS tvi_series_tangents
+#define PRODUCTS_ADJOINTS tvi_series_adjoints
 
 /* The library measures the roundoff of passes that are stuck. */
 #define MOMENTA_ROUNDOFF(action, curve) 0

@@ -56,9 +56,6 @@ enum { CURVE_MOST_WIDTH = 1 };
 /* These multiply by the Jacobian of the field's series. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
-#define PRODUCTS_CLEAR(curve, bar)                                                                                     \
-    memset((bar) + (curve)->n, 0, (tvi_curve_slot_count(curve) - (size_t)(curve)->n) * sizeof *(bar))
-
 /* These evaluate the field at the nodes, and its tangents. */
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
 #define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_per_lane(tape, x, dx, 0, lanes)

@@ -74,7 +74,7 @@ static inline void products_set_adjoint_seeds(tvi_curve *curve, int last, const 
     for (int k = 0; k <= last; k++) {
         double *bar = products_adjoint_of_Q(curve, k);
         JET_BLOCKS(n, PRODUCTS_SEED, );
-        if (k + 2 <= last) PRODUCTS_CLEAR(curve, bar);
+        if (k + 2 <= last) memset(bar + n, 0, (tvi_curve_slot_count(curve) - (size_t)n) * sizeof *bar);
     }
 }
 

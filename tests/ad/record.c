@@ -189,21 +189,11 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
     free(dblock);
 }
 
-/* Numbers that are not computed yet show. */
-static void clear_all(const jet_tape *tape, clear_fn *clear, int orders, double *bar)
-{
-    for (int k = 0; k < orders; k++, bar += tape->slots) {
-        for (int slot = tape->inputs; slot < tape->slots; slot++) bar[slot] = NAN;
-        clear(bar);
-    }
-}
-
-void run_adjoints(const recording *r, clear_fn *clear, int degree, const double x[], const double zbar[], double xbar[])
+void run_adjoints(const recording *r, int degree, const double x[], const double zbar[], double xbar[])
 {
     const jet_tape *tape = r->tape;
     double *block = new_block(tape, degree + 1, 1), *bar = new_block(tape, degree + 1, 1);
     jet_tape_prepare_block(tape, block, degree + 1, 1);
-    if (clear) clear_all(tape, clear, degree + 1, bar);
     for (int k = 0; k <= degree; k++) {
         set_inputs(r, degree, 1, k, k, x, block);
         ck_assert(jet_sweep_series(tape, block, k, 1));

@@ -42,11 +42,8 @@ bool run_series(const recording *r, int degree, int lanes, const double x[], dou
 void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, const double x[], const double dx[],
                   double dz[]);
 
-/* Adjoints of the inputs, xbar, from those of the outputs, zbar, along the series x: sum zbar dz = sum xbar dx. clear
- * is generated code's (emit_adjoints.h), for blocks of which nothing is a number but the inputs; NULL: all is 0. */
-typedef void clear_fn(double *bar);
-void run_adjoints(const recording *r, clear_fn *clear, int degree, const double x[], const double zbar[],
-                  double xbar[]);
+/* Adjoints of the inputs, xbar, from those of the outputs, zbar, along the series x: sum zbar dz = sum xbar dx. */
+void run_adjoints(const recording *r, int degree, const double x[], const double zbar[], double xbar[]);
 
 /* The size by which roundoff in coefficient k is judged: max over i <= 2 of sqrt |z_{k-i} z_{k+i}|, which an isolated
  * small coefficient does not lower; for the last coefficient also z_{k-1}^2 / |z_{k-2}|, at most |z_{k-1}|. */

@@ -39,7 +39,6 @@ static void emit_function(jet_text *text, int i)
                                             .has_series = true,
                                             .has_adjoints = true};
     jet_emit_tape(text, series.tape, &of_series);
-    jet_text_append(text, "static void clear_%d(double *bar) { S%d_clear(bar); }\n", i, i);
     jet_emit_tape(text, values.tape, &of_values);
     recording_free(&series);
     recording_free(&values);
@@ -51,11 +50,10 @@ static void write_all(jet_text *text)
     jet_emit_rule_source(text);
     for (int i = 0; i < count; i++)
         if (is_tested(i)) emit_function(text, i);
-    jet_text_append(text,
-                    "typedef struct { const jet_sweeps *of_series, *of_values; void (*clear)(double *bar); } own;\n"
-                    "extern const own all[];\nconst own all[] = {\n");
+    jet_text_append(text, "typedef struct { const jet_sweeps *of_series, *of_values; } own;\n"
+                          "extern const own all[];\nconst own all[] = {\n");
     for (int i = 0; i < count; i++) {
-        if (is_tested(i)) jet_text_append(text, "    {&S%d_sweeps, &V%d_sweeps, clear_%d},\n", i, i, i);
+        if (is_tested(i)) jet_text_append(text, "    {&S%d_sweeps, &V%d_sweeps},\n", i, i);
         else jet_text_append(text, "    {0},\n");
     }
     jet_text_append(text, "};\n");
@@ -93,7 +91,6 @@ static int find(const char *name)
 /* The tapes and sweeps of a function. */
 typedef struct {
     const jet_sweeps *of_series, *of_values;
-    clear_fn *clear;
 } own_code;
 
 /* NULL: the tape's own. Lanes that the code has not are the interpreter's. */
@@ -117,7 +114,7 @@ static void run(const function *f, const own_code *own, results *r)
     ck_assert(run_series(&series, DEGREE, 1, x, r->series));
     run_tangents(&series, DEGREE, 1, 1, x, dx, r->tangent);
     run_tangents(&series, DEGREE, 1, DIRECTIONS, x, dx, r->tangents);
-    run_adjoints(&series, own ? own->clear : NULL, DEGREE, x, zbar, r->adjoints);
+    run_adjoints(&series, DEGREE, x, zbar, r->adjoints);
     recording_free(&series);
     recording_free(&values);
 }

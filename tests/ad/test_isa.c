@@ -34,7 +34,7 @@ static const jet_sweeps *run_with(const char *set, const function *f, results *r
     ck_assert(run_series(&series, DEGREE, 1, x, r->series));
     run_tangents(&series, DEGREE, 1, 1, x, dx, r->tangents);
     for (int i = 0; i < f->outputs * SHORT; i++) zbar[i] = 1.0 / (1 + i % 7);
-    run_adjoints(&series, NULL, DEGREE, x, zbar, r->adjoints);
+    run_adjoints(&series, DEGREE, x, zbar, r->adjoints);
     recording_free(&series);
     recording_free(&values);
     unsetenv("TVI_ISA");
