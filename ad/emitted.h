@@ -1,12 +1,11 @@
 /* emitted.h - Defines the sweeps of generated code as macros. The generated text (emit.h) contains this file after the
  * rules.
  *
- * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each
- * run in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); SCATTERED(T, i, squares, terms)
- * for products with scattered operands, on tapes of values; LINEAR(T, i, terms); ANGLES(T, i, next) for sines and
- * the cosines of the same angles; or PAIRED(T, i, next) for two products with one factor in common, whose other
- * factors are adjacent. For adjoints it defines T_RUNS_BACK, the same list in reverse order. There SUMS(T, i) stands
- * for the adjacent sums from run i on, whose adjoint function is T_sums_back_i. */
+ * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each run
+ * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); LINEAR(T, i, terms); ANGLES(T, i, next)
+ * for sines and the cosines of the same angles; or PAIRED(T, i, next) for two products with one factor in common, whose
+ * other factors are adjacent. For adjoints it defines T_RUNS_BACK, the same list in reverse order. There SUMS(T, i)
+ * stands for the adjacent sums from run i on, whose adjoint function is T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -40,9 +39,7 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
     }
 #define VALUES_ANGLES(T, i, next)             jet_compute_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
 #define VALUES_PRODUCTS(T, i, squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_SCATTERED(T, i, squares, terms)                                                                         \
-    compute_scattered_product_values(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_PAIRED(T, i, next) VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
+#define VALUES_PAIRED(T, i, next)             VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_linear_order(&T, &T##_run[i], x, lanes, terms);                                                            \
     add_constant_terms(&T, &T##_run[i], x, lanes);
@@ -103,7 +100,7 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
         bool inside = true;                                                                                            \
         double least[JET_TRACKED_LANES];                                                                               \
         JET_IN_VECTORS for (int w = 0; w < JET_TRACKED_LANES; w++) least[w] = 1;                                       \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_PAIRED, VALUES_LINEAR);         \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_PAIRED, VALUES_LINEAR);                           \
         if (T##_tracks_least_operand) inside &= are_all_positive(jet_least_operand_lane_count(lanes), least);          \
         return inside;                                                                                                 \
     }
@@ -148,36 +145,32 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
         return inside;                                                                                                 \
     }
 
-/* Stands for SCATTERED on tapes of series, which have no scattered operands. */
-#define NONE(T, i, squares, terms)
-
 #define JET_GENERATED_SERIES(T)                                                                                        \
     JET_INLINE bool T##_series_of(double *x, int k)                                                                    \
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
-        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, NONE, SERIES_PAIRED, SERIES_LINEAR) return true;         \
+        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, SERIES_PAIRED, SERIES_LINEAR) return true;               \
     }
 
 #define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_PAIRED,                             \
-                 TANGENTS_LINEAR) return true;                                                                         \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_PAIRED, TANGENTS_LINEAR) return true;     \
     }
 
 #define JET_GENERATED_TANGENTS_PER_LANE(T, LANES)                                                                      \
     NEVER void T##_tangents_per_lane_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(PER_LANE_RULE, PER_LANE_ANGLES, PER_LANE_PRODUCTS, NONE, PER_LANE_PAIRED, PER_LANE_LINEAR);           \
+        T##_RUNS(PER_LANE_RULE, PER_LANE_ANGLES, PER_LANE_PRODUCTS, PER_LANE_PAIRED, PER_LANE_LINEAR);                 \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, NONE, ADJOINTS_PAIRED, ADJOINTS_LINEAR,       \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, ADJOINTS_PAIRED, ADJOINTS_LINEAR,             \
                       ADJOINTS_SUMS)                                                                                   \
     }
 

@@ -23,15 +23,13 @@ typedef enum {
  * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own,
  * term_coefficient[k] times slot term_slot[k], for `terms` values k from term + i * terms on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
- * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. If operands are scattered, on
- * tapes of values alone, each operation has terms of its own, as for LINEAR. */
+ * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
     double exponent;         /* Exponent of POW; all others have 0. */
     bool has_constant_terms; /* LINEAR: some constant term is not 0. */
     int first_constant_term, terms, term;
-    bool is_scattered;
     int fused_runs; /* Number of runs from this one on that one call computes together; otherwise 1. */
 } jet_run;
 

@@ -92,8 +92,7 @@ uint64_t jet_hash(uint64_t hash, const void *data, size_t bytes)
     ROW(has_constant_terms)                                                                                            \
     ROW(first_constant_term)                                                                                           \
     ROW(terms)                                                                                                         \
-    ROW(term)                                                                                                          \
-    ROW(is_scattered)
+    ROW(term)
 #define VALUE(field) run->field,
 #define HASH(field)  hash = jet_hash(hash, &copy.field, sizeof copy.field);
 
