@@ -7,12 +7,10 @@
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 
-#define JET_DEVICE_PAD 1 /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
-/* Sine and cosine of one angle, and powers of one operand, are computed together: rule_power.c, chosen in tape.c. */
-#define JET_DEVICE_TOGETHER 2
-#define JET_DEVICE_TERMS    4  /* A sum of products is one operation: lowering.c. */
-#define JET_DEVICE_ROOTS    16 /* a^(-3/2) starts from an estimate, with AVX-512: roots.h. */
-#define JET_DEVICE_SPLIT    32 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
+#define JET_DEVICE_PAD   1  /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
+#define JET_DEVICE_TERMS 4  /* A sum of products is one operation: lowering.c. */
+#define JET_DEVICE_ROOTS 16 /* a^(-3/2) starts from an estimate, with AVX-512: roots.h. */
+#define JET_DEVICE_SPLIT 32 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
 /* Generated code computes two similar operations as one vector: sum_products.c, chosen in emit.c. */
 #define JET_DEVICE_PAIRS  64
 #define JET_DEVICE_UNROLL 128 /* Generated code has the orders of a series as constants: emit.c. */

@@ -56,14 +56,6 @@ JET_ONE_BY_ONE(erf, , )
 
 JET_ELEMENTARY_LIST(JET_ONE_BY_ONE)
 
-/* Sets result = sin(argument) and second_result = cos(argument). */
-JET_INLINE void jet_array_sincos(int count, const double *argument, double *restrict result,
-                                 double *restrict second_result)
-{
-    jet_array_sin(count, argument, result);
-    jet_array_cos(count, argument, second_result);
-}
-
 /* Sets result = argument^exponent. */
 JET_INLINE void jet_array_pow(double exponent, int count, const double *argument, double *restrict result)
 {
@@ -87,10 +79,9 @@ enum { JET_NATIVE = 2 };
 #endif
 typedef double jet_native_vector JET_REGISTER(double, JET_NATIVE);
 
-/* The type of a function of one vector, and of one number. A function with two results, such as sine and cosine,
- * sets both; all others set the first one. The exponent is for pow, and other functions ignore it. */
-typedef void jet_vector_function(double exponent, jet_native_vector x, jet_native_vector out[2]);
-typedef void jet_scalar_function(double exponent, double x, double *result, double *second_result);
+/* The types of a function of one vector, and of one number. The exponent is for pow, and other functions ignore it. */
+typedef jet_native_vector jet_vector_function(double exponent, jet_native_vector x);
+typedef double jet_scalar_function(double exponent, double x);
 
 JET_INLINE bool jet_is_in_range(jet_magnitude_range range, double x)
 {
@@ -106,21 +97,20 @@ JET_INLINE bool jet_are_all_in_range(jet_magnitude_range range, int count, const
 }
 
 JET_INLINE void jet_apply_to_vector(jet_vector_function *function, double exponent, const double *argument,
-                                    double *result, double *second_result)
+                                    double *result)
 {
-    jet_native_vector x, out[2];
+    jet_native_vector x;
     memcpy(&x, argument, sizeof x);
-    function(exponent, x, out);
-    memcpy(result, &out[0], sizeof x);
-    if (second_result) memcpy(second_result, &out[1], sizeof x);
+    x = function(exponent, x);
+    memcpy(result, &x, sizeof x);
 }
 
 /* Computes the function for those of `count` numbers, at most one vector, that are in the range. The vector has 1 in
  * the place of all other numbers, whose results stay as they were. */
 JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, double exponent, jet_magnitude_range range,
-                                              int count, const double *argument, double *result, double *second_result)
+                                              int count, const double *argument, double *result)
 {
-    double x[JET_NATIVE], of_z[JET_NATIVE], of_w[JET_NATIVE];
+    double x[JET_NATIVE], z[JET_NATIVE];
     bool is_in[JET_NATIVE], any = false;
     for (int i = 0; i < JET_NATIVE; i++) {
         is_in[i] = i < count && jet_is_in_range(range, argument[i]);
@@ -128,122 +118,83 @@ JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, dou
         any |= is_in[i];
     }
     if (!any) return;
-    jet_apply_to_vector(function, exponent, x, of_z, second_result ? of_w : NULL);
-    for (int i = 0; i < JET_NATIVE; i++) {
-        if (is_in[i]) result[i] = of_z[i];
-        if (is_in[i] && second_result) second_result[i] = of_w[i];
-    }
+    jet_apply_to_vector(function, exponent, x, z);
+    for (int i = 0; i < JET_NATIVE; i++)
+        if (is_in[i]) result[i] = z[i];
 }
 
 /* Computes the function for numbers of every size, each by the method for its range. */
 JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar,
                                         jet_magnitude_range near_zero, jet_magnitude_range far_from_zero,
-                                        double exponent, int count, const double *argument, double *result,
-                                        double *second_result)
+                                        double exponent, int count, const double *argument, double *result)
 {
     for (int i = 0; i < count; i++)
         if (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i]))
-            scalar(exponent, argument[i], result + i, second_result ? second_result + i : NULL);
+            result[i] = scalar(exponent, argument[i]);
     for (int here = 0; here < count; here += JET_NATIVE) {
-        double *const w_here = second_result ? second_result + here : NULL;
-        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here,
-                                      w_here);
-        jet_apply_to_numbers_in_range(function, exponent, far_from_zero, count - here, argument + here, result + here,
-                                      w_here);
+        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here);
+        jet_apply_to_numbers_in_range(function, exponent, far_from_zero, count - here, argument + here, result + here);
     }
 }
 
 JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude_range near_zero, double exponent,
-                                    int count, const double *argument, double *result, double *second_result)
+                                    int count, const double *argument, double *result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
-        jet_apply_to_vector(function, exponent, argument + here, result + here,
-                            second_result ? second_result + here : NULL);
+        jet_apply_to_vector(function, exponent, argument + here, result + here);
     if (here < count)
-        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here,
-                                      second_result ? second_result + here : NULL);
+        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here);
 }
 
 /* Defines the function jet_array_NAME. It is inlined for numbers that are all in the range near 0; the code for
  * other numbers is a function of its own. */
-#define JET_ALL_OF(name, near_zero, far_from_zero, exponent, parameters, second_result)                                \
+#define JET_ALL_OF(name, near_zero, far_from_zero, exponent, parameters)                                               \
     JET_APART void jet_any_range_##name parameters                                                                     \
     {                                                                                                                  \
         jet_apply_in_all_ranges(jet_vector_##name, jet_scalar_##name, near_zero, far_from_zero, exponent, count,       \
-                                argument, result, second_result);                                                      \
+                                argument, result);                                                                     \
     }                                                                                                                  \
     JET_INLINE void jet_array_##name parameters
 
 #define JET_ALL(name, near_zero, far_from_zero)                                                                        \
     extern jet_native_vector JET_SLEEF_OF(name)(jet_native_vector);                                                    \
-    JET_INLINE void jet_vector_##name(double exponent, jet_native_vector x, jet_native_vector out[2])                  \
+    JET_INLINE jet_native_vector jet_vector_##name(double exponent, jet_native_vector x)                               \
     {                                                                                                                  \
         (void)exponent;                                                                                                \
-        out[0] = JET_SLEEF_OF(name)(x);                                                                                \
+        return JET_SLEEF_OF(name)(x);                                                                                  \
     }                                                                                                                  \
-    JET_INLINE void jet_scalar_##name(double exponent, double x, double *result, double *second_result)                \
+    JET_INLINE double jet_scalar_##name(double exponent, double x)                                                     \
     {                                                                                                                  \
-        (void)exponent, (void)second_result;                                                                           \
-        *result = name(x);                                                                                             \
+        (void)exponent;                                                                                                \
+        return name(x);                                                                                                \
     }                                                                                                                  \
-    JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result), NULL)  \
+    JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result))        \
     {                                                                                                                  \
         if (jet_are_all_in_range(near_zero, count, argument))                                                          \
-            jet_apply_near_zero(jet_vector_##name, near_zero, 0, count, argument, result, NULL);                       \
+            jet_apply_near_zero(jet_vector_##name, near_zero, 0, count, argument, result);                             \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
 
-/* The result of SLEEF's function that computes sine and cosine of a vector. jet_array_sincos sets result =
- * sin(argument) and second_result = cos(argument). */
-typedef struct {
-    jet_native_vector sine, cosine;
-} jet_sine_and_cosine;
-extern jet_sine_and_cosine JET_SLEEF_OF(sincos)(jet_native_vector);
-JET_INLINE void jet_vector_sincos(double exponent, jet_native_vector x, jet_native_vector out[2])
-{
-    const jet_sine_and_cosine both = JET_SLEEF_OF(sincos)(x);
-    (void)exponent;
-    out[0] = both.sine;
-    out[1] = both.cosine;
-}
-JET_INLINE void jet_scalar_sincos(double exponent, double x, double *result, double *second_result)
-{
-    (void)exponent;
-    *result = sin(x);
-    *second_result = cos(x);
-}
-JET_ALL_OF(sincos, jet_angles, jet_far_angles, 0,
-           (int count, const double *argument, double *restrict result, double *restrict second_result), second_result)
-{
-    if (jet_are_all_in_range(jet_angles, count, argument))
-        jet_apply_near_zero(jet_vector_sincos, jet_angles, 0, count, argument, result, second_result);
-    else jet_any_range_sincos(count, argument, result, second_result);
-}
-
 /* Set result = argument^exponent, by SLEEF's pow if the argument and the result are far from overflow and underflow. */
 extern jet_native_vector JET_SLEEF_OF(pow)(jet_native_vector, jet_native_vector);
-JET_INLINE void jet_vector_pow(double exponent, jet_native_vector x, jet_native_vector out[2])
+JET_INLINE jet_native_vector jet_vector_pow(double exponent, jet_native_vector x)
 {
-    out[0] = JET_SLEEF_OF(pow)(x, (jet_native_vector){0} + exponent);
+    return JET_SLEEF_OF(pow)(x, (jet_native_vector){0} + exponent);
 }
-JET_INLINE void jet_scalar_pow(double exponent, double x, double *result, double *second_result)
-{
-    (void)second_result;
-    *result = pow(x, exponent);
-}
+JET_INLINE double jet_scalar_pow(double exponent, double x) { return pow(x, exponent); }
 JET_INLINE jet_magnitude_range jet_pow_base_range(double exponent)
 {
     const double bits = 1000 / fmax(fabs(exponent), 1), most = bits >= 1 ? ldexp(1, (int)bits) : 1;
     return (jet_magnitude_range){1 / most, most};
 }
 JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
-           (double exponent, int count, const double *argument, double *restrict result), NULL)
+           (double exponent, int count, const double *argument, double *restrict result))
 {
     const jet_magnitude_range near_zero = jet_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
-        jet_apply_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result, NULL);
+        jet_apply_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

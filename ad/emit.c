@@ -52,7 +52,7 @@ static void emit_double_array(jet_text *text, const char *tape_name, const char 
 
 static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
-    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, 0},\n", (int)run->op,
+    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
                     run->first_constant_term, run->terms, run->term);
 }
@@ -116,11 +116,6 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
                         run->terms);
 }
 
-static bool begins_sine_cosine_pair(const jet_tape *tape, const jet_run *run)
-{
-    return run >= tape->run && run->op == OP_SIN && run->fused_runs > 1;
-}
-
 /* Tells whether two runs are single products with the same second factor, whose first factors have adjacent slots.
  * Neither product may be the factor of the other. */
 static bool are_products_with_common_factor(const jet_tape *tape, const jet_run *run, const jet_run *next)
@@ -140,16 +135,13 @@ static bool begins_product_pair(const jet_tape *tape, const jet_run *run)
            are_products_with_common_factor(tape, run, run + 1) && !begins_product_pair(tape, run - 1);
 }
 
-/* Writes the macro call of one run. Two runs that are computed together, such as sine and cosine of the same angles,
- * share one call, which is written for the first of them. */
+/* Writes the macro call of one run. A pair of products shares one call, which is written for the first of them. */
 static void emit_run_or_pair(const tape_emitter *emitter, const jet_run *run)
 {
     const int index = (int)(run - emitter->tape->run);
-    if (begins_sine_cosine_pair(emitter->tape, run - 1) || begins_product_pair(emitter->tape, run - 1)) return;
-    const char *both = begins_sine_cosine_pair(emitter->tape, run) ? "ANGLES"
-                       : begins_product_pair(emitter->tape, run)   ? "PAIRED"
-                                                                   : NULL;
-    if (both) jet_text_append(emitter->text, " \\\n    %s(%s, %d, %d)", both, emitter->request->name, index, index + 1);
+    if (begins_product_pair(emitter->tape, run - 1)) return;
+    if (begins_product_pair(emitter->tape, run))
+        jet_text_append(emitter->text, " \\\n    PAIRED(%s, %d, %d)", emitter->request->name, index, index + 1);
     else emit_run_macro_call(emitter, run);
 }
 
@@ -167,9 +159,9 @@ static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run 
 static void emit_run_lists(const tape_emitter *emitter)
 {
     const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->runs;
-    jet_text_append(emitter->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, PAIRED, LINEAR)", emitter->request->name);
+    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, PAIRED, LINEAR)", emitter->request->name);
     for (const jet_run *run = begin; run < end; run++) emit_run_or_pair(emitter, run);
-    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, PAIRED, LINEAR, SUMS)",
+    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, PAIRED, LINEAR, SUMS)",
                     emitter->request->name);
     for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
         emit_run_of_adjoint_list(emitter, run);

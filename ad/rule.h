@@ -69,14 +69,6 @@ typedef struct {
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
-/* Computes the values of a sine run and a cosine run of the same operands together (jet_run.fused_runs), which costs
- * little more than one of them. */
-#define jet_compute_sine_cosine JET_FOR_ISA(jet_compute_sine_cosine)
-void jet_compute_sine_cosine(const jet_run *sine, const jet_run *cosine, double *block, int lanes);
-/* Computes the values of up to four runs of powers of the same operands together, with the same bits as one by one. */
-#define jet_compute_inverse_roots JET_FOR_ISA(jet_compute_inverse_roots)
-bool jet_compute_inverse_roots(const jet_run *first_run, int run_count, double *block, int lanes);
-
 /* Lists all rules in the order of jet_op, with the operation and the name of the rule. */
 #define JET_RULE_LIST(ROW)                                                                                             \
     ROW(OP_MUL, mul)                                                                                                   \

@@ -66,13 +66,6 @@ GROWTH_RULES(tan, tan, PLUS, 1)   /* w = 1 + z^2 */
 GROWTH_RULES(tanh, tanh, PLUS, 1) /* w = sech2 a */
 GROWTH_RULES(erf, erf, PLUS, 1)   /* w = 2 exp(-a^2) / sqrt(pi) */
 
-void jet_compute_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes)
-{
-    const size_t each = (size_t)lanes;
-    jet_array_sincos(sine->operation_count * lanes, x + (size_t)sine->a * each, x + (size_t)sine->z * each,
-                     x + (size_t)cosine->z * each);
-}
-
 /* ---- z = sech^2 a = 1 - w^2 with w = tanh a: the value without the cancellation, the series with w --------------- */
 
 static bool evaluate_sech2(double exponent, int count, const double *a, const double *b, double *restrict z)

@@ -236,16 +236,6 @@ static bool evaluate_pow(double exponent, int width, const double *a, const doub
                                  : compute_variable_power(exponent, width, a, z);
 }
 
-bool jet_compute_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
-{
-    const int width = run->operation_count * lanes;
-    const double *a = x + (size_t)run->a * (size_t)lanes;
-    double *z = x + (size_t)run->z * (size_t)lanes;
-    return powers == 2   ? compute_inverse_half_powers(3, 2, width, a, z)
-           : powers == 3 ? compute_inverse_half_powers(5, 3, width, a, z)
-                         : compute_inverse_half_powers(7, 4, width, a, z);
-}
-
 /* The series rule computes z_k:
  * a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2).
  * The term of a_k is separate, since a_k is known last; one operation then follows it. If k is a constant for the

@@ -13,23 +13,13 @@ static double *writable_slot_numbers(double *block, int slot, int lanes)
 
 static bool is_product_run(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
-static bool compute_runs_together(const jet_run *run, double *block, int lanes)
-{
-    if (run->op == OP_POW) return jet_compute_inverse_roots(run, run->fused_runs, block, lanes);
-    jet_compute_sine_cosine(run, run + 1, block, lanes);
-    return true;
-}
-
 JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
     bool inside = true;
-    for (const jet_run *run = tape->run, *const end = run + tape->runs; run < end; run++) {
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
         if (is_product_run(run)) jet_compute_product_values(tape, run, block, lanes);
         else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
-        else if (run->fused_runs > 1) {
-            inside &= compute_runs_together(run, block, lanes);
-            run += run->fused_runs - 1;
-        } else
+        else
             inside &= jet_rules[run->op]->compute_values(
                 run->exponent, run->operation_count * lanes, slot_numbers(block, run->a, lanes),
                 slot_numbers(block, run->b, lanes), writable_slot_numbers(block, run->z, lanes));

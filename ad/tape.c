@@ -157,28 +157,6 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
            tape->output_slot && tape->recording_index;
 }
 
-/* Counts the runs from this one on that one call computes together. They are sines and the cosines of the same
- * operands, or the powers -7/2, -5/2, -3/2 and -1/2, or the last few of these, of the same operands. The runs must
- * be adjacent. */
-static int count_runs_computed_together(const jet_run *run, const jet_run *end)
-{
-    int count = 1;
-    const jet_run *next = run + 1;
-    if (!JET_HAS(TOGETHER)) return 1;
-    if (next < end && run->op == OP_SIN && next->op == OP_COS && next->a == run->a &&
-        next->operation_count == run->operation_count)
-        return 2;
-    if (run->op != OP_POW || run->exponent < -3.5) return 1;
-    for (; next < end && next->op == OP_POW && next->exponent == next[-1].exponent + 1 && next->exponent <= -0.5;
-         next++) {
-        if (next->a != run->a || next->operation_count != run->operation_count ||
-            next->z != next[-1].z + run->operation_count)
-            return 1;
-        count++;
-    }
-    return next[-1].exponent == -0.5 ? count : 1;
-}
-
 /* Lowers the graph to the tape, whose arrays are allocated. Returns false if memory is lacking. */
 static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int inputs, int outputs, const jet output[])
 {
@@ -189,10 +167,7 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
     tape->slots = lowering->slots;
     tape->outputs = outputs;
     for (int i = 0; i < outputs; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
-    if (JET_HAS(PAD) && lowering->kind == JET_TAPE_SERIES && !jet_pad_tape_runs(tape)) return false;
-    const jet_run *const end = tape->run + tape->runs;
-    for (jet_run *run = tape->run; run < end; run++) run->fused_runs = count_runs_computed_together(run, end);
-    return true;
+    return !JET_HAS(PAD) || lowering->kind != JET_TAPE_SERIES || jet_pad_tape_runs(tape);
 }
 
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind)

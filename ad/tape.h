@@ -30,7 +30,6 @@ typedef struct {
     double exponent;         /* Exponent of POW; all others have 0. */
     bool has_constant_terms; /* LINEAR: some constant term is not 0. */
     int first_constant_term, terms, term;
-    int fused_runs; /* Number of runs from this one on that one call computes together; otherwise 1. */
 } jet_run;
 
 /* A constant that may be replaced: the parameter with this index. */

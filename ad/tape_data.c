@@ -80,7 +80,7 @@ uint64_t jet_hash(uint64_t hash, const void *data, size_t bytes)
 }
 
 /* Lists the fields of a run to be hashed one by one, since a run has gaps between them. If a field is left out, the
- * compiler reports a missing initialiser. fused_runs follows from the others, and is not hashed. */
+ * compiler reports a missing initialiser. */
 #define RUN_FIELDS(ROW)                                                                                                \
     ROW(op)                                                                                                            \
     ROW(operation_count)                                                                                               \
@@ -98,7 +98,7 @@ uint64_t jet_hash(uint64_t hash, const void *data, size_t bytes)
 
 static uint64_t hash_run(uint64_t hash, const jet_run *run)
 {
-    const jet_run copy = {RUN_FIELDS(VALUE) run->fused_runs};
+    const jet_run copy = {RUN_FIELDS(VALUE)};
     RUN_FIELDS(HASH)
     return hash;
 }

@@ -86,29 +86,18 @@ static bool is_ready_after(const run_splitting *s, int slot, int made_slot)
 }
 
 /* Appends the operations that the slot reads, then the operation of the slot, and then those operations that waited
- * for this one alone. A sine and the cosine of the same angle are appended together. */
+ * for this one alone. */
 static void append_operation_with_dependents(const run_splitting *s, int slot)
 {
     const jet_run *run = s->producing_run[slot];
     if (!run) return;
-    const int i = slot - run->z;
-    if (run->op == OP_COS && run > s->tape->run && run[-1].fused_runs == 2 && s->producing_run[run[-1].z + i]) {
-        append_operation_with_dependents(s, run[-1].z + i);
-        return;
-    }
-    for (int k = 0, a; (a = jet_operation_operand_slot(s->tape, run, i, k)) >= 0; k++)
+    for (int k = 0, a; (a = jet_operation_operand_slot(s->tape, run, slot - run->z, k)) >= 0; k++)
         append_operation_with_dependents(s, a);
     if (!s->producing_run[slot]) return;
-    const bool has_cosine = run->op == OP_SIN && run->fused_runs == 2;
-    for (const jet_run *made = run; made <= run + has_cosine; made++) {
-        append_split_run(s, made, i, 1);
-        s->split->run[s->split->runs - 1].fused_runs = made == run && has_cosine ? 2 : 1;
-        s->producing_run[made->z + i] = NULL;
-    }
+    append_split_run(s, run, slot - run->z, 1);
+    s->producing_run[slot] = NULL;
     for (int next = 0; next < s->tape->slots; next++)
-        for (const jet_run *made = run; made <= run + has_cosine; made++)
-            if (s->producing_run[next] && is_ready_after(s, next, made->z + i))
-                append_operation_with_dependents(s, next);
+        if (s->producing_run[next] && is_ready_after(s, next, slot)) append_operation_with_dependents(s, next);
 }
 
 /* ---- Factors of sums --------------------------------------------------------------------------------------------- */

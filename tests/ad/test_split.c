@@ -155,32 +155,6 @@ START_TEST(factors_of_sums_are_moved)
 }
 END_TEST
 
-/* The cosine of an angle stands behind its sine, whichever is wanted first. */
-START_TEST(angles_stay_together)
-{
-    if (is_plain()) return;
-    jet_graph *graph = jet_graph_create(2);
-    jet z[4];
-    for (int i = 0; i < 2; i++) {
-        z[1 - i] = jet_cos(jet_graph_input(graph, i));
-        z[2 + i] = jet_sin(jet_graph_input(graph, i));
-    }
-    recording r = record_close(graph, 4, z, JET_TAPE_VALUES);
-    jet_tape split;
-    ck_assert(jet_split_tape_runs(&split, r.tape, JET_SPLIT_ALL));
-    ck_assert_int_eq(split.runs, 4);
-    for (const jet_run *run = split.run; run < split.run + split.runs; run += 2) {
-        ck_assert_int_eq(run[0].op, OP_SIN);
-        ck_assert_int_eq(run[0].fused_runs, 2);
-        ck_assert_int_eq(run[1].op, OP_COS);
-        ck_assert_int_eq(run[1].fused_runs, 1);
-        ck_assert_int_eq(run[1].a, run[0].a);
-    }
-    jet_free_split_tape(&split);
-    recording_free(&r);
-}
-END_TEST
-
 void add_splits(Suite *suite)
 {
     TCase *splits = add_case(suite, "splits");
@@ -188,5 +162,4 @@ void add_splits(Suite *suite)
     tcase_add_loop_test(splits, operations_are_made_once, 0, operation_count + composition_count);
     tcase_add_test(splits, pairs_follow_each_other);
     tcase_add_loop_test(splits, factors_of_sums_are_moved, 1, WAYS);
-    tcase_add_test(splits, angles_stay_together);
 }
