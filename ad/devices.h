@@ -9,7 +9,6 @@
 
 #define JET_DEVICE_PAD   1  /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
 #define JET_DEVICE_TERMS 4  /* A sum of products is one operation: lowering.c. */
-#define JET_DEVICE_ROOTS 16 /* a^(-3/2) starts from an estimate, with AVX-512: roots.h. */
 #define JET_DEVICE_SPLIT 32 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
 /* Generated code computes two similar operations as one vector: sum_products.c, chosen in emit.c. */
 #define JET_DEVICE_PAIRS  64
@@ -18,7 +17,7 @@
 #define JET_DEVICE_BARRIERS 512
 
 /* The devices that the text of generated code contains. Its first line (emit.c) says which of them it goes without. */
-#define JET_DEVICES_OF_TEXT (JET_DEVICE_ROOTS | JET_DEVICE_PAIRS | JET_DEVICE_BARRIERS)
+#define JET_DEVICES_OF_TEXT (JET_DEVICE_PAIRS | JET_DEVICE_BARRIERS)
 #ifdef JET_EMITTED
 #elif defined TVI_PLAIN
 #define JET_WITHOUT (~0)

@@ -1,10 +1,8 @@
 /* rule_power.c - Defines the rules of the square root and of powers with a constant exponent (docs/jets.md, section
  * 4). */
 #include "elementary.h"
-#include "roots.h"
 #include "rule.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -93,99 +91,9 @@ static bool are_all_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* The following functions compute a^(-k/2) for k = 7, 5, 3, 1, or for the last few of these k, as the potential of
- * gravity and its derivatives need them. k and the number of powers are constants for the compiler. Each power fills
- * `width` numbers of z. */
-#ifdef HAS_ROOTS
-typedef struct {
-    roots_vector a, bounded, y, square, e;
-} inverse_root_estimate;
-
-/* Estimates the inverse square root: y is near a^(-1/2), with so few bits that y^3 is exact, and e = 1 - a y^2 is
- * the relative error of y^2, |e| < 2^-12. */
-JET_INLINE inverse_root_estimate estimate_inverse_root(roots_vector a)
-{
-    /* min_pd returns its second operand if one of them is NaN; the result is thus NaN if a is. */
-    const roots_vector bounded = OF_ROOTS(min_pd)(OF_ROOTS(set1_pd)(DBL_MAX), a);
-    const roots_vector y = ROOTS_BITS(estimate_inverse_roots(bounded), ~((1LL << 36) - 1));
-    const roots_vector square = y * y, e = OF_ROOTS(fnmadd_pd)(bounded, square, OF_ROOTS(set1_pd)(1));
-    return (inverse_root_estimate){a, bounded, y, square, e};
-}
-
-/* Computes
- *     a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...)
- * from the estimate y. The result is rounded once for k = 1 and 3; a root, a product and a quotient would round
- * three times and take twice as long. If y^2 or a is infinite, y^k is infinite or 0. For k = 1 the function then
- * divides by the square root instead, and likewise if y is not close enough. */
-JET_INLINE roots_vector refine_inverse_power(int k, inverse_root_estimate root)
-{
-    const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
-    const roots_vector e = root.e, squared = e * e, series = (c1 + e * c2) + squared * (c3 + e * c4);
-    roots_vector power = root.y;
-    for (int i = 1; i < k; i += 2) power *= root.square;
-    const roots_mask finite = ROOTS_WHERE(power, _CMP_NEQ_UQ, OF_ROOTS(set1_pd)(INFINITY));
-    const roots_vector rounded = ROOTS_CHOOSE(finite, OF_ROOTS(fmadd_pd)(power * e, series, power), power);
-    if (k > 1) return rounded;
-    const roots_vector near =
-        ROOTS_CHOOSE(ROOTS_WHERE(root.a, _CMP_EQ_OQ, root.bounded), squared, OF_ROOTS(set1_pd)(1));
-    const roots_mask usual = ROOTS_WHERE(near, _CMP_LT_OQ, OF_ROOTS(set1_pd)(0x1p-20));
-    if (ROOTS_ARE(usual) == (1 << ROOTS) - 1) return rounded;
-    return ROOTS_CHOOSE(usual, rounded, 1 / OF_ROOTS(sqrt_pd)(root.a));
-}
-
-enum { INVERSE_ROOTS = 4 };
-/* The type of a function that computes powers of one vector: a^(-k/2) and those that follow it. */
-typedef void powers_of_block(int k, int powers, roots_vector a, roots_vector power[]);
-
-JET_INLINE void compute_inverse_root_powers(int k, int powers, roots_vector a, roots_vector power[])
-{
-    const inverse_root_estimate root = estimate_inverse_root(a);
-    for (int i = 0; i < powers; i++) power[i] = refine_inverse_power(k - 2 * i, root);
-}
-
-/* Computes a^(quarters/4) for 3, -1, -3 and -5 quarters, as a^i r^j a^(-1/4). Here r = a^(-1/2), and a^(-1/4) is the
- * square root of r. */
-JET_INLINE void compute_odd_quarter_power(int quarters, int powers, roots_vector a, roots_vector power[])
-{
-    const int ups = (quarters + 3) / 4;
-    const roots_vector bounded = ups > 0 ? OF_ROOTS(min_pd)(OF_ROOTS(set1_pd)(DBL_MAX), a) : a;
-    const roots_vector r = refine_inverse_power(1, estimate_inverse_root(bounded));
-    (void)powers;
-    *power = OF_ROOTS(sqrt_pd)(r);
-    for (int i = quarters; i < -1; i += 2) *power *= r;
-    for (int i = 0; i < ups; i++) *power *= a;
-}
-
-JET_INLINE bool apply_in_vector_blocks(powers_of_block *of_block, int k, int powers, int width, const double *a,
-                                       double *restrict z)
-{
-    roots_vector power[INVERSE_ROOTS];
-    int outside = 0, w = 0;
-    for (; w + ROOTS <= width; w += ROOTS) {
-        const roots_vector block = OF_ROOTS(loadu_pd)(a + w);
-        outside |= ROOTS_ARE(ROOTS_WHERE(block, _CMP_LE_OQ, OF_ROOTS(setzero_pd)()));
-        of_block(k, powers, block, power);
-        for (int i = 0; i < powers; i++) OF_ROOTS(storeu_pd)(z + i * width + w, power[i]);
-    }
-    /* A single number is stored as a number: a load of one number would have to wait for a vector's store. */
-    if (w + 1 == width) {
-        const roots_vector block = OF_ROOTS(set1_pd)(a[w]);
-        outside |= a[w] <= 0;
-        of_block(k, powers, block, power);
-        for (int i = 0; i < powers; i++) z[i * width + w] = power[i][0];
-    } else if (w < width) {
-        const roots_mask rest = ROOTS_FIRST(width - w);
-        const roots_vector block = ROOTS_CHOOSE(rest, ROOTS_LOAD(rest, a + w), OF_ROOTS(set1_pd)(1));
-        outside |= ROOTS_ARE(ROOTS_WHERE(block, _CMP_LE_OQ, OF_ROOTS(setzero_pd)()));
-        of_block(k, powers, block, power);
-        for (int i = 0; i < powers; i++) ROOTS_STORE(rest, z + i * width + w, power[i]);
-    }
-    return !outside;
-}
-
-#else
-
-JET_INLINE void compute_inverse_root_power(int k, int width, const double *a, double *restrict z)
+/* Computes z = a^(-k/2) for an odd k, a constant for the compiler, as the potential of gravity and its derivatives need
+ * it. */
+JET_INLINE bool compute_inverse_half_power(int k, int width, const double *a, double *restrict z)
 {
     JET_IN_VECTORS
     for (int w = 0; w < width; w++) {
@@ -193,33 +101,19 @@ JET_INLINE void compute_inverse_root_power(int k, int width, const double *a, do
         for (int i = 1; i < k; i += 2) power *= a[w];
         z[w] = 1 / power;
     }
-}
-#endif
-
-JET_INLINE bool compute_inverse_half_powers(int k, int powers, int width, const double *a, double *restrict z)
-{
-#ifdef HAS_ROOTS
-    return apply_in_vector_blocks(compute_inverse_root_powers, k, powers, width, a, z);
-#else
-    for (int p = 0; p < powers; p++, k -= 2, z += width) compute_inverse_root_power(k, width, a, z);
     return are_all_positive(width, a);
-#endif
 }
 
 JET_INLINE bool compute_general_power(double exponent, int width, const double *a, double *restrict z)
 {
-#ifdef HAS_ROOTS
-    if (exponent == 0.75 || exponent == -0.25 || exponent == -0.75 || exponent == -1.25)
-        return apply_in_vector_blocks(compute_odd_quarter_power, (int)(4 * exponent), 1, width, a, z);
-#endif
     if (fabs(4 * exponent) <= QUARTERS_MAX && 4 * exponent == floor(4 * exponent))
         compute_quarter_power((int)(4 * exponent), width, a, z);
     else jet_array_pow(exponent, width, a, z);
     return exponent == floor(exponent) ? are_all_nonzero(width, a) : are_all_positive(width, a);
 }
 
-/* Computes a power whose exponent is no constant for the compiler. It is a function of its own, so that
- * compute_inverse_half_powers need not save registers for it. */
+/* Computes a power whose exponent is no constant for the compiler. It is a function of its own, so that its caller need
+ * not save registers for it. */
 JET_APART bool compute_variable_power(double exponent, int width, const double *a, double *restrict z)
 {
     return compute_general_power(exponent, width, a, z);
@@ -228,10 +122,10 @@ JET_APART bool compute_variable_power(double exponent, int width, const double *
 static bool evaluate_pow(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return exponent == -0.5      ? compute_inverse_half_powers(1, 1, width, a, z)
-           : exponent == -1.5    ? compute_inverse_half_powers(3, 1, width, a, z)
-           : exponent == -2.5    ? compute_inverse_half_powers(5, 1, width, a, z)
-           : exponent == -3.5    ? compute_inverse_half_powers(7, 1, width, a, z)
+    return exponent == -0.5      ? compute_inverse_half_power(1, width, a, z)
+           : exponent == -1.5    ? compute_inverse_half_power(3, width, a, z)
+           : exponent == -2.5    ? compute_inverse_half_power(5, width, a, z)
+           : exponent == -3.5    ? compute_inverse_half_power(7, width, a, z)
            : JET_KNOWS(exponent) ? compute_general_power(exponent, width, a, z)
                                  : compute_variable_power(exponent, width, a, z);
 }
