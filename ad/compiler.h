@@ -1,7 +1,7 @@
-/* compiler.h - Defines everything that the library asks of the compilers, gcc and clang: attributes, pragmas,
- * built-in functions and barriers, each with its reason. Only OpenMP's pragmas, the processor queries of isa.c and
- * the visibility of bodies.c stand elsewhere. The macros change at most the last bits of results, where a sum is
- * computed as a vector. Generated code begins with this text. */
+/* compiler.h - Defines everything that the library asks of the compilers, gcc and clang: attributes, pragmas and
+ * built-in functions, each with its reason. Only OpenMP's pragmas, the processor queries of isa.c and the visibility of
+ * bodies.c stand elsewhere. The macros change at most the last bits of results, where a sum is computed as a vector.
+ * Generated code begins with this text. */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 
@@ -97,39 +97,6 @@
 #define JET_KNOWS(order) false
 #else
 #define JET_KNOWS(order) __builtin_constant_p(order)
-#endif
-
-/* ---- Barriers ---------------------------------------------------------------------------------------------------- */
-
-#define JET_ANYWHERE(number) __asm__("" : "+m"(number))
-#if JET_WITHOUT & JET_DEVICE_BARRIERS
-#define JET_SINGLY(count, number)  ((void)(count), (void)(number))
-#define JET_ALONE(number)          ((void)(number))
-#define JET_LEAVE_REGISTERS(array) ((void)(array))
-#else
-
-/* Stores each number of a short loop separately. The numbers are read again as parts of vectors, or one by one, and
- * a load is delayed if its bytes come from several recent stores. Generated code with vectors of eight needs no such
- * barrier. */
-#if defined(JET_EMITTED) && defined(__AVX512F__)
-#define JET_SINGLY(count, number) ((void)(count), (void)(number))
-#else
-#define JET_SINGLY(count, number)                                                                                      \
-    do {                                                                                                               \
-        if ((count) < 8) JET_ANYWHERE(number);                                                                         \
-    } while (0)
-#endif
-
-/* Keeps a number in a register of its own, so that the compiler does not make it a part of a vector. */
-#ifdef __SSE2__
-#define JET_ALONE(number) __asm__("" : "+x"(number))
-#else
-#define JET_ALONE(number) JET_ANYWHERE(number)
-#endif
-
-/* Makes the compiler forget that the numbers of an array are in vector registers. A product with a number in memory
- * takes one instruction, and with a part of a vector register two. */
-#define JET_LEAVE_REGISTERS(array) __asm__("" : "+r"(array))
 #endif
 
 #endif

@@ -13,11 +13,9 @@
 /* Generated code computes two similar operations as one vector: sum_products.c, chosen in emit.c. */
 #define JET_DEVICE_PAIRS  64
 #define JET_DEVICE_UNROLL 128 /* Generated code has the orders of a series as constants: emit.c. */
-/* Barriers keep the compiler from vectors that would wait for recent stores: compiler.h. */
-#define JET_DEVICE_BARRIERS 512
 
 /* The devices that the text of generated code contains. Its first line (emit.c) says which of them it goes without. */
-#define JET_DEVICES_OF_TEXT (JET_DEVICE_PAIRS | JET_DEVICE_BARRIERS)
+#define JET_DEVICES_OF_TEXT (JET_DEVICE_PAIRS)
 #ifdef JET_EMITTED
 #elif defined TVI_PLAIN
 #define JET_WITHOUT (~0)

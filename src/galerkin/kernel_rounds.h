@@ -99,7 +99,6 @@ JET_INLINE double NAME(change_by_impulses)(const lanes_inner_rounds *rounds)
     float *change = rounds->round_change, *total = rounds->total_change;
     ROW_VECTOR squares = {0}, column[LANES];
     float parts[sizeof squares / sizeof(float)];
-    JET_LEAVE_REGISTERS(impulse);
     for (int j = 0; j < (IS_ONE ? LANES : 0); j++) column[j] = PART_AT(matrix + j * LANES, 0) + (ROW_VECTOR){0};
     for (int i = 0; i < rounds->column_count; i++, impulse += LANES, change += LANES, total += LANES)
         for (int b = 0; b < NAME(parts); b++) {

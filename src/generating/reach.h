@@ -46,7 +46,6 @@ static inline double reach_coefficient_size(const tvi_curve *curve, bool of_mome
         size = tvi_larger(fabs(of_momentum ? tvi_curve_momentum_coefficient(curve, k, i)
                                            : tvi_curve_position_coefficients(curve, k)[i]),
                           size);
-    JET_ALONE(size);
     return size;
 }
 
@@ -98,8 +97,8 @@ static inline double reach_log_step_by_term(const tvi_curve *curve, const reach_
     double farthest = -INFINITY;
     for (int i = 0; i < REACH_SIZED_BY; i++) {
         const int apart = x.order - first[i].order;
-        double reach = apart > 0 ? (log_part + first[i].log_size - x.log_size) * curve->reciprocal[apart] : -INFINITY;
-        JET_ALONE(reach);
+        const double reach =
+            apart > 0 ? (log_part + first[i].log_size - x.log_size) * curve->reciprocal[apart] : -INFINITY;
         farthest = tvi_larger(reach, farthest);
     }
     return farthest > -INFINITY ? farthest : INFINITY;
@@ -112,10 +111,9 @@ static inline double reach_log_step_by_last_terms(const tvi_curve *curve, const 
     double least = INFINITY;
     for (int i = 0; i < REACH_LAST; i++) {
         const reach_term x = ends->last[i];
-        double reach =
+        const double reach =
             x.order > 1 ? reach_log_step_by_term(curve, ends->first, x, log_part * x.order * curve->reciprocal[degree])
                         : INFINITY;
-        JET_ALONE(reach);
         least = tvi_smaller(reach, least);
     }
     return least;

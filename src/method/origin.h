@@ -87,7 +87,6 @@ static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, do
         const double sum = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
         any |= tvi_nonfinite_bits(sum);
         x[i] = sum;
-        JET_SINGLY(count, x[i]);
     }
     return any;
 }
