@@ -1,7 +1,6 @@
 /* emit.c - Writes the sweeps of a tape as C text (emit.h). src/compiled/ and the generated steps call it. */
 #include "emit.h"
 #include "devices.h"
-#include "emit_adjoints.h"
 #include "rule.h"
 #include "split.h"
 
@@ -92,10 +91,70 @@ static void emit_tape_constants(const tape_emitter *emitter)
     jet_text_append(
         emitter->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
-        "    .constant_terms = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1, .term_operand_b = (int "
-        "*)%s_operand_b + "
-        "1, .term_coefficient = (double *)%s_coefficient + 1};\n",
+        "    .constant_terms = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1,\n"
+        "    .term_operand_b = (int *)%s_operand_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
         name, tape->inputs, tape->constants, tape->slots, name, name, name, name, name);
+}
+
+/* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
+
+/* Tells whether a run is a single sum, on a tape on which each sum is a run of its own. */
+static bool is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
+
+/* Tells whether a sum has a term in this slot or in a later one. */
+static bool reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
+{
+    for (int term = run->term; term < run->term + run->terms; term++)
+        if (tape->term_slot[term] >= slot) return true;
+    return false;
+}
+
+/* Returns the first sum in the sequence of adjacent sums that contains `run`. No sum of a sequence reads another. */
+static const jet_run *first_adjacent_sum(const jet_tape *tape, const jet_run *run)
+{
+    const jet_run *first = run;
+    while (first > tape->run && is_single_sum(first - 1)) first--;
+    for (const jet_run *next = first; next <= run; next++)
+        if (reads_slot_at_or_after(tape, next, first->z)) first = next;
+    return first;
+}
+
+/* Returns the end of the sequence of adjacent sums that begins with `first`. */
+static const jet_run *end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
+{
+    const jet_run *const end = tape->run + tape->runs, *next = first;
+    while (next < end && is_single_sum(next) && first_adjacent_sum(tape, next) == first) next++;
+    return next;
+}
+
+/* Writes one statement that adds the contributions of these sums to the adjoint of a slot. */
+static void emit_adjoint_contributions(jet_text *text, const jet_tape *tape, const jet_run *first, const jet_run *end,
+                                       int slot)
+{
+    bool has_any = false;
+    for (const jet_run *run = first; run < end; run++)
+        for (int term = run->term; term < run->term + run->terms; term++) {
+            if (tape->term_slot[term] != slot) continue;
+            if (!has_any) jet_text_append(text, "    bar[%d] = bar[%d]", slot, slot);
+            jet_text_append(text, " + %a * bar[%d]", tape->term_coefficient[term], run->z);
+            has_any = true;
+        }
+    if (has_any) jet_text_append(text, ";\n");
+}
+
+/* Writes the functions NAME_sums_back_i(bar), which compute the adjoints of the adjacent sums from run i on. The
+ * contributions of these sums to an operand are summed in one statement. */
+static void emit_adjoints_of_sums(const tape_emitter *emitter)
+{
+    const jet_tape *tape = emitter->tape;
+    for (const jet_run *first = tape->run; first < tape->run + tape->runs; first++) {
+        if (!is_single_sum(first) || first_adjacent_sum(tape, first) != first) continue;
+        jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", emitter->request->name,
+                        (int)(first - tape->run));
+        for (int slot = 0; slot < first->z; slot++)
+            emit_adjoint_contributions(emitter->text, tape, first, end_of_adjacent_sums(tape, first), slot);
+        jet_text_append(emitter->text, "}\n");
+    }
 }
 
 /* ---- The sweeps -------------------------------------------------------------------------------------------------- */
@@ -147,9 +206,9 @@ static void emit_run_or_pair(const tape_emitter *emitter, const jet_run *run)
 
 static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run *run)
 {
-    const jet_run *first = jet_is_single_sum(run) ? jet_first_adjacent_sum(emitter->tape, run) : NULL;
+    const jet_run *first = is_single_sum(run) ? first_adjacent_sum(emitter->tape, run) : NULL;
     if (!first) emit_run_or_pair(emitter, run);
-    else if (jet_end_of_adjacent_sums(emitter->tape, first) == run + 1)
+    else if (end_of_adjacent_sums(emitter->tape, first) == run + 1)
         jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name,
                         (int)(first - emitter->tape->run));
 }
@@ -302,8 +361,8 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
         JET_HAS(UNROLL) &&
         operation_count * (1 + request->tangent_vector_count) * (request->top_order + 1) <= UNROLLED_MOST;
     const tape_emitter emitter = {text, &split, request, operation_count, unrolls_orders, splits_operations};
-    if (request->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_tape_constants(&emitter);
+    if (request->has_adjoints) emit_adjoints_of_sums(&emitter);
     emit_run_lists(&emitter);
     emit_inlined_functions(&emitter);
     emit_loop_over_orders_macro(&emitter);
