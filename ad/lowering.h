@@ -1,5 +1,5 @@
-/* lowering.h - Declares the first part of the lowering of a graph to a tape, which gives the nodes their slots
- * (docs/jets.md, section 2). tape.c calls it. */
+/* lowering.h - Declares two parts of the lowering of a graph to a tape (docs/jets.md, section 2): the nodes are given
+ * their slots, and runs are lengthened to whole vectors. tape.c calls them. */
 #ifndef TVI_AD_LOWERING_H
 #define TVI_AD_LOWERING_H
 
@@ -37,6 +37,14 @@ typedef struct {
 
 /* Chooses the nodes that the outputs need, the operations that compute them, and their slots. */
 void jet_assign_slots(graph_lowering *lowering, int inputs, int outputs, const jet output[]);
+
+/* Lengthens the runs of a tape to whole vectors of eight (tape_pad.c). Repeats the last operation of each run whose
+ * length is just below a multiple of eight, on tapes with runs of eight operations or more. Sweeps process a run in
+ * vectors, and the three short vectors at its end (4, 2, 1) take as long as three whole ones. The operands of the
+ * repeated operations are copied, too. Nothing reads the repeated results, whose adjoints are therefore 0. Runs of
+ * whole vectors begin at slots that are multiples of eight, as each order of a block does; slots that this leaves empty
+ * are never read. Returns false if memory is lacking; the tape is then unchanged. */
+bool jet_pad_tape_runs(jet_tape *tape);
 
 /* Tells whether the tape needs the partner of z, as all tapes of series do. */
 static inline bool needs_partner(const graph_lowering *lowering, const struct jet_node *z)

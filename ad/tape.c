@@ -1,7 +1,6 @@
 /* tape.c - Lowers a graph to a tape (docs/jets.md, section 2). lowering.c gives the nodes their slots; adjacent
  * equal operations become one run. The systems create their tapes here. */
 #include "devices.h"
-#include "pad.h"
 #include "lowering.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
-/* tape_pad.c - Lengthens the runs of a tape to whole vectors (pad.h). tape.c calls it. */
-#include "pad.h"
-#include "rule.h"
+/* tape_pad.c - Lengthens the runs of a tape to whole vectors (jet_pad_tape_runs). tape.c calls it. */
+#include "lowering.h"
+#include "split.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,17 +21,6 @@ static int padding_length(int operation_count)
     return operation_count > VECTOR && rest > FEW ? VECTOR - rest : 0;
 }
 
-/* Returns the first slot of an operand of a run, which must not be LINEAR. Operands are counted from 0; -1: the run has
- * no such operand. */
-static int operand_first_slot(const jet_tape *tape, const jet_run *run, int operand)
-{
-    if (run->terms == 0)
-        return operand == 0 ? run->a : operand == 1 && jet_rules[run->op]->operand_count == 2 ? run->b : -1;
-    if (operand >= 2 * run->terms) return -1;
-    const int term = run->term + operand / 2;
-    return operand % 2 == 0 || run->op == OP_SQUARES ? tape->term_slot[term] : tape->term_operand_b[term];
-}
-
 static int last_slot(const jet_run *run, int first) { return first + run->operation_count - 1; }
 
 /* Tells whether the last operation of the run can be repeated: each of its operands must have as many copies as the run
@@ -39,7 +28,7 @@ static int last_slot(const jet_run *run, int first) { return first + run->operat
 static bool can_pad_run(const run_padding *p, const jet_run *run)
 {
     if (run->op == OP_LINEAR || run->w != 0 || padding_length(run->operation_count) == 0) return false;
-    for (int k = 0, first; (first = operand_first_slot(p->tape, run, k)) >= 0; k++) {
+    for (int k = 0, first; (first = jet_operation_operand_slot(p->tape, run, 0, k)) >= 0; k++) {
         const int slot = last_slot(run, first);
         if (!p->producing_run[slot]) return false;
         if (p->producing_run[slot]->op != OP_LINEAR && p->copy_counts[slot] < padding_length(run->operation_count))
@@ -65,7 +54,7 @@ static void request_copies_of_all_runs(const run_padding *p)
         const bool is_even = run->op != OP_LINEAR && run->operation_count % VECTOR == 0;
         if (!is_even && !can_pad_run(p, run)) continue;
         request_copies_of_range(p, run, run->z);
-        for (int k = 0, first; (first = operand_first_slot(p->tape, run, k)) >= 0; k++)
+        for (int k = 0, first; (first = jet_operation_operand_slot(p->tape, run, 0, k)) >= 0; k++)
             request_copies_of_range(p, run, first);
     }
 }
@@ -96,7 +85,7 @@ static bool are_all_runs_still_adjacent(const run_padding *p)
         if (run->op == OP_LINEAR) continue;
         if (!are_slots_still_adjacent(p, run, run->z) || (run->w != 0 && !are_slots_still_adjacent(p, run, run->w)))
             return false;
-        for (int k = 0, first; (first = operand_first_slot(p->tape, run, k)) >= 0; k++)
+        for (int k = 0, first; (first = jet_operation_operand_slot(p->tape, run, 0, k)) >= 0; k++)
             if (!are_slots_still_adjacent(p, run, first)) return false;
     }
     return true;
