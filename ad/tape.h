@@ -27,8 +27,8 @@ typedef enum {
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
-    double exponent;         /* Exponent of POW; all others have 0. */
-    bool has_constant_terms; /* LINEAR: some constant term is not 0. */
+    double exponent;        /* Exponent of POW; all others have 0. */
+    int has_constant_terms; /* LINEAR: 1 if some constant term is not 0, otherwise 0. */
     int first_constant_term, terms, term;
 } jet_run;
 

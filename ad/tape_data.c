@@ -11,13 +11,14 @@ typedef struct {
     size_t hashed_bytes; /* Number of bytes that the sweeps read, and that are hashed. */
 } tape_array;
 
-/* Lists all arrays of a tape except that of the runs, to free and to hash them. An array that is left out would
- * never be freed. */
-enum { TAPE_ARRAYS = 8 };
+/* Lists all arrays of a tape, to free and to hash them. An array that is left out would never be freed. */
+enum { TAPE_ARRAYS = 9 };
+_Static_assert(sizeof(jet_run) == 10 * sizeof(int) + sizeof(double), "A run, whose bytes are hashed, has no gaps.");
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
     const size_t terms = (size_t)tape->terms;
     const tape_array all[TAPE_ARRAYS] = {
+        {tape->run, (size_t)tape->runs * sizeof *tape->run},
         {tape->constant_values, (size_t)tape->constants * sizeof *tape->constant_values},
         {tape->parameter, (size_t)tape->parameters * sizeof *tape->parameter},
         {tape->constant_terms, (size_t)tape->linear_operations * sizeof *tape->constant_terms},
@@ -67,7 +68,6 @@ void jet_tape_free(jet_tape *tape)
     tape_array list[TAPE_ARRAYS];
     list_tape_arrays(tape, list);
     for (int i = 0; i < TAPE_ARRAYS; i++) free(list[i].data);
-    free(tape->run);
     free(tape);
 }
 
@@ -79,37 +79,12 @@ uint64_t jet_hash(uint64_t hash, const void *data, size_t bytes)
     return hash;
 }
 
-/* Lists the fields of a run to be hashed one by one, since a run has gaps between them. If a field is left out, the
- * compiler reports a missing initialiser. */
-#define RUN_FIELDS(ROW)                                                                                                \
-    ROW(op)                                                                                                            \
-    ROW(operation_count)                                                                                               \
-    ROW(z)                                                                                                             \
-    ROW(a)                                                                                                             \
-    ROW(b)                                                                                                             \
-    ROW(w)                                                                                                             \
-    ROW(exponent)                                                                                                      \
-    ROW(has_constant_terms)                                                                                            \
-    ROW(first_constant_term)                                                                                           \
-    ROW(terms)                                                                                                         \
-    ROW(term)
-#define VALUE(field) run->field,
-#define HASH(field)  hash = jet_hash(hash, &copy.field, sizeof copy.field);
-
-static uint64_t hash_run(uint64_t hash, const jet_run *run)
-{
-    const jet_run copy = {RUN_FIELDS(VALUE)};
-    RUN_FIELDS(HASH)
-    return hash;
-}
-
 uint64_t jet_tape_hash(uint64_t hash, const jet_tape *tape)
 {
     if (!tape) return jet_hash(hash, "", 1);
     const int counts[] = {tape->inputs, tape->constants,         tape->parameters, tape->slots,
                           tape->runs,   tape->linear_operations, tape->terms,      tape->outputs};
     hash = jet_hash(hash, counts, sizeof counts);
-    for (int i = 0; i < tape->runs; i++) hash = hash_run(hash, &tape->run[i]);
     tape_array list[TAPE_ARRAYS];
     list_tape_arrays(tape, list);
     for (int i = 0; i < TAPE_ARRAYS; i++) hash = jet_hash(hash, list[i].data, list[i].hashed_bytes);
