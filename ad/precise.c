@@ -5,31 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define VALUE_LIST(ROW)                                                                                                \
-    ROW(OP_MUL, a *b)                                                                                                  \
-    ROW(OP_SQR, a *a)                                                                                                  \
-    ROW(OP_DIV, a / b)                                                                                                 \
-    ROW(OP_SQRT, sqrtl(a))                                                                                             \
-    ROW(OP_POW, power_of_long_double(a, run->exponent))                                                                \
-    ROW(OP_HYPOT, hypotl(a, b))                                                                                        \
-    ROW(OP_ATAN2, atan2l(a, b))                                                                                        \
-    ROW(OP_EXP, expl(a))                                                                                               \
-    ROW(OP_SIN, sinl(a))                                                                                               \
-    ROW(OP_COS, cosl(a))                                                                                               \
-    ROW(OP_SINH, sinhl(a))                                                                                             \
-    ROW(OP_COSH, coshl(a))                                                                                             \
-    ROW(OP_TAN, tanl(a))                                                                                               \
-    ROW(OP_TANH, tanhl(a))                                                                                             \
-    ROW(OP_SECH2, 1 / (coshl(a) * coshl(a)))                                                                           \
-    ROW(OP_ERF, erfl(a))                                                                                               \
-    ROW(OP_LOG, logl(a))                                                                                               \
-    ROW(OP_ASIN, asinl(a))                                                                                             \
-    ROW(OP_ACOS, acosl(a))                                                                                             \
-    ROW(OP_ATAN, atanl(a))                                                                                             \
-    ROW(OP_ASINH, asinhl(a))                                                                                           \
-    ROW(OP_ACOSH, acoshl(a))                                                                                           \
-    ROW(OP_ATANH, atanhl(a))
-
 /* Computes a^c. For c = k/2 it uses no powl, which costs as much as twenty products. */
 static long double power_of_long_double(long double a, double c)
 {
@@ -45,10 +20,30 @@ static long double power_of_long_double(long double a, double c)
 
 static long double evaluate_operation(const jet_run *run, long double a, long double b)
 {
-#define VALUE(op, value)                                                                                               \
-    case op: return value;
     switch (run->op) {
-        VALUE_LIST(VALUE)
+    case OP_MUL: return a * b;
+    case OP_SQR: return a * a;
+    case OP_DIV: return a / b;
+    case OP_SQRT: return sqrtl(a);
+    case OP_POW: return power_of_long_double(a, run->exponent);
+    case OP_HYPOT: return hypotl(a, b);
+    case OP_ATAN2: return atan2l(a, b);
+    case OP_EXP: return expl(a);
+    case OP_SIN: return sinl(a);
+    case OP_COS: return cosl(a);
+    case OP_SINH: return sinhl(a);
+    case OP_COSH: return coshl(a);
+    case OP_TAN: return tanl(a);
+    case OP_TANH: return tanhl(a);
+    case OP_SECH2: return 1 / (coshl(a) * coshl(a));
+    case OP_ERF: return erfl(a);
+    case OP_LOG: return logl(a);
+    case OP_ASIN: return asinl(a);
+    case OP_ACOS: return acosl(a);
+    case OP_ATAN: return atanl(a);
+    case OP_ASINH: return asinhl(a);
+    case OP_ACOSH: return acoshl(a);
+    case OP_ATANH: return atanhl(a);
     default: return NAN;
     }
 }

@@ -1,10 +1,10 @@
 /* rule.h - Declares the rule of each operation: functions that compute it in every kind of sweep (docs/jets.md,
- * sections 3 and 4). sweep.c calls the rules by the table of rule.c. Operations with similar recurrences share a file
+ * sections 3 and 4). sweep.c has the table of rules, and calls them. Operations with similar recurrences share a file
  * rule_*.c.
  *
  * Series are normalised: x(s) = sum_k x_k s^k. The macros below make the loops of a rule from a body that is written
- * for a vector type V (vector.h). The parameter S of a body is the macro with which it reads a
- * number that all lanes of a tangent share. */
+ * for a vector type V (vector.h). The parameter S of a body is the macro with which it reads a number that all lanes of
+ * a tangent share. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 

@@ -2,14 +2,10 @@
  * of each run's operation. It is compiled once for each instruction set. */
 #include "sums.h"
 
-static const double *slot_numbers(const double *block, int slot, int lanes)
-{
-    return block + (size_t)slot * (size_t)lanes;
-}
-static double *writable_slot_numbers(double *block, int slot, int lanes)
-{
-    return block + (size_t)slot * (size_t)lanes;
-}
+#define RULE(op, name) [op] = &JET_RULE_OF(name),
+const jet_rule *const jet_rules[OP_COUNT] = {JET_RULE_LIST(RULE)};
+
+static double *slot_numbers(double *block, int slot, int lanes) { return block + (size_t)slot * (size_t)lanes; }
 
 static bool is_product_run(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
@@ -22,7 +18,7 @@ JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int la
         else
             inside &= jet_rules[run->op]->compute_values(
                 run->exponent, run->operation_count * lanes, slot_numbers(block, run->a, lanes),
-                slot_numbers(block, run->b, lanes), writable_slot_numbers(block, run->z, lanes));
+                slot_numbers(block, run->b, lanes), slot_numbers(block, run->z, lanes));
     }
     return inside;
 }
@@ -89,11 +85,5 @@ static void sweep_adjoints(const jet_tape *tape, const double *block, double *ad
     }
 }
 
-static void combine_rows(int count, const double *c, size_t coefficient_stride, int width, const double *table,
-                         double *out)
-{
-    jet_combine_rows(count, c, coefficient_stride, width, table, out);
-}
-
-const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa),    sweep_values,   sweep_series, sweep_tangents,
-                                            sweep_tangents_per_lane, sweep_adjoints, combine_rows};
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa),    sweep_values,   sweep_series,    sweep_tangents,
+                                            sweep_tangents_per_lane, sweep_adjoints, jet_combine_rows};
