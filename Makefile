@@ -168,7 +168,7 @@ $(BUILD)/ad/%.o: ad/%.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,devices.h compiler.h vector.h) include/jet.h $(addprefix ad/,graph.h tape.h rule.h sums.h elementary.h) \
+EMBEDDED_RULES := $(addprefix ad/,compiler.h vector.h) include/jet.h $(addprefix ad/,graph.h tape.h rule.h sums.h elementary.h) \
                   $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk $(EMBEDDED_RULES)
 	@mkdir -p $(@D)

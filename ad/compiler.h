@@ -5,8 +5,6 @@
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 
-#include "devices.h"
-
 /* Switches off warnings that generated code would give: it contains the text of all rules and calls only some of them,
  * and its constant structures leave out braces and initialisers. */
 #ifdef JET_EMITTED
@@ -46,13 +44,6 @@
 
 /* Converts a vector to a vector of another number type, such as double to float. */
 #define JET_CONVERT(V, x) __builtin_convertvector(x, V)
-
-/* Exchanges the two numbers of a vector. gcc 11 lacks the built-in function of clang. */
-#ifdef __clang__
-#define JET_SWAPPED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
-#else
-#define JET_SWAPPED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
-#endif
 
 /* Computes a b + c for numbers, as one operation if the processor has one, otherwise by a call of the mathematical
  * library. */

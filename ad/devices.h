@@ -7,17 +7,12 @@
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 
-#define JET_DEVICE_PAD   1  /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
-#define JET_DEVICE_TERMS 4  /* A sum of products is one operation: lowering.c. */
-#define JET_DEVICE_SPLIT 32 /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
-/* Generated code computes two similar operations as one vector: sum_products.c, chosen in emit.c. */
-#define JET_DEVICE_PAIRS  64
+#define JET_DEVICE_PAD    1   /* Runs are padded to whole vectors: tape_pad.c, chosen in tape.c. */
+#define JET_DEVICE_TERMS  4   /* A sum of products is one operation: lowering.c. */
+#define JET_DEVICE_SPLIT  32  /* Generated code has runs of one operation: tape_split.c, chosen in emit.c. */
 #define JET_DEVICE_UNROLL 128 /* Generated code has the orders of a series as constants: emit.c. */
 
-/* The devices that the text of generated code contains. Its first line (emit.c) says which of them it goes without. */
-#define JET_DEVICES_OF_TEXT (JET_DEVICE_PAIRS)
-#ifdef JET_EMITTED
-#elif defined TVI_PLAIN
+#ifdef TVI_PLAIN
 #define JET_WITHOUT (~0)
 #elif defined TVI_DEVICES
 extern int jet_without;

@@ -26,7 +26,6 @@ const char *const *jet_embedded_source_lines(void) { return jet_embedded_rules; 
 
 void jet_emit_rule_source(jet_text *text)
 {
-    jet_text_append(text, "#define JET_WITHOUT %d\n", JET_WITHOUT & JET_DEVICES_OF_TEXT);
     jet_text_append(text, "#define JET_EMITTED\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n"
                           "#include <stdint.h>\n");
     for (const char *const *line = jet_embedded_rules; *line; line++) jet_text_append(text, "%s", *line);
@@ -175,39 +174,10 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
                         run->terms);
 }
 
-/* Tells whether two runs are single products with the same second factor, whose first factors have adjacent slots.
- * Neither product may be the factor of the other. */
-static bool are_products_with_common_factor(const jet_tape *tape, const jet_run *run, const jet_run *next)
-{
-    const int a = tape->term_slot[run->term], b = tape->term_slot[next->term];
-    return run->op == OP_PRODUCTS && next->op == OP_PRODUCTS && run->operation_count * run->terms == 1 &&
-           next->operation_count * next->terms == 1 && abs(a - b) == 1 && b != run->z &&
-           tape->term_operand_b[run->term] == tape->term_operand_b[next->term] &&
-           tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
-}
-
-/* Tells whether this run and the next are products with a common factor, and this run is the first of its pair. In a
- * longer sequence the runs are paired two by two. */
-static bool begins_product_pair(const jet_tape *tape, const jet_run *run)
-{
-    return JET_HAS(PAIRS) && run >= tape->run && run + 1 < tape->run + tape->runs &&
-           are_products_with_common_factor(tape, run, run + 1) && !begins_product_pair(tape, run - 1);
-}
-
-/* Writes the macro call of one run. A pair of products shares one call, which is written for the first of them. */
-static void emit_run_or_pair(const tape_emitter *emitter, const jet_run *run)
-{
-    const int index = (int)(run - emitter->tape->run);
-    if (begins_product_pair(emitter->tape, run - 1)) return;
-    if (begins_product_pair(emitter->tape, run))
-        jet_text_append(emitter->text, " \\\n    PAIRED(%s, %d, %d)", emitter->request->name, index, index + 1);
-    else emit_run_macro_call(emitter, run);
-}
-
 static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run *run)
 {
     const jet_run *first = is_single_sum(run) ? first_adjacent_sum(emitter->tape, run) : NULL;
-    if (!first) emit_run_or_pair(emitter, run);
+    if (!first) emit_run_macro_call(emitter, run);
     else if (end_of_adjacent_sums(emitter->tape, first) == run + 1)
         jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name,
                         (int)(first - emitter->tape->run));
@@ -218,10 +188,9 @@ static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run 
 static void emit_run_lists(const tape_emitter *emitter)
 {
     const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->runs;
-    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, PAIRED, LINEAR)", emitter->request->name);
-    for (const jet_run *run = begin; run < end; run++) emit_run_or_pair(emitter, run);
-    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, PAIRED, LINEAR, SUMS)",
-                    emitter->request->name);
+    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", emitter->request->name);
+    for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
+    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, LINEAR, SUMS)", emitter->request->name);
     for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
         emit_run_of_adjoint_list(emitter, run);
     jet_text_append(emitter->text, "\n");

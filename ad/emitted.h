@@ -2,10 +2,9 @@
  * rules.
  *
  * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each run
- * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); LINEAR(T, i, terms); or PAIRED(T, i,
- * next) for two products with one factor in common, whose other factors are adjacent. For adjoints it defines
- * T_RUNS_BACK, the same list in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on, whose
- * adjoint function is T_sums_back_i. */
+ * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); or LINEAR(T, i, terms). For adjoints it
+ * defines T_RUNS_BACK, the same list in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on,
+ * whose adjoint function is T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -38,7 +37,6 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
         else inside &= is_inside;                                                                                      \
     }
 #define VALUES_PRODUCTS(T, i, squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_PAIRED(T, i, next)             VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_linear_order(&T, &T##_run[i], x, lanes, terms);                                                            \
     add_constant_terms(&T, &T##_run[i], x, lanes);
@@ -48,13 +46,11 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
 #define SERIES_RULE(T, i, name) name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
 #define SERIES_PRODUCTS(T, i, squares, terms)                                                                          \
     compute_product_series_order(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
-#define SERIES_PAIRED(T, i, next)  compute_paired_product_series(&T, &T##_run[i], &T##_run[next], x, k);
 #define SERIES_LINEAR(T, i, terms) ORDER_LINEAR(T, i, x, terms)
 
 #define TANGENTS_RULE(T, i, name) name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
 #define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
     compute_product_tangents(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
-#define TANGENTS_PAIRED(T, i, next)  TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
 /* Compute the tangents of order 0, along one direction for each lane of x. */
@@ -65,12 +61,10 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
     }
 #define PER_LANE_PRODUCTS(T, i, squares, terms)                                                                        \
     compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
-#define PER_LANE_PAIRED(T, i, next)  PER_LANE_PRODUCTS(T, i, false, 1) PER_LANE_PRODUCTS(T, next, false, 1)
 #define PER_LANE_LINEAR(T, i, terms) compute_linear_order(&T, &T##_run[i], dx, lanes, terms);
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) add_product_adjoints(&T, &T##_run[i], x, bar, k, top, squares, terms);
-#define ADJOINTS_PAIRED(T, i, next)             ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
 #define ADJOINTS_LINEAR(T, i, terms)            add_linear_adjoints(&T, &T##_run[i], bar + k * T.slots, terms);
 #define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
@@ -95,7 +89,7 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
         bool inside = true;                                                                                            \
         double least[JET_TRACKED_LANES];                                                                               \
         JET_IN_VECTORS for (int w = 0; w < JET_TRACKED_LANES; w++) least[w] = 1;                                       \
-        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_PAIRED, VALUES_LINEAR);                                          \
+        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_LINEAR);                                                         \
         if (T##_tracks_least_operand) inside &= are_all_positive(jet_least_operand_lane_count(lanes), least);          \
         return inside;                                                                                                 \
     }
@@ -145,27 +139,27 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
-        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, SERIES_PAIRED, SERIES_LINEAR) return true;                              \
+        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, SERIES_LINEAR) return true;                                             \
     }
 
 #define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, TANGENTS_PAIRED, TANGENTS_LINEAR) return true;                      \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, TANGENTS_LINEAR) return true;                                       \
     }
 
 #define JET_GENERATED_TANGENTS_PER_LANE(T, LANES)                                                                      \
     NEVER void T##_tangents_per_lane_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, PER_LANE_PAIRED, PER_LANE_LINEAR);                                  \
+        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, PER_LANE_LINEAR);                                                   \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, ADJOINTS_PAIRED, ADJOINTS_LINEAR, ADJOINTS_SUMS)               \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, ADJOINTS_LINEAR, ADJOINTS_SUMS)                                \
     }
 
 #endif

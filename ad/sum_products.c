@@ -1,7 +1,6 @@
 /* sum_products.c - Computes z = sum_t c_t a_t b_t and z = sum_t c_t a_t^2 in every kind of sweep (sums.h). The
  * convolutions of squares are symmetric, and need half the products. All terms are added while the vector of z is in
  * a register. */
-#include "devices.h"
 #include "sums.h"
 
 /* Defines the table of functions name[squares][terms](parameters), with one function for each number of terms of
@@ -78,14 +77,12 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
 
 /* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
-#define PRODUCTS_ORDER(V, A, B)                                                                                        \
-    V sum[JET_TERMS_MAX] = {0};                                                                                        \
-    SUMS(V, sum, 0, k, A(V, p.factor_a[t], k - j) * B(V, p.factor_b[t], j))                                            \
-    V total = p.coefficient[0] * sum[0];                                                                               \
-    for (int t = 1; t < terms; t++) total += p.coefficient[t] * sum[t];
 #define PRODUCTS_SERIES(V, S)                                                                                          \
     {                                                                                                                  \
-        PRODUCTS_ORDER(V, S, S)                                                                                        \
+        V sum[JET_TERMS_MAX] = {0};                                                                                    \
+        SUMS(V, sum, 0, k, S(V, p.factor_a[t], k - j) * S(V, p.factor_b[t], j))                                        \
+        V total = p.coefficient[0] * sum[0];                                                                           \
+        for (int t = 1; t < terms; t++) total += p.coefficient[t] * sum[t];                                            \
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
@@ -93,35 +90,15 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double
 #define SQUARE(V, S, t)                                                                                                \
     (p.coefficient[t] *                                                                                                \
      (2.0 * sum[t] + (k % 2 == 0 ? 1.0 : 0.0) * (S(V, p.factor_a[t], k / 2) * S(V, p.factor_a[t], k / 2))))
-#define SQUARES_ORDER(V, S)                                                                                            \
-    const int half = (k - 1) / 2;                                                                                      \
-    V sum[JET_TERMS_MAX] = {0};                                                                                        \
-    SUMS(V, sum, 0, half, S(V, p.factor_a[t], half - j) * S(V, p.factor_a[t], k - half + j))                           \
-    V total = SQUARE(V, S, 0);                                                                                         \
-    for (int t = 1; t < terms; t++) total += SQUARE(V, S, t);
 #define SQUARES_SERIES(V, S)                                                                                           \
     {                                                                                                                  \
-        SQUARES_ORDER(V, S)                                                                                            \
+        const int half = (k - 1) / 2;                                                                                  \
+        V sum[JET_TERMS_MAX] = {0};                                                                                    \
+        SUMS(V, sum, 0, half, S(V, p.factor_a[t], half - j) * S(V, p.factor_a[t], k - half + j))                       \
+        V total = SQUARE(V, S, 0);                                                                                     \
+        for (int t = 1; t < terms; t++) total += SQUARE(V, S, t);                                                      \
         JET_AT(V, z, k) = total;                                                                                       \
     }
-
-#ifdef JET_EMITTED
-/* Tells whether the operation is a sum of two squares with adjacent operands and equal coefficients. Both squares
- * are then computed as one vector. */
-JET_INLINE bool are_squares_adjacent(const product_terms *p, int count, int terms)
-{
-    return JET_HAS(PAIRS) && terms == 2 && count == 1 && p->factor_a[1] == p->factor_a[0] + 1 &&
-           p->coefficient[0] == p->coefficient[1];
-}
-
-JET_INLINE void compute_adjacent_squares_order(product_terms p, double *z, size_t stride, int k)
-{
-    const size_t here = 0;
-    const int terms = 1;
-    SQUARES_ORDER(jet_v2, JET_OF)
-    JET_AT(jet_v1, z, k) = total[0] + total[1];
-}
-#endif
 
 JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k,
                                              size_t lanes, bool squares, int terms)
@@ -130,34 +107,9 @@ JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run
     const size_t stride = (size_t)tape->slots * lanes;
     const int width = run->operation_count * (int)lanes;
     double *z = block + (size_t)run->z * lanes;
-#ifdef JET_EMITTED
-    if (squares && are_squares_adjacent(&p, width, terms)) {
-        compute_adjacent_squares_order(p, z, stride, k);
-        return;
-    }
-#endif
     if (squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
-
-#ifdef JET_EMITTED
-/* Computes order k of two products with a common factor b, whose other factors have adjacent slots (emit.c), as one
- * vector. */
-JET_INLINE void compute_paired_product_series(const jet_tape *tape, const jet_run *run, const jet_run *second_run,
-                                              double *block, int k)
-{
-    const bool is_first = tape->term_slot[run->term] < tape->term_slot[second_run->term];
-    const product_terms p = locate_run_terms(tape, is_first ? run : second_run, block, 1, 1);
-    const size_t stride = (size_t)tape->slots, here = 0;
-    const int terms = 1;
-    double *z = block + (size_t)k * stride;
-    PRODUCTS_ORDER(jet_v2, JET_OF, JET_ONE_OF)
-    const int low = is_first ? run->z : second_run->z, high = is_first ? second_run->z : run->z;
-    if (high == low + 1) *(jet_v2 *)(z + low) = total;
-    else if (low == high + 1) *(jet_v2 *)(z + high) = JET_SWAPPED(total);
-    else z[low] = total[0], z[high] = total[1];
-}
-#endif
 
 TABLE(series_one, compute_product_series_order, (const jet_tape *tape, const jet_run *run, double *block, int k), tape,
       run, block, k, 1)
