@@ -82,12 +82,7 @@
 #define JET_SIDE_BY_SIDE
 #endif
 
-/* Tells whether the compiler knows an order of a series as a constant. If JET_UPWARDS is defined, as in tests, the
- * answer is always no. */
-#ifdef JET_UPWARDS
-#define JET_KNOWS(order) false
-#else
-#define JET_KNOWS(order) __builtin_constant_p(order)
-#endif
+/* Tells whether the compiler knows a number as a constant. */
+#define JET_KNOWS(number) __builtin_constant_p(number)
 
 #endif

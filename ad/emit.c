@@ -8,9 +8,8 @@
 
 /* Size limits that keep the time to compile a tape near one second. On tapes with up to APART_MOST operations each
  * sum is a run of its own. On tapes with up to ALONE_MOST operations, of which only values of whole vectors are
- * requested, each operation is a run of its own. The loop over orders is unrolled if the product of three numbers is
- * at most UNROLLED_MOST: operations, orders, and 1 + the tangent vectors that the caller computes with each order. */
-enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 900 };
+ * requested, each operation is a run of its own. */
+enum { APART_MOST = 256, ALONE_MOST = 768 };
 
 /* Values of tapes with up to INLINED_MOST operations are inlined for any number of lanes. For the lanes of one
  * register the limit is INLINED_IN_REGISTER operations. Larger tapes get a function that is called. */
@@ -60,7 +59,6 @@ typedef struct {
     const jet_tape *tape;
     const jet_emission_request *request;
     int operation_count;
-    bool unrolls_orders;    /* The loop over orders is unrolled. */
     bool splits_operations; /* Each operation is a run of its own. */
 } tape_emitter;
 
@@ -198,35 +196,6 @@ static void emit_run_lists(const tape_emitter *emitter)
 
 /* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
 
-/* Writes a function body that calls the sweep of order k. If orders are unrolled, each order is a case with a
- * constant k. The arguments of the call are `arguments_before_order`, k and
- * `arguments_after_order`. */
-static void emit_dispatch_on_order(const tape_emitter *emitter, const char *sweep_name,
-                                   const char *arguments_before_order, const char *arguments_after_order)
-{
-    const char *name = emitter->request->name;
-    if (emitter->unrolls_orders) jet_text_append(emitter->text, "    switch (k) {\n");
-    for (int k = 0; k <= emitter->request->top_order && emitter->unrolls_orders; k++)
-        jet_text_append(emitter->text, "    case %d: return %s_%s(%s, %d%s);\n", k, name, sweep_name,
-                        arguments_before_order, k, arguments_after_order);
-    if (emitter->unrolls_orders) jet_text_append(emitter->text, "    }\n");
-    jet_text_append(emitter->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep_name, arguments_before_order,
-                    arguments_after_order);
-}
-
-/* Writes the macro NAME_ORDERS(ORDER), which calls ORDER(k) for all orders k. If orders are unrolled, each k is a
- * constant. */
-static void emit_loop_over_orders_macro(const tape_emitter *emitter)
-{
-    const char *name = emitter->request->name;
-    const int top = emitter->request->top_order;
-    jet_text_append(emitter->text, "enum { %s_top = %d };\n#define %s_ORDERS(ORDER) ORDER(0)", name, top, name);
-    for (int k = 1; k <= top && emitter->unrolls_orders; k++) jet_text_append(emitter->text, " ORDER(%d)", k);
-    if (!emitter->unrolls_orders)
-        jet_text_append(emitter->text, " for (int k = 1; k <= %s_top; k++) { ORDER(k) }", name);
-    jet_text_append(emitter->text, "\n");
-}
-
 /* Writes the function NAME_values_LANES, which computes the values for this number of lanes. */
 static void emit_value_function(const tape_emitter *emitter, int lanes)
 {
@@ -269,28 +238,20 @@ static void emit_series_sweep(const tape_emitter *emitter)
 {
     jet_text_append(emitter->text,
                     "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
-                    "    if (lanes != 1) return tape->interpreter_sweeps->series(tape, x, k, lanes);\n",
-                    emitter->request->name);
-    emit_dispatch_on_order(emitter, "series_of", "x", "");
+                    "    if (lanes != 1) return tape->interpreter_sweeps->series(tape, x, k, lanes);\n"
+                    "    return %s_series_of(x, k);\n}\n",
+                    emitter->request->name, emitter->request->name);
 }
 
-/* Writes a tangent function for each requested number of lanes, and the sweep that chooses between them. */
 static void emit_tangents_sweep(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name;
-    for (const int *lanes = emitter->request->direction_counts; *lanes > 0; lanes++) {
-        jet_text_append(emitter->text,
-                        "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n"
-                        "    enum { lanes = %d };\n",
-                        name, *lanes, *lanes);
-        emit_dispatch_on_order(emitter, "tangents_of", "x, dx", ", lanes");
-    }
     jet_text_append(emitter->text,
                     "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
                     name);
     for (const int *lanes = emitter->request->direction_counts; *lanes > 0; lanes++)
-        jet_text_append(emitter->text, "    if (lanes == %d) %s_tangents_%d(x, dx, k);\n    else\n", *lanes, name,
-                        *lanes);
+        jet_text_append(emitter->text, "    if (lanes == %d) (void)%s_tangents_of(x, dx, k, %d);\n    else\n", *lanes,
+                        name, *lanes);
     jet_text_append(emitter->text, "    tape->interpreter_sweeps->tangents(tape, x, dx, k, lanes);\n}\n");
 }
 
@@ -326,15 +287,12 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
         text->is_incomplete = true;
         return;
     }
-    const bool unrolls_orders =
-        JET_HAS(UNROLL) &&
-        operation_count * (1 + request->tangent_vector_count) * (request->top_order + 1) <= UNROLLED_MOST;
-    const tape_emitter emitter = {text, &split, request, operation_count, unrolls_orders, splits_operations};
+    const tape_emitter emitter = {text, &split, request, operation_count, splits_operations};
     emit_tape_constants(&emitter);
     if (request->has_adjoints) emit_adjoints_of_sums(&emitter);
     emit_run_lists(&emitter);
     emit_inlined_functions(&emitter);
-    emit_loop_over_orders_macro(&emitter);
+    jet_text_append(text, "enum { %s_top = %d };\n", name, request->top_order);
     if (request->lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->has_series) emit_series_sweep(&emitter);
     if (request->direction_counts[0] > 0) emit_tangents_sweep(&emitter);

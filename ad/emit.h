@@ -1,11 +1,11 @@
 /* emit.h - Writes the sweeps of a tape as C text. The compiler of this text then knows every size, slot and number of
  * the tape. src/compiled/ and the generated steps of the methods call it (docs/compiled.md).
  *
- * The text begins with the source of the rules themselves (embed.awk), as functions to be inlined. The generated
- * code calls these functions in the order of the tape, with constants for arguments. Each rule is therefore written
- * once. On small tapes the loops over orders are unrolled, and each sum is a run of its own; if only values are
- * requested, each operation is. Values then stay in registers. Large tapes keep their runs of equal operations as
- * loops, since the time to compile them grows with the number of runs. */
+ * The text begins with the source of the rules themselves (embed.awk), as functions to be inlined. The generated code
+ * calls these functions in the order of the tape, with constants for arguments. Each rule is therefore written once. On
+ * small tapes each sum is a run of its own; if only values are requested, each operation is. Values then stay in
+ * registers. Large tapes keep their runs of equal operations as loops, since the time to compile them grows with the
+ * number of runs. */
 #ifndef TVI_AD_EMIT_H
 #define TVI_AD_EMIT_H
 
@@ -18,10 +18,7 @@ typedef struct {
     /* The numbers of lanes of the value functions, and the numbers of directions of the tangent functions; a 0 ends
      * each list. */
     int lane_counts[3], direction_counts[3];
-    int top_order; /* Highest order of the series. */
-    /* Number of tangent vectors that the caller computes with each order; the more there are, the fewer operations are
-     * unrolled. */
-    int tangent_vector_count;
+    int top_order;                 /* Highest order of the series. */
     bool has_series, has_adjoints; /* The sweeps of series and of adjoints, with one lane, are requested. */
     bool may_move_common_factors;  /* A factor that all sums have in common may be moved into the products (split.h). */
 } jet_emission_request;
@@ -38,7 +35,7 @@ void jet_emit_rule_source(jet_text *text);
 /* Writes the definition `static const jet_sweeps NAME_sweeps`, which has NULL for sweeps that are not requested. For
  * other generated code it also defines the tape NAME; NAME_values_LANES(x) for each requested number of lanes and for
  * 2, 4 and 8; for one lane NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), to be inlined with constants;
- * and NAME_ORDERS(ORDER), which calls ORDER(k) for all orders k of a series. */
+ * and the number NAME_top, the top_order of the request. */
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request);
 
 #endif

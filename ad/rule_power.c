@@ -132,20 +132,13 @@ static bool evaluate_pow(double exponent, int width, const double *a, const doub
 
 /* The series rule computes z_k:
  * a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2).
- * The term of a_k is separate, since a_k is known last; one operation then follows it. If k is a constant for the
- * compiler and a single number is computed, the other terms are (c+1) sum i a_i z_{k-i} - k sum a_i z_{k-i}. One vector
- * then holds both sums, and its factors made from a_i are the same for all k. */
+ * The term of a_k is separate, since a_k is known last; one operation then follows it. */
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         const V inverse = 1 / ((double)k * S(V, a, 0)), last = c * k * S(V, z, 0);                                     \
-        if (JET_KNOWS(k) && sizeof(V) == sizeof(double)) {                                                             \
-            jet_v2 both = {0};                                                                                         \
-            JET_SUM(jet_v2, both, 1, k - 1, ((jet_v2){(c + 1) * (k - j), 1} * S(jet_v1, a, k - j)) * S(jet_v1, z, j)); \
-            sum += both[0] - k * both[1];                                                                              \
-        } else JET_SUM(V, sum, 1, k - 1, ((c + 1) * (k - j) - k) * S(V, a, k - j) * S(V, z, j));                       \
-        JET_AT(V, z, k) =                                                                                              \
-            JET_KNOWS(k) ? sum * inverse + last * inverse * S(V, a, k) : (sum + last * S(V, a, k)) * inverse;          \
+        JET_SUM(V, sum, 1, k - 1, ((c + 1) * (k - j) - k) * S(V, a, k - j) * S(V, z, j));                              \
+        JET_AT(V, z, k) = (sum + last * S(V, a, k)) * inverse;                                                         \
     }
 
 /* The tangent rule computes dz_k:

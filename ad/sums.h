@@ -42,9 +42,8 @@ void jet_add_product_adjoints(const jet_tape *tape, const jet_run *run, const do
 #define JET_COMBINE(V, S)                                                                                              \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        JET_SUM_UPWARDS(V, sum, 0, term_count - 1,                                                                     \
-                        coefficient[(size_t)(term_count - 1 - j) * coefficient_stride] *                               \
-                            S(V, table, term_count - 1 - j));                                                          \
+        JET_SUM(V, sum, 0, term_count - 1,                                                                             \
+                coefficient[(size_t)(term_count - 1 - j) * coefficient_stride] * S(V, table, term_count - 1 - j));     \
         JET_AT(V, out, 0) = sum;                                                                                       \
     }
 

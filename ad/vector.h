@@ -110,26 +110,8 @@ JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
 /* Coefficient j of a series with one lane, which serves all lanes of a tangent. */
 #define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
 
-/* Computes sum += sum_{j=from}^{to} term(j), in two chains of additions, which need not wait for each other. If the
- * compiler knows the orders, the sum goes from the middle outwards: the first and the last term, whose factors a
- * recurrence computes last, are then added last. The very last term is added alone. */
+/* Computes sum += sum_{j=from}^{to} term(j), in two chains of additions, which need not wait for each other. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \
-    do {                                                                                                               \
-        V odd = {0};                                                                                                   \
-        const int least = (from), most = (to);                                                                         \
-        if (JET_KNOWS(least + most)) {                                                                                 \
-            int below = (least + most) / 2, above = below + 1;                                                         \
-            if (least <= most && (most - least) % 2 == 0) {                                                            \
-                const int j = below--;                                                                                 \
-                odd += term;                                                                                           \
-            }                                                                                                          \
-            for (; above < most; below--, above++) JET_TWO_TERMS(sum, odd, below, above, term)                         \
-            sum += odd;                                                                                                \
-            if (above == most) JET_TWO_TERMS(sum, sum, below, above, term)                                             \
-        } else JET_SUM_UPWARDS(V, sum, least, most, term);                                                             \
-    } while (0)
-/* Computes the sum of JET_SUM for increasing j, in two chains of additions. */
-#define JET_SUM_UPWARDS(V, sum, from, to, term)                                                                        \
     do {                                                                                                               \
         V second = {0};                                                                                                \
         int next = (from);                                                                                             \

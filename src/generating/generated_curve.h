@@ -16,12 +16,16 @@
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
+/* Order 0 is apart, since it is computed by other functions. */
+#define FOR_ALL_ORDERS(ORDER)                                                                                          \
+    ORDER(0) for (int k = 1; k <= CURVE_TOP; k++) { ORDER(k) }
+
 #define EXPAND(k) curve_expand_order(curve, k, &status);
 /* Expands the series. Returns TVI_EDOMAIN, TVI_ESINGULAR or otherwise TVI_OK, finite or not. */
 JET_APART tvi_status code_series(tvi_curve *curve)
 {
     tvi_status status = TVI_OK;
-    tvi_series_ORDERS(EXPAND) return status;
+    FOR_ALL_ORDERS(EXPAND) return status;
 }
 #undef EXPAND
 
@@ -46,7 +50,7 @@ JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
     const curve_tangent_block block = {CURVE_LANES, tvi_curve_slot_count(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
     curve_clear_tangent_block(curve, &block);
-    tvi_series_ORDERS(EXPAND_WITH_TANGENTS) curve_store_tangent_block(curve, &block);
+    FOR_ALL_ORDERS(EXPAND_WITH_TANGENTS) curve_store_tangent_block(curve, &block);
     return status;
 }
 #undef EXPAND_WITH_TANGENTS
@@ -61,7 +65,7 @@ static inline void code_differentiate_block(tvi_curve *curve, int lanes, int fir
 {
     const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first};
     curve_clear_tangent_block(curve, &block);
-    tvi_series_ORDERS(DIFFERENTIATE) curve_store_tangent_block(curve, &block);
+    FOR_ALL_ORDERS(DIFFERENTIATE) curve_store_tangent_block(curve, &block);
 }
 #undef DIFFERENTIATE
 

@@ -46,8 +46,6 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
         .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
-    used.series.tangent_vector_count =
-        used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;
     if (used.series.has_adjoints) used.series.direction_counts[0] = 1;
     else if (is_whole) used.series.direction_counts[0] = 0;
     else if (directions < TVI_CURVE_LANES) used.series.direction_counts[0] = left;
