@@ -90,16 +90,19 @@ static bool can_join_rule_run(const jet_run *run, const jet_run *next)
     return next->exponent == run->exponent && next->a == run->a + count && next->b == run->b + of_b && same_w;
 }
 
-/* Tells whether the operation `next` can join the last run: it must be of the same level and kind, and have adjacent
- * operands. */
-static bool can_join_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
+/* Joins the operation `next` to the last run if it is of the same level and kind, and has adjacent operands. Returns
+ * false otherwise. */
+static bool join_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
 {
     if (tape->runs == 0) return false;
     jet_run *run = &tape->run[tape->runs - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
-    if (next->op == OP_LINEAR) return join_linear_run(run, next);
-    return is_sum_of_products_op(next->op) ? join_product_run(tape, run, next) : can_join_rule_run(run, next);
+    const bool joins = next->op == OP_LINEAR             ? join_linear_run(run, next)
+                       : is_sum_of_products_op(next->op) ? join_product_run(tape, run, next)
+                                                         : can_join_rule_run(run, next);
+    run->operation_count += joins;
+    return joins;
 }
 
 /* Appends an operation to the last run, or as a run of its own. */
@@ -108,8 +111,7 @@ static void append_operation(const graph_lowering *lowering, jet_tape *tape, con
     const jet_run next = z->op == OP_LINEAR             ? make_linear_run(lowering, tape, z)
                          : is_sum_of_products_op(z->op) ? make_product_run(tape, z)
                                                         : make_rule_run(lowering, z);
-    if (can_join_last_run(lowering, tape, &next)) tape->run[tape->runs - 1].operation_count++;
-    else tape->run[tape->runs++] = next;
+    if (!join_last_run(lowering, tape, &next)) tape->run[tape->runs++] = next;
 }
 
 static void append_constant(jet_tape *tape, const tape_placement *z)
