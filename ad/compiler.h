@@ -48,8 +48,6 @@
 /* Computes a b + c for numbers, as one operation if the processor has one, otherwise by a call of the mathematical
  * library. */
 #define JET_FMA_OF_NUMBERS(a, b, c) __builtin_fma(a, b, c)
-/* Computes floor(x) without <math.h>. The result is a constant if x is one. */
-#define JET_FLOOR(x) __builtin_floor(x)
 
 /* ---- Loops ------------------------------------------------------------------------------------------------------- */
 

@@ -62,13 +62,6 @@ typedef struct {
     bool splits_operations; /* Each operation is a run of its own. */
 } tape_emitter;
 
-static bool has_several_positivity_tests(const jet_tape *tape)
-{
-    int roots = 0;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) roots += jet_needs_positive_operand(run);
-    return roots > 1;
-}
-
 /* Writes the arrays of the tape as constants. Each array begins with an extra 0, since C has no empty arrays. */
 static void emit_tape_constants(const tape_emitter *emitter)
 {
@@ -81,10 +74,8 @@ static void emit_tape_constants(const tape_emitter *emitter)
     emit_double_array(emitter->text, name, "base", tape->linear_operations, tape->constant_terms);
     jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run_initialiser(emitter->text, run);
-    jet_text_append(
-        emitter->text,
-        "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_tracks_least_operand = %d, %s_is_split = %d };\n", name,
-        tape->slots, name, tape->outputs, name, has_several_positivity_tests(tape), name, emitter->splits_operations);
+    jet_text_append(emitter->text, "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_is_split = %d };\n", name,
+                    tape->slots, name, tape->outputs, name, emitter->splits_operations);
     jet_text_append(
         emitter->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"

@@ -10,32 +10,9 @@
 
 #include "sums.h"
 
-/* If several operations need positive operands, and each has only a few vectors of them, T_tracks_least_operand is set.
- * The least operand of each lane then stays in a register, and is tested once, after all operations. */
-enum { JET_TRACKED_LANES = 8 };
-JET_INLINE bool jet_is_least_operand_tracked(const jet_run *run, int lanes)
-{
-    return jet_needs_positive_operand(run) && run->operation_count == 1 && lanes <= JET_TRACKED_LANES && lanes % 4 == 0;
-}
-
-JET_INLINE int jet_least_operand_lane_count(int lanes) { return lanes < JET_TRACKED_LANES ? lanes : JET_TRACKED_LANES; }
-
-/* Updates the least operand of each lane. A NaN is allowed and ignored. */
-JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *least)
-{
-    JET_IN_VECTORS
-    for (int w = 0; w < lanes; w++) least[w] = a[w] < least[w] ? a[w] : least[w];
-}
-
 #define VALUES_RULE(T, i, name)                                                                                        \
-    {                                                                                                                  \
-        const bool is_inside =                                                                                         \
-            evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,         \
-                            x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);                                       \
-        if (T##_tracks_least_operand && jet_is_least_operand_tracked(&T##_run[i], lanes))                              \
-            jet_track_least_operand(x + T##_run[i].a * lanes, lanes, least);                                           \
-        else inside &= is_inside;                                                                                      \
-    }
+    inside &= evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,       \
+                              x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);
 #define VALUES_PRODUCTS(T, i, squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, squares, terms);
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_linear_order(&T, &T##_run[i], x, lanes, terms);                                                            \
@@ -87,10 +64,7 @@ JET_INLINE void jet_track_least_operand(const double *a, int lanes, double *leas
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
         bool inside = true;                                                                                            \
-        double least[JET_TRACKED_LANES];                                                                               \
-        JET_IN_VECTORS for (int w = 0; w < JET_TRACKED_LANES; w++) least[w] = 1;                                       \
         T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_LINEAR);                                                         \
-        if (T##_tracks_least_operand) inside &= are_all_positive(jet_least_operand_lane_count(lanes), least);          \
         return inside;                                                                                                 \
     }
 

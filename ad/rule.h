@@ -100,12 +100,6 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 #undef JET_DECLARE_RULE
 #endif
 
-/* Tells whether the operation exists only for positive operands. */
-static inline bool jet_needs_positive_operand(const jet_run *run)
-{
-    return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->exponent != JET_FLOOR(run->exponent));
-}
-
 /* Returns the run for a block of one lane that covers all operations and lanes of a run in a block of several lanes.
  * Both runs cover the same consecutive numbers. */
 JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)

@@ -42,7 +42,7 @@ enum { CODES = sizeof codes / sizeof *codes };
 
 /* a^(-1/2), a^(-3/2), a^(-5/2), a^(-7/2). */
 static recording powers[POWERS];
-/* sqrt a + b^(-3/2): of whole vectors, generated code asks for the domain of both at its end. */
+/* sqrt a + b^(-3/2): two operations with domains in one tape. */
 static recording both;
 static jet_sweeps own[POWERS + 1];
 static library code;
