@@ -269,10 +269,9 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     const int operation_count = tape->slots - tape->inputs - tape->constants;
     const bool splits_operations =
         JET_HAS(SPLIT) && operation_count <= ALONE_MOST && requests_only_vector_values(request);
-    const jet_split_mode mode = splits_operations && request->may_move_common_factors ? JET_SPLIT_PAIRS
-                                : splits_operations                                   ? JET_SPLIT_ALL
-                                : JET_HAS(SPLIT) && operation_count <= APART_MOST     ? JET_SPLIT_SUMS
-                                                                                      : JET_SPLIT_NONE;
+    const jet_split_mode mode = splits_operations                                 ? JET_SPLIT_ALL
+                                : JET_HAS(SPLIT) && operation_count <= APART_MOST ? JET_SPLIT_SUMS
+                                                                                  : JET_SPLIT_NONE;
     jet_tape split;
     if (!jet_split_tape_runs(&split, tape, mode)) {
         text->is_incomplete = true;

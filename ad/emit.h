@@ -20,7 +20,6 @@ typedef struct {
     int lane_counts[3], direction_counts[3];
     int top_order;                 /* Highest order of the series. */
     bool has_series, has_adjoints; /* The sweeps of series and of adjoints, with one lane, are requested. */
-    bool may_move_common_factors;  /* A factor that all sums have in common may be moved into the products (split.h). */
 } jet_emission_request;
 
 /* Sets *merged to the sweeps of the generated code, and to those of the interpreter where the code has none. Returns

@@ -11,15 +11,12 @@ typedef enum {
     JET_SPLIT_SUMS, /* Splits LINEAR runs. */
     /* Splits all runs, on tapes of values. Each operation follows its operands, and stands directly before those
      * operations that wait for no other one. */
-    JET_SPLIT_ALL,
-    /* Splits all runs, and moves factors of sums over pair interactions (tape_split.c). */
-    JET_SPLIT_PAIRS
+    JET_SPLIT_ALL
 } jet_split_mode;
 
-/* Makes a tape with the same slots, whose runs are split. With JET_SPLIT_PAIRS, if every sum that reads a product
- * multiplies it by the same factor, up to the sign, that factor is moved into the product. The new tape owns only its
- * runs and their terms, which jet_free_split_tape frees; all other arrays belong to `tape`. Returns false if memory is
- * lacking; nothing is to be freed then. */
+/* Makes a tape with the same slots, whose runs are split. The new tape owns only its runs and their terms, which
+ * jet_free_split_tape frees; all other arrays belong to `tape`. Returns false if memory is lacking; nothing is to be
+ * freed then. */
 bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode mode);
 void jet_free_split_tape(jet_tape *split);
 

@@ -2,7 +2,6 @@
 #include "rule.h"
 #include "split.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 typedef struct {
@@ -100,75 +99,6 @@ static void append_operation_with_dependents(const run_splitting *s, int slot)
         if (s->producing_run[next] && is_ready_after(s, next, slot)) append_operation_with_dependents(s, next);
 }
 
-/* ---- Factors of sums --------------------------------------------------------------------------------------------- */
-
-static bool is_single_product(const jet_run *run)
-{
-    return run->op == OP_PRODUCTS && run->terms == 1 && run->operation_count == 1;
-}
-
-/* Returns the magnitude of the slot's coefficient in the sums that read it, if at least two sums read it, all with
- * the same magnitude, and nothing else does. Otherwise returns 0. */
-static double common_coefficient_in_sums(const jet_tape *split, int slot)
-{
-    double size = 0;
-    int sums = 0;
-    for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
-        for (int k = 0, a; (a = jet_operation_operand_slot(split, run, 0, k)) >= 0; k++) {
-            if (a != slot) continue;
-            const double one = run->op == OP_LINEAR ? fabs(split->term_coefficient[run->term + k]) : 0;
-            if (one == 0 || (size != 0 && one != size)) return 0;
-            size = one;
-            sums++;
-        }
-    }
-    return sums > 1 ? size : 0;
-}
-
-/* Counts the products that have this slot as a factor, and whose coefficient in all sums has this magnitude, or had
- * before it was moved into the product. */
-static int count_products_with_factor(const jet_tape *split, int slot, double coefficient_magnitude)
-{
-    int count = 0;
-    for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
-        const int term = run->term;
-        if (!is_single_product(run) || (split->term_slot[term] != slot && split->term_operand_b[term] != slot))
-            continue;
-        count += split->term_coefficient[term] * common_coefficient_in_sums(split, run->z) == coefficient_magnitude;
-    }
-    return count;
-}
-
-/* Moves common factors of sums into products. The force between two bodies consists of products d w, one for each
- * component of the distance d. The sums of both bodies contain each product with the same factor, such as the mass,
- * up to its sign. This factor is moved: it multiplies w once, and the sums lose it. The move pays only if w has
- * several products. One more number is rounded, in the same way in all steps (docs/method.md, section 6). That does
- * no harm in a force, but in the gradient of a Lagrangian it makes the energy drift. */
-static void move_common_factors(jet_tape *split)
-{
-    for (const jet_run *made = split->run; made < split->run + split->runs; made++) {
-        if (!is_single_product(made)) continue;
-        bool is_output = false;
-        for (int i = 0; i < split->outputs; i++) is_output |= split->output_slot[i] == made->z;
-        const double size = is_output ? 0 : common_coefficient_in_sums(split, made->z);
-        if (size == 0 || size == 1) continue;
-        int *one = &split->term_slot[made->term], *other = &split->term_operand_b[made->term];
-        const int of_one = count_products_with_factor(split, *one, size),
-                  of_other = count_products_with_factor(split, *other, size);
-        if (of_one < 2 && of_other < 2) continue;
-        if (of_other > of_one) {
-            const int kept = *one;
-            *one = *other;
-            *other = kept;
-        }
-        split->term_coefficient[made->term] *= size;
-        for (const jet_run *run = split->run; run < split->run + split->runs; run++)
-            for (int k = 0; run->op == OP_LINEAR && k < run->terms; k++)
-                if (split->term_slot[run->term + k] == made->z)
-                    split->term_coefficient[run->term + k] = copysign(1, split->term_coefficient[run->term + k]);
-    }
-}
-
 static void split_runs_in_dependence_order(const run_splitting *s)
 {
     const jet_tape *tape = s->tape;
@@ -204,9 +134,8 @@ bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode m
     const bool has_memory =
         s.producing_run && split->run && split->term_slot && split->term_operand_b && split->term_coefficient;
     if (!has_memory) jet_free_split_tape(split);
-    else if (mode == JET_SPLIT_ALL || mode == JET_SPLIT_PAIRS) split_runs_in_dependence_order(&s);
+    else if (mode == JET_SPLIT_ALL) split_runs_in_dependence_order(&s);
     else split_runs_in_tape_order(&s, mode);
-    if (has_memory && mode == JET_SPLIT_PAIRS) move_common_factors(split);
     free(s.producing_run);
     return has_memory;
 }

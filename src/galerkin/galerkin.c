@@ -368,9 +368,7 @@ static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_option
 {
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_used_tapes used = {.values = {.name = "tvi_values",
-                                      .lane_counts = {lanes, of_batch},
-                                      .may_move_common_factors = system->form == TVI_SEPARABLE},
+    tvi_used_tapes used = {.values = {.name = "tvi_values", .lane_counts = {lanes, of_batch}},
                            .code_member = "galerkin",
                            .emit_loops = emit_generated_steps};
     if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lane_counts = {lanes}};

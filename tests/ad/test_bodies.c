@@ -18,8 +18,7 @@ enum { MOST_BODIES = 40, MOST_LANES = 64 };
 /* At the second ones values are of registers, of which there are several sizes where these are no multiple of eight. */
 static const struct {
     int bodies, lanes[2];
-    bool is_force;
-} cases[] = {{3, {8, 64}, true}, {3, {4, 20}, false}, {8, {12, 64}, true}, {20, {8, 20}, true}};
+} cases[] = {{3, {8, 64}}, {3, {4, 20}}, {8, {12, 64}}, {20, {8, 20}}};
 enum { CASES = sizeof cases / sizeof *cases };
 
 /* By the gradient of the potential, with masses 1 + i / 8. */
@@ -55,9 +54,7 @@ START_TEST(forces_are_those_of_the_tape)
     jet_text text = {0};
     jet_sweeps own;
     jet_emit_rule_source(&text);
-    jet_emit_tape(&text, r.tape,
-                  &(jet_emission_request){
-                      .name = "V", .lane_counts = {lanes[0], lanes[1]}, .may_move_common_factors = cases[_i].is_force});
+    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name = "V", .lane_counts = {lanes[0], lanes[1]}});
     jet_text_append(&text, "extern const jet_sweeps *const sweeps;\nconst jet_sweeps *const sweeps = &V_sweeps;\n");
     library code = library_make(&text, "-O1 -march=native");
     const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
@@ -87,8 +84,7 @@ static int calls_for(int bodies)
     recording r = record_forces(bodies);
     jet_text text = {0};
     int calls = 0;
-    jet_emit_tape(&text, r.tape,
-                  &(jet_emission_request){.name = "V", .lane_counts = {8, 64}, .may_move_common_factors = true});
+    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name = "V", .lane_counts = {8, 64}});
     for (const char *at = text.data; (at = strstr(at, "(V, ")); at++) calls++;
     free(text.data);
     recording_free(&r);
