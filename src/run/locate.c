@@ -163,7 +163,7 @@ static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int la
     if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, state, &was_here);
     /* A crossing in the other direction is searched for only if the end of the step is clearly later than the stop. */
     const double resolved = SOON * fabs(state[locator->state_size - 1] / locator->search.integrator->covered);
-    const bool has_other_way = locator->search.watched_events[event_index].event->direction != TVI_EITHER;
+    const bool has_other_way = tvi_event_skips_a_direction(locator->search.watched_events[event_index].event);
     const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
     /* A root of the event within the first sample after the stop is a later event, even if |g| is below its roundoff at
      * the stop. */

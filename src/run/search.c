@@ -100,8 +100,7 @@ tvi_status tvi_search_find_curve_root(tvi_event_search *search, const tvi_event_
 static tvi_event_root *add_root(tvi_event_search *search, int event_index, int sign_after, tvi_event_sample left,
                                 tvi_event_sample right)
 {
-    const tvi_direction direction = search->watched_events[event_index].event->direction;
-    if (direction != TVI_EITHER && (int)direction != sign_after) return NULL;
+    if (!tvi_event_reports_sign_change(search->watched_events[event_index].event, sign_after)) return NULL;
     tvi_event_root *added = &search->roots[search->root_count];
     *added =
         (tvi_event_root){.event_index = event_index,

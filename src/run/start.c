@@ -187,9 +187,9 @@ tvi_status tvi_start_find_leaving_sign(tvi_event_search *search, int event_index
     if (status != TVI_OK) return status;
     double theta = first_theta_that_moves_time(search, at_first);
     status = find_sign_of_rise(search, event_index, theta, &sign);
-    const bool is_wanted = w->event->direction == TVI_EITHER || (int)w->event->direction == sign;
     search->event_returns_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
-                                              search->is_momentum_changed_at_stop && is_wanted && first * sign < 0;
+                                              search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                              tvi_event_reports_sign_change(w->event, sign);
     if (search->event_returns_before_time_moves)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);

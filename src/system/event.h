@@ -15,8 +15,17 @@ struct tvi_event {
     jet_tape *tape;   /* Computes g from q, p, t. */
     /* Computes the Taylor series of g. */
     jet_tape *series;
-    uint64_t hash; /* Hash of the tape; equal functions have equal hashes. */
+    /* Hash of the tape. Equal functions have equal hashes, also if their events have different directions. */
+    uint64_t hash;
 };
+
+/* Tells whether the event reports a root after which g has this sign, +1 or -1; 0 stands for an unknown sign. */
+static inline bool tvi_event_reports_sign_change(const tvi_event *event, int sign_after)
+{
+    return event->direction == TVI_EITHER || (int)event->direction == sign_after;
+}
+/* Tells whether the event leaves the roots of one direction unreported. */
+static inline bool tvi_event_skips_a_direction(const tvi_event *event) { return event->direction != TVI_EITHER; }
 
 /* Evaluates g at x [2n + 1] = (q, p, t), in a block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g);
