@@ -111,11 +111,6 @@ static char *history_of_batch(const tvi_ensemble *ensemble, int batch)
     return ensemble->memory + (size_t)batch * ensemble->history_bytes;
 }
 
-static char *stop_of_member(const tvi_ensemble *ensemble, int member)
-{
-    return ensemble->stops + (size_t)member * tvi_size_of_stop_in_bytes(ensemble->n);
-}
-
 void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
 {
     tvi_arena_copy_history(worker->batch_integrator->history, history_of_batch(ensemble, batch),
@@ -140,7 +135,8 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ens
         tvi_integrator_load_parameters(worker->single_integrator, ensemble->parameters + member,
                                        (size_t)ensemble->members, 1);
     }
-    memcpy(worker->single_integrator->stop, stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
+    memcpy(worker->single_integrator->stop, tvi_stop_of_member(ensemble, member),
+           tvi_size_of_stop_in_bytes(ensemble->n));
 }
 
 void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
@@ -148,7 +144,8 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *en
     if (worker->batch_integrator != worker->single_integrator)
         tvi_member_copy_between_integrators(worker->batch_integrator, member % ensemble->width,
                                             worker->single_integrator, 0);
-    memcpy(stop_of_member(ensemble, member), worker->single_integrator->stop, tvi_size_of_stop_in_bytes(ensemble->n));
+    memcpy(tvi_stop_of_member(ensemble, member), worker->single_integrator->stop,
+           tvi_size_of_stop_in_bytes(ensemble->n));
 }
 
 /* ---- What is asked of all ---------------------------------------------------------------------------------------- */
@@ -163,8 +160,9 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     memmove(ensemble->parameters, value, count_parameters_of_all_members(ensemble) * sizeof *value);
-    /* The stops are forgotten, since they belong to events with the old parameters. */
-    memset(ensemble->stops, 0, (size_t)ensemble->members * tvi_size_of_stop_in_bytes(ensemble->n));
+    /* The stops belong to events with the old parameters. */
+    for (int member = 0; member < ensemble->members; member++)
+        tvi_event_stop_forget(tvi_stop_of_member(ensemble, member), ensemble->n);
     tvi_ensemble_reset(ensemble);
     return TVI_OK;
 }

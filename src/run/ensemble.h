@@ -37,6 +37,11 @@ struct tvi_ensemble {
     pthread_mutex_t observer_lock; /* a thread holds this lock while it calls an observer of a member */
 };
 
+static inline tvi_event_stop *tvi_stop_of_member(const tvi_ensemble *ensemble, int member)
+{
+    return (tvi_event_stop *)(void *)(ensemble->stops + (size_t)member * tvi_size_of_stop_in_bytes(ensemble->n));
+}
+
 /* The index of the first member of a batch. */
 static inline int tvi_first_member_of_batch(const tvi_ensemble *ensemble, int batch) { return batch * ensemble->width; }
 /* The number of members of a batch. */

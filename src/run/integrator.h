@@ -26,7 +26,7 @@ typedef struct tvi_tangent tvi_tangent;
 
 /* A state at which events have stopped a run, and the events that were reported there. A run that goes on from the same
  * t and q, with any p, does not report these events again. Events beyond the first TVI_STOP_EVENTS are recognized by
- * |g|, which is at most its roundoff. */
+ * |g|, which is at most its roundoff. A stop is part of a saved state, and each member of an ensemble has one. */
 enum { TVI_STOP_EVENTS = 32 };
 typedef struct {
     int64_t is_set, count;                  /* 1 if there is a stop; the number of events that were reported there */
@@ -38,6 +38,9 @@ static inline size_t tvi_size_of_stop_in_bytes(int n)
 {
     return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
 }
+/* Forgets a stop: the next run begins at a new state, as far as events are concerned. The parameters of the user and a
+ * state that is loaded from text have this effect. */
+static inline void tvi_event_stop_forget(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
 
 struct tvi_integrator {
     int width;                /* the number of members; 1 for an integrator of tvi_integrator_create */

@@ -184,7 +184,7 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
     tvi_event_stop *stop = it->stop;
     const double t = state[locator->state_size - 1], before = stop->state[locator->state_size - 1];
     const bool is_soon = stop->is_set && fabs(t - before) <= SOON * fmax(fabs(t), fabs(before));
-    if (!is_soon) stop->count = 0;
+    if (!is_soon) tvi_event_stop_forget(stop, it->system->n);
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;
         const tvi_status status = is_event_at_stop(locator, event_index, last_root, state, &is_at_stop);

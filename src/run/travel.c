@@ -119,7 +119,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
     const tvi_status status = set_member_state_from_text(it, 0, state_text);
     if (status == TVI_OK) {
         it->has_dense = false;
-        it->stop->is_set = false;
+        tvi_event_stop_forget(it->stop, it->system->n);
         return TVI_OK;
     }
     tvi_arena_copy_history(it->history, scratch, it->history_bytes);
@@ -204,8 +204,7 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, con
     status = set_member_state_from_text(worker->batch_integrator, m, &state_text);
     if (status == TVI_OK) {
         tvi_worker_store_batch(worker, ensemble, batch);
-        memset(ensemble->stops + (size_t)member * tvi_size_of_stop_in_bytes(ensemble->n), 0,
-               tvi_size_of_stop_in_bytes(ensemble->n));
+        tvi_event_stop_forget(tvi_stop_of_member(ensemble, member), ensemble->n);
         ensemble->failed[member] = TVI_OK;
         tvi_member_copy_state(worker->batch_integrator, m, &t[member], q + member, p + member,
                               (size_t)ensemble->members);
