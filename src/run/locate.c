@@ -144,34 +144,48 @@ static tvi_status is_other_crossing_at_stop(tvi_locator *locator, int event_inde
     return status;
 }
 
-/* Tells whether an event lies at the state at which the run stops because of root number last_root. It may have this
- * root, an earlier root, or a later root at the same time. A later root is reported here, since the run does not go on
- * to it. */
-static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double state[],
-                                   bool *is_at_stop)
+/* Finds the last root of the event before root number last_root, and the first one after it. NULL stands for none. */
+static void find_neighbouring_roots(const tvi_locator *locator, int event_index, int last_root,
+                                    const tvi_event_root **earlier, const tvi_event_root **later)
 {
-    const tvi_event_root *told = NULL, *next = NULL;
-    const double theta = locator->search.roots[last_root].theta;
-    bool was_here = locator->search.roots[last_root].event_index == event_index, comes = false;
-    tvi_status status = TVI_OK;
+    *earlier = *later = NULL;
     for (int i = 0; i < locator->search.root_count; i++) {
         const tvi_event_root *root = &locator->search.roots[i];
-        if (root->event_index == event_index && i < last_root) told = root;
-        else if (root->event_index == event_index && i > last_root && !next) next = root;
+        if (root->event_index != event_index || i == last_root) continue;
+        if (i < last_root) *earlier = root;
+        else if (!*later) *later = root;
     }
-    if (next) status = is_root_at_stop(locator, next, theta, state, &comes);
-    if (status == TVI_OK && told && !was_here) status = is_root_at_stop(locator, told, theta, state, &was_here);
-    /* A crossing in the other direction is searched for only if the end of the step is clearly later than the stop. */
-    const double resolved = SOON * fabs(state[locator->state_size - 1] / locator->search.integrator->covered);
-    const bool has_other_way = tvi_event_skips_a_direction(locator->search.watched_events[event_index].event);
-    const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
-    /* A root of the event within the first sample after the stop is a later event, even if |g| is below its roundoff at
-     * the stop. */
-    const bool is_ahead = next && next->theta - theta <= tvi_sample_theta[0];
-    if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead)
-        status = is_other_crossing_at_stop(locator, event_index, state, &was_here);
-    if (status == TVI_OK && comes) (void)report_event(locator, next, state);
-    *is_at_stop = was_here || comes;
+}
+
+/* Tells whether the event may have a root at the stop in the direction that the user has not asked for. The end of the
+ * step must be clearly later than the stop. If the event's next root comes soon after the stop, the event is ahead,
+ * even if |g| is below its roundoff. */
+static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int event_index, const tvi_event_root *later,
+                                               double theta, double t)
+{
+    const double resolved = SOON * fabs(t / locator->search.integrator->covered);
+    return tvi_event_skips_a_direction(locator->search.watched_events[event_index].event) &&
+           theta < 1 - fmax(NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
+}
+
+/* Tells whether an event lies at the state at which the run stops because of root number last_root. The event may have
+ * this root, an earlier root, or a later one at the same time; *unreported is then the later one, otherwise NULL. */
+static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double state[],
+                                   bool *is_at_stop, const tvi_event_root **unreported)
+{
+    const double theta = locator->search.roots[last_root].theta;
+    const tvi_event_root *earlier, *later;
+    bool has_later = false, was_reported = locator->search.roots[last_root].event_index == event_index;
+    tvi_status status = TVI_OK;
+    find_neighbouring_roots(locator, event_index, last_root, &earlier, &later);
+    if (later) status = is_root_at_stop(locator, later, theta, state, &has_later);
+    if (status == TVI_OK && earlier && !was_reported)
+        status = is_root_at_stop(locator, earlier, theta, state, &was_reported);
+    *is_at_stop = was_reported || has_later;
+    *unreported = has_later ? later : NULL;
+    if (status == TVI_OK && !*is_at_stop &&
+        may_have_unwanted_crossing_at_stop(locator, event_index, later, theta, state[locator->state_size - 1]))
+        status = is_other_crossing_at_stop(locator, event_index, state, is_at_stop);
     return status;
 }
 
@@ -187,8 +201,10 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
     if (!is_soon) tvi_event_stop_forget(stop, it->system->n);
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;
-        const tvi_status status = is_event_at_stop(locator, event_index, last_root, state, &is_at_stop);
+        const tvi_event_root *unreported;
+        const tvi_status status = is_event_at_stop(locator, event_index, last_root, state, &is_at_stop, &unreported);
         if (status != TVI_OK) return status;
+        if (unreported) (void)report_event(locator, unreported, state);
         const tvi_event *event = locator->search.watched_events[event_index].event;
         if (is_at_stop && stop->count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
             stop->event_hashes[stop->count++] = event->hash;
