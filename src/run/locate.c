@@ -19,9 +19,9 @@ static const double SAME_TIME = 2 * DBL_EPSILON;
 static const double SOON = 32 * DBL_EPSILON, NEAR_STOP = 1e-6;
 /* Two roots of one event in the same direction are one root if their theta differ by less than this. */
 static const double SAME_ROOT = 1e-12;
-/* The computed states of the first KEPT roots of a step are stored until the roots are reported. The states of further
- * roots are computed again. */
-enum { KEPT = 32 };
+/* The computed states of the first CACHED_ROOTS roots of a step are stored until the roots are reported. The states of
+ * further roots are computed again. */
+enum { CACHED_ROOTS = 32 };
 
 /* The memory of a run with events. States are vectors [2n + 1], in the order q, p, t. */
 struct tvi_locator {
@@ -30,14 +30,15 @@ struct tvi_locator {
     tvi_event_search search;
     tvi_event_finder finder;
     int state_size; /* 2n + 1, the number of components of a state */
-    /* [KEPT + 1][state_size] The states of the first KEPT roots of the step, and scratch memory for one more. */
+    /* [CACHED_ROOTS + 1][state_size] The states of the first roots of the step, and scratch memory for one more. */
     double *cached_states;
     double *scratch_sizes; /* [state_size] the sizes |x_i| of a state's components */
 };
 
 static double *cached_root_state(tvi_locator *locator, int found_index)
 {
-    return locator->cached_states + (size_t)(found_index < KEPT ? found_index : KEPT) * (size_t)locator->state_size;
+    return locator->cached_states +
+           (size_t)(found_index < CACHED_ROOTS ? found_index : CACHED_ROOTS) * (size_t)locator->state_size;
 }
 
 /* Tells whether root a comes before root b. Roots that are near each other are compared by their computed times, and at
@@ -45,9 +46,9 @@ static double *cached_root_state(tvi_locator *locator, int found_index)
 static bool is_root_before(tvi_locator *locator, const tvi_event_root *a, const tvi_event_root *b)
 {
     const int t = locator->state_size - 1;
-    const bool are_kept = a->found_index < KEPT && b->found_index < KEPT,
+    const bool are_cached = a->found_index < CACHED_ROOTS && b->found_index < CACHED_ROOTS,
                are_near = fabs(a->theta - b->theta) <= NEAR_STOP;
-    if (!are_kept || !are_near) return a->theta < b->theta;
+    if (!are_cached || !are_near) return a->theta < b->theta;
     const double way = (cached_root_state(locator, a->found_index)[t] - cached_root_state(locator, b->found_index)[t]) *
                        locator->search.integrator->covered;
     return way < 0 || (way == 0 && a->event_index < b->event_index);
@@ -119,8 +120,9 @@ static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *ro
                                   bool *is_at_stop)
 {
     const double t = state[locator->state_size - 1], covered = locator->search.integrator->covered;
-    const double own = root->found_index < KEPT ? cached_root_state(locator, root->found_index)[locator->state_size - 1]
-                                                : t + (root->theta - theta) * covered;
+    const double own = root->found_index < CACHED_ROOTS
+                           ? cached_root_state(locator, root->found_index)[locator->state_size - 1]
+                           : t + (root->theta - theta) * covered;
     double g = 0;
     *is_at_stop = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
     if (*is_at_stop || fabs(root->theta - theta) > NEAR_STOP) return TVI_OK;
@@ -243,7 +245,8 @@ static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, i
 {
     tvi_event_root *root = &locator->search.roots[root_index];
     double *state = cached_root_state(locator, root->found_index);
-    tvi_status status = root->found_index >= KEPT ? tvi_finder_find_event(&locator->finder, root, state) : TVI_OK;
+    tvi_status status =
+        root->found_index >= CACHED_ROOTS ? tvi_finder_find_event(&locator->finder, root, state) : TVI_OK;
     if (status == TVI_OK && times) status = tvi_times_report_until(times, state[locator->state_size - 1]);
     if (status == TVI_OK) status = propagate_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
@@ -290,9 +293,9 @@ static tvi_status initialize_locator(tvi_locator *locator, tvi_integrator *it, c
         status = tvi_search_open(&locator->search, &locator->partial_step, plan->events, plan->event_count, t, state);
     if (status == TVI_OK) status = tvi_finder_open(&locator->finder, &locator->search);
     if (status != TVI_OK) return status;
-    locator->cached_states = calloc((size_t)size * (KEPT + 2), sizeof *locator->cached_states);
+    locator->cached_states = calloc((size_t)size * (CACHED_ROOTS + 2), sizeof *locator->cached_states);
     if (!locator->cached_states) return TVI_ENOMEM;
-    locator->scratch_sizes = locator->cached_states + size * (KEPT + 1);
+    locator->scratch_sizes = locator->cached_states + size * (CACHED_ROOTS + 1);
     return TVI_OK;
 }
 
