@@ -1,5 +1,5 @@
-/* kernel_ends.h - Defines the part of kernel.h that computes the sums at the end of a step, and decides when passes
- * end. */
+/* kernel_ends.h - Defines the part of kernel.h that computes the sums at the end of a step, and for several members
+ * decides when passes end. */
 
 /* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
 

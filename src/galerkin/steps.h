@@ -1,6 +1,6 @@
 /* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5), in one text. The library compiles it for
- * any system, and for several members, with the loops of its tables (galerkin.c, batch.c). Generated code compiles it
- * for one system, whose sizes are constants (generated_*.h). */
+ * any system, with the loops of its tables (galerkin.c); batch.c makes a step of several members of the same parts.
+ * Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 

@@ -1,5 +1,5 @@
 /* passes_rule.h - Combines the rule for an iteration's passes (algebra/passes.h) with the user's options. Steppers
- * call it when they allocate their memory. */
+ * call it when they prepare their tables (galerkin/probe.c, generating/newton.c). */
 #ifndef TVI_SRC_METHOD_PASSES_RULE_H
 #define TVI_SRC_METHOD_PASSES_RULE_H
 
