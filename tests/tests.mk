@@ -338,10 +338,11 @@ check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_"
 do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
-check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; plain words" $(DO)
+check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; plain words; names of pages" $(DO)
 WORDED := $(wildcard $(foreach folder,run galerkin system method compiled algebra generating,src/$(folder)/*.[ch]) ad/*.[ch] include/* tests/*/*.[ch] bench/*/*.[ch] bench/*/*/*.[ch] docs/examples/*.[ch] docs/examples/*.hpp docs/examples/*.cpp tests/*/*.cpp tests/*/*.hpp)
 do-floors:
 	tests/floors.sh
+	tests/named.sh $(addprefix docs/,walk.md adding.md contributing.md notation.md)
 	tests/sizes.sh
 	awk -f tests/words.awk $(WORDED) README.md $(wildcard docs/*.md docs/*/*.md)
 
