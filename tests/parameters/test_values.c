@@ -122,6 +122,41 @@ START_TEST(events_have_the_values_of_the_integrator)
 }
 END_TEST
 
+/* New values, set or from text, move the event a little ahead of the state at which it has stopped the run, or behind
+ * it: from there it is met where an integrator meets it that has made no step. */
+START_TEST(new_values_forget_the_stop)
+{
+    enum { ROOM = 10000 };
+    tvi_system *open = system_of(&forms[_i], NULL);
+    tvi_event *event;
+    ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, true, crossing, NULL), TVI_OK);
+    const tvi_event *const events[] = {event};
+    for (int k = 0; k < 4; k++) {
+        tvi_integrator *it = integrator_of(open, &methods[0]), *fresh = integrator_of(open, &methods[0]);
+        double at[2], values[PARAMETERS];
+        char text[ROOM];
+        size_t size = ROOM;
+        state x = start;
+        ck_assert_int_eq(tvi_integrate_events(it, H, 400, events, 1, &x.t, x.q, x.p, NULL, keep, at), TVI_ESTOPPED);
+        memcpy(values, recorded, sizeof values);
+        values[1] = 8 * (x.q[0] + (k % 2 ? 1e-3 : -1e-3));
+        ck_assert_int_eq(tvi_integrator_set_parameters(fresh, values), TVI_OK);
+        ck_assert_int_eq(tvi_state_to_text(fresh, x.t, x.q, x.p, text, &size), TVI_OK);
+        ck_assert_int_eq(k < 2 ? tvi_integrator_set_parameters(it, values)
+                               : tvi_state_from_text(it, text, size, &x.t, x.q, x.p),
+                         TVI_OK);
+        state y = x;
+        ck_assert_int_eq(tvi_integrate_events(it, H, 400, events, 1, &x.t, x.q, x.p, NULL, keep, at), TVI_ESTOPPED);
+        ck_assert_int_eq(tvi_integrate_events(fresh, H, 400, events, 1, &y.t, y.q, y.p, NULL, keep, at), TVI_ESTOPPED);
+        ck_assert(memcmp(&x, &y, sizeof x) == 0);
+        tvi_integrator_free(it);
+        tvi_integrator_free(fresh);
+    }
+    tvi_event_free(event);
+    tvi_system_free(open);
+}
+END_TEST
+
 static int keep_state(long step, double t, const double q[], const double p[], void *ctx)
 {
     (void)step;
@@ -194,6 +229,7 @@ Suite *suite_values(void)
     tcase_add_loop_test(tests, integrators_do_not_share, 0, FORMS);
     tcase_add_loop_test(tests, saved_states_have_them, 0, FORMS);
     tcase_add_loop_test(tests, events_have_the_values_of_the_integrator, 0, FORMS);
+    tcase_add_loop_test(tests, new_values_forget_the_stop, 0, FORMS);
     tcase_add_loop_test(tests, results_at_times_have_them, 0, FORMS);
     tcase_add_test(tests, forces_that_are_recorded_as_0);
     suite_add_tcase(suite, tests);
