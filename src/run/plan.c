@@ -8,62 +8,39 @@
 
 /* ---- Plans that are none ----------------------------------------------------------------------------------------- */
 
-typedef struct {
-    bool is_found;
-    const char *message;
-} plan_contradiction;
-
-static const char *find_first_contradiction(size_t count, const plan_contradiction list[])
-{
-    for (size_t i = 0; i < count; i++)
-        if (list[i].is_found) return list[i].message;
-    return NULL;
-}
-
 /* Returns a message if the step size, the number of steps, the times and the tolerance of the plan do not define one
- * mode of a run; NULL if they do. */
-static const char *find_conflict_of_modes(const tvi_run_plan *plan)
+ * mode of a run; if an observer, the events, the times or the tangent vectors of the plan need a field that the plan
+ * does not set; or if they are not allowed in the plan's mode. Returns NULL if the plan is right. */
+static const char *find_contradiction(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
-    const plan_contradiction list[] = {
-        {plan->size != 0 && plan->size != sizeof *plan, "size is not that of a tvi_run_plan of this version"},
-        {plan->steps < 0, "steps is negative"},
-        {plan->time_count < 0 || plan->event_count < 0 || plan->columns < 0, "a count is negative"},
-        {to_times && !plan->times, "times is NULL"},
-        {by_tolerance && plan->h != 0, "h and tolerance are both given"},
-        {!by_tolerance && (plan->h == 0 || !isfinite(plan->h)), "h is 0 or not finite"},
-        {in_steps && by_tolerance, "steps and tolerance are both given: a tolerance goes to t_end"},
-        {to_times && by_tolerance, "times and tolerance are both given: a tolerance goes to t_end"},
-        {in_steps && to_times, "steps and time_count are both given"},
-        {in_steps && plan->t_end != 0, "steps and t_end are both given"},
-        {to_times && plan->t_end != 0, "times and t_end are both given"},
-        {!isfinite(plan->t_end), "t_end is not finite"},
-        {!by_tolerance && plan->largest_step != 0, "largest_step is given without tolerance"},
-        {!(plan->largest_step >= 0 && isfinite(plan->largest_step)), "largest_step is negative or not finite"},
-    };
-    return find_first_contradiction(sizeof list / sizeof *list, list);
-}
-
-/* Returns a message if an observer, the events, the times or the tangent vectors of the plan need a field that the plan
- * does not set, or are not allowed in the plan's mode; otherwise NULL. */
-static const char *find_misfit_with_mode(const tvi_run_plan *plan)
-{
-    const plan_contradiction list[] = {
-        {plan->columns > 0 && !plan->D, "columns is given, and D is NULL"},
-        {plan->D && plan->columns == 0, "D is given, and columns is 0"},
-        {plan->times && plan->time_count == 0, "times is given, and time_count is 0"},
-        {plan->at_time && plan->time_count == 0, "at_time is given, and time_count is 0"},
-        {plan->on_event && plan->event_count == 0, "on_event is given, and event_count is 0"},
-        {plan->event_count > 0 && !plan->events, "event_count is given, and events is NULL"},
-        {plan->observer && plan->steps == 0, "observer is given without steps: it goes with steps alone"},
-    };
-    return find_first_contradiction(sizeof list / sizeof *list, list);
+    if (plan->size != 0 && plan->size != sizeof *plan) return "size is not that of a tvi_run_plan of this version";
+    if (plan->steps < 0) return "steps is negative";
+    if (plan->time_count < 0 || plan->event_count < 0 || plan->columns < 0) return "a count is negative";
+    if (to_times && !plan->times) return "times is NULL";
+    if (by_tolerance && plan->h != 0) return "h and tolerance are both given";
+    if (!by_tolerance && (plan->h == 0 || !isfinite(plan->h))) return "h is 0 or not finite";
+    if (in_steps && by_tolerance) return "steps and tolerance are both given: a tolerance goes to t_end";
+    if (to_times && by_tolerance) return "times and tolerance are both given: a tolerance goes to t_end";
+    if (in_steps && to_times) return "steps and time_count are both given";
+    if (in_steps && plan->t_end != 0) return "steps and t_end are both given";
+    if (to_times && plan->t_end != 0) return "times and t_end are both given";
+    if (!isfinite(plan->t_end)) return "t_end is not finite";
+    if (!by_tolerance && plan->largest_step != 0) return "largest_step is given without tolerance";
+    if (!(plan->largest_step >= 0 && isfinite(plan->largest_step))) return "largest_step is negative or not finite";
+    if (plan->columns > 0 && !plan->D) return "columns is given, and D is NULL";
+    if (plan->D && plan->columns == 0) return "D is given, and columns is 0";
+    if (plan->times && plan->time_count == 0) return "times is given, and time_count is 0";
+    if (plan->at_time && plan->time_count == 0) return "at_time is given, and time_count is 0";
+    if (plan->on_event && plan->event_count == 0) return "on_event is given, and event_count is 0";
+    if (plan->event_count > 0 && !plan->events) return "event_count is given, and events is NULL";
+    if (plan->observer && plan->steps == 0) return "observer is given without steps: it goes with steps alone";
+    return NULL;
 }
 
 tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
 {
-    const char *reason = plan ? find_conflict_of_modes(plan) : "plan is NULL";
-    if (!reason) reason = find_misfit_with_mode(plan);
+    const char *reason = plan ? find_contradiction(plan) : "plan is NULL";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!tvi_events_match_system(it, plan->events, plan->event_count)) return TVI_EINVAL;
     return plan->tolerance != 0 ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
