@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The reference with which the guard compares the change of a member's energy (reference_energy.h). */
+/* The reference with which the guard compares the change of a member's energy (guard.c). */
 typedef struct {
     double zero;         /* the energy that counts as zero */
     double scale;        /* |H - zero| at the first step that the guard doubted; it grows when the zero is lowered */
@@ -89,7 +89,7 @@ struct tvi_integrator {
     double *energy_change;           /* [width] a bound of the energy's change in the step, from the stepper */
     bool *needs_energy;              /* [width] true if the energy must be computed to judge the step */
     double *energy_before, *energy_after; /* [width] the energies at the start and at the end of the step */
-    tvi_run_state end; /* the states at the end of the step, without low-order parts; scratch of reference_energy.c */
+    tvi_run_state end; /* the states at the end of the step, without low-order parts; scratch of guard.c */
     tvi_run_state member_state; /* the state of one member, without low-order parts */
     tvi_energy_work energy;     /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
     tvi_energy_work rescaled_hamiltonian; /* memory to compute the Hamiltonian K of a rescaled system */
