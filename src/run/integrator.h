@@ -205,12 +205,6 @@ void tvi_step_batch(tvi_integrator *integrator, long steps, double h);
 TVI_NODISCARD tvi_status tvi_step_by_tolerance(tvi_integrator *integrator, double tolerance, double h, double *t,
                                                double q[], double p[]);
 
-/* Returns the remaining time t_end - t, with the low-order part of the time t. */
-double tvi_remaining_time(const tvi_integrator *integrator, double t_end);
-/* Sets the time to t_end, from which it differs by roundoff alone. The difference is kept in the low-order part of the
- * time. */
-void tvi_set_time_to_t_end(tvi_integrator *integrator, double t_end, double *t);
-
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 

@@ -1,9 +1,11 @@
-/* run.c - Runs an integrator step by step and calls the observers (run.h). It also defines tvi_integrate and
- * tvi_integrate_events, which make steps of one size. */
+/* run.c - Runs an integrator step by step and calls the observers (run.h). It also defines the functions
+ * tvi_integrate..., except for tvi_integrate_at (times.c). */
 #include "run/run.h"
 #include "run/times.h"
+#include "algebra/sizes.h"
 #include "system/refuse.h"
 
+#include <float.h>
 #include <limits.h>
 #include <math.h>
 
@@ -25,6 +27,108 @@ int tvi_call_event_observer(tvi_integrator *it, tvi_event_observer *observer, in
     const int stop = observer(event_index, t, q, p, ctx);
     it->is_in_observer = false;
     return stop;
+}
+
+/* ---- Steps to a time --------------------------------------------------------------------------------------------- */
+
+/* The sequence of steps of a run, which depends on its mode. */
+typedef struct tvi_schedule tvi_schedule;
+struct tvi_schedule {
+    /* Makes the next step or steps. It sets *is_last if the run ends with them. */
+    tvi_status (*step)(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
+                       bool *is_last);
+    const tvi_run_plan *plan;
+    /* The largest number of calls of `step`, and the number of steps that each call may make. */
+    long steps, at_once;
+    bool begins;              /* true if the user's state is loaded into the integrator before the first step */
+    bool continues_last_step; /* true if the first of the given times lie in the step that was made before the run */
+    bool is_to_time;          /* true if the run ends at t_end */
+    double t_end;
+};
+
+/* The largest number of steps that are made before the run checks again whether its time moves. */
+enum { AT_ONCE = 64 };
+
+/* Returns the remaining time t_end - t, with the low-order part of the time t. */
+static double remaining_time_to(const tvi_integrator *it, double t_end)
+{
+    const int n = it->system->n;
+    return (t_end - it->state.q[n]) - it->state.q_low[n];
+}
+
+/* Tells whether a run to t_end still advances after the last step. *slow_step_count counts the last consecutive steps
+ * that each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
+static tvi_status check_time_advances(const tvi_integrator *it, double t_end, int *slow_step_count)
+{
+    const double left = remaining_time_to(it, t_end);
+    *slow_step_count = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow_step_count + 1 : 0;
+    return *slow_step_count < 1 << 16
+               ? TVI_OK
+               : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
+}
+
+/* Replaces a step of a rescaled system that went past t_end by a shorter step from the same start that ends at
+ * t_end. */
+static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, double *t, double q[], double p[])
+{
+    tvi_partial_step partial_step;
+    const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
+    tvi_status status = opened == TVI_OK ? tvi_partial_step_compute_state_at_time(&partial_step, t_end) : opened;
+    tvi_integrator_undo_step(it, t, q, p);
+    if (status == TVI_OK && partial_step.offset != 0) status = tvi_step(it, partial_step.offset, t, q, p);
+    if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
+    return status;
+}
+
+/* Sets the time to t_end, from which it differs by roundoff alone. The difference is kept in the low-order part of the
+ * time. */
+static void set_time_to_t_end(tvi_integrator *it, double t_end, double *t)
+{
+    const int n = it->system->n;
+    it->state.q_low[n] += it->state.q[n] - t_end;
+    it->state.q[n] = *t = t_end;
+}
+
+/* Returns how many steps of size h can be made in one call. If the steps are steps in time (not in s), the last steps
+ * are excluded, since roundoff decides whether one more fits before t_end. */
+static long count_steps_of_one_call(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
+{
+    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(remaining_time / schedule->plan->h)) - 1;
+    return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
+}
+
+/* Makes one or more steps of size h, or the last step of the run. If the steps are steps in time, the last one has the
+ * size of the remaining time. */
+static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
+                                         double p[], bool *is_last)
+{
+    const double h = schedule->plan->h, t_end = schedule->t_end, remaining_time = remaining_time_to(it, t_end);
+    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
+    const bool ends = !tvi_is_rescaled(it) && fabs(remaining_time) <= fabs(h) + roundoff;
+    const double before_end = t_end - copysign(roundoff, h);
+    tvi_status status =
+        ends ? tvi_step(it, remaining_time, t, q, p)
+             : tvi_make_steps(it, count_steps_of_one_call(it, schedule, remaining_time), h, before_end, t, q, p);
+    const double left = ends ? 0 : remaining_time_to(it, t_end);
+    *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
+    if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
+    if (status == TVI_OK && *is_last) set_time_to_t_end(it, t_end, t);
+    return status;
+}
+
+/* Makes one step whose size keeps the local error within the tolerance, no farther than t_end and no larger than the
+ * plan's largest_step. A step that ends within roundoff of t_end ends at t_end, so that no tiny step must follow. */
+static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
+                                         double p[], bool *is_last)
+{
+    const double rest = remaining_time_to(it, schedule->t_end), largest = schedule->plan->largest_step;
+    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(schedule->t_end), fabs(*t));
+    const bool is_limited = largest > 0 && fabs(rest) > largest + roundoff;
+    const double farthest = is_limited ? copysign(largest, rest) : rest;
+    const tvi_status status = tvi_step_by_tolerance(it, schedule->plan->tolerance, farthest, t, q, p);
+    *is_last = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
+    if (*is_last) set_time_to_t_end(it, schedule->t_end, t);
+    return status;
 }
 
 /* ---- The course of a run ----------------------------------------------------------------------------------------- */
@@ -52,6 +156,24 @@ static tvi_status set_schedule_for_step_count(const tvi_single_run *run, tvi_sch
     return TVI_OK;
 }
 
+static tvi_status set_schedule_to_time(const tvi_integrator *it, const tvi_single_run *run, double t,
+                                       tvi_schedule *schedule)
+{
+    const tvi_run_plan *plan = run->plan;
+    const bool by_tolerance = run->mode == TVI_RUN_TO_TOLERANCE;
+    if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
+    if (!by_tolerance && (plan->h > 0 ? plan->t_end < t : plan->t_end > t))
+        return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
+    *schedule = (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end,
+                               .plan = plan,
+                               .steps = t == plan->t_end ? 0 : LONG_MAX,
+                               .at_once = is_each_step_observed(run) || !it->stats.is_compiled ? 1 : AT_ONCE,
+                               .begins = true,
+                               .is_to_time = true,
+                               .t_end = plan->t_end};
+    return by_tolerance ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
+}
+
 static tvi_status set_schedule_for_times(const tvi_integrator *it, const tvi_single_run *run, double t,
                                          const double q[], const double p[], tvi_schedule *schedule)
 {
@@ -67,16 +189,30 @@ static tvi_status set_schedule_for_times(const tvi_integrator *it, const tvi_sin
     return TVI_OK;
 }
 
+tvi_status tvi_check_tolerance(const tvi_integrator *it, double tolerance)
+{
+    if (!(tolerance >= DBL_EPSILON && tolerance < 1))
+        return jet_refuse(TVI_EINVAL, "tolerance is below DBL_EPSILON or not below 1");
+    return it->stepper->step_within && !tvi_is_rescaled(it)
+               ? TVI_OK
+               : jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
+}
+
+int tvi_taylor_order(double tolerance)
+{
+    if (!(tolerance >= DBL_EPSILON && tolerance < 1)) return 0;
+    return (int)fmax(2, ceil(1 - log(tolerance) / 2));
+}
+
 /* Checks those arguments that the run's mode needs, and sets the schedule of its steps. */
 static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
                                         const double p[], tvi_schedule *schedule)
 {
     const double h = run->plan->h;
     if (!tvi_events_match_system(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
-    if (run->mode == TVI_RUN_TO_TOLERANCE) return tvi_schedule_to_tolerance(it, run->plan, t, schedule);
+    if (run->mode == TVI_RUN_TO_TOLERANCE) return set_schedule_to_time(it, run, t, schedule);
     if (h == 0 || !isfinite(h)) return tvi_refuse_run_arguments((tvi_run_arguments){it, &t, q, p, h}, "");
-    if (run->mode == TVI_RUN_TO_TIME)
-        return tvi_schedule_to_time(it, run->plan, t, is_each_step_observed(run), schedule);
+    if (run->mode == TVI_RUN_TO_TIME) return set_schedule_to_time(it, run, t, schedule);
     if (run->mode == TVI_RUN_AT_TIMES) return set_schedule_for_times(it, run, t, q, p, schedule);
     return set_schedule_for_step_count(run, schedule);
 }
@@ -133,8 +269,7 @@ static tvi_status make_all_steps(run_in_progress *in_progress, double *t, double
         if (status == TVI_OK) status = report_times_events_and_step(in_progress, step, t, q, p);
         is_last = is_last || (in_progress->times && tvi_times_are_all_reported(in_progress->times));
         if (status == TVI_OK && in_progress->schedule.is_to_time && !is_last)
-            status =
-                tvi_run_check_time_advances(in_progress->integrator, in_progress->schedule.t_end, &slow_step_count);
+            status = check_time_advances(in_progress->integrator, in_progress->schedule.t_end, &slow_step_count);
     }
     tvi_locator_close(in_progress->locator);
     return status;
@@ -180,4 +315,29 @@ tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, do
                          tvi_observer *observer, void *ctx)
 {
     return tvi_integrate_events(it, h, steps, NULL, 0, t, q, p, observer, NULL, ctx);
+}
+
+tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
+                            tvi_observer *observer, void *ctx)
+{
+    const tvi_run_plan plan = {.h = h, .t_end = t_end};
+    const tvi_observers observers = {.at_step = observer, .ctx = ctx};
+    return tvi_run_integrator(it, &(tvi_single_run){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t,
+                              q, p);
+}
+
+tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, double t_end,
+                                          const tvi_event *const events[], int count, double *t, double q[], double p[],
+                                          tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
+{
+    const tvi_run_plan plan = {.tolerance = tolerance, .t_end = t_end, .events = events, .event_count = count};
+    const tvi_observers observers = {.at_step = observer, .on_event = on_event, .ctx = ctx};
+    return tvi_run_integrator(
+        it, &(tvi_single_run){.mode = TVI_RUN_TO_TOLERANCE, .plan = &plan, .observers = observers}, t, q, p);
+}
+
+tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],
+                                   double p[], tvi_observer *observer, void *ctx)
+{
+    return tvi_integrate_tolerance_events(it, tolerance, t_end, NULL, 0, t, q, p, observer, NULL, ctx);
 }

@@ -29,38 +29,11 @@ struct tvi_single_run {
     long steps_before_segment; /* the number of steps in earlier segments of an ensemble's run */
 };
 
-/* The sequence of steps of a run, which depends on its mode. */
-typedef struct tvi_schedule tvi_schedule;
-struct tvi_schedule {
-    /* Makes the next step or steps. It sets *is_last if the run ends with them. */
-    tvi_status (*step)(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
-                       bool *is_last);
-    const tvi_run_plan *plan;
-    /* The largest number of calls of `step`, and the number of steps that each call may make. */
-    long steps, at_once;
-    bool begins;              /* true if the user's state is loaded into the integrator before the first step */
-    bool continues_last_step; /* true if the first of the given times lie in the step that was made before the run */
-    bool is_to_time;          /* true if the run ends at t_end */
-    double t_end;
-};
-
 /* Runs the integrator. It returns TVI_ESTOPPED if an observer or an event ends the run, and otherwise the status of the
  * step that fails or of the argument that is refused. */
 TVI_NODISCARD tvi_status tvi_run_integrator(tvi_integrator *integrator, const tvi_single_run *run, double *t,
                                             double q[], double p[]);
 
-/* Checks the plan of a run to a given time by steps of size h, and sets its schedule. If no observer sees each step,
- * the schedule makes several steps in one call. */
-TVI_NODISCARD tvi_status tvi_schedule_to_time(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
-                                              bool is_observed, tvi_schedule *schedule);
-/* Checks the plan of a run to a given time by steps within a tolerance, and sets its schedule. */
-TVI_NODISCARD tvi_status tvi_schedule_to_tolerance(const tvi_integrator *integrator, const tvi_run_plan *plan, double t,
-                                                   tvi_schedule *schedule);
-
-/* Tells whether a run to t_end still advances after the last step. *slow_step_count counts the last consecutive steps
- * that each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
-TVI_NODISCARD tvi_status tvi_run_check_time_advances(const tvi_integrator *integrator, double t_end,
-                                                     int *slow_step_count);
 /* Refuses a tolerance that is not positive, or that double precision cannot reach (TVI_EINVAL), and any tolerance if
  * the integrator's method cannot choose its steps by one (TVI_EUNSUPPORTED). */
 TVI_NODISCARD tvi_status tvi_check_tolerance(const tvi_integrator *integrator, double tolerance);
