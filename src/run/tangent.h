@@ -1,5 +1,5 @@
 /* tangent.h - Multiplies tangent vectors by the Jacobian matrix of a step (docs/method.md section 10). tvi_step_tangent
- * and runs with tangent vectors (columns.c) call it. The method makes a step of the lifted system, whose state is the
+ * and runs with tangent vectors call it. The method makes a step of the lifted system, whose state is the
  * orbit's state together with one tangent vector. */
 #ifndef TVI_SRC_RUN_TANGENT_H
 #define TVI_SRC_RUN_TANGENT_H
@@ -52,5 +52,26 @@ TVI_NODISCARD tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *
                                                           const tvi_step_to_differentiate *step,
                                                           const tvi_tangent_columns *columns,
                                                           const tvi_tangent_columns *product);
+
+/* The functions below update the columns of a run (run.c, times.c, locate.c). A run without tangent vectors has
+ * columns->elements = NULL; all of them then do nothing. */
+
+/* Prepares a run: stores the user's columns as those from which the first step starts. */
+void tvi_columns_store_run_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Multiplies the columns by the Jacobian matrix of the integrator's last step. On failure the columns are unchanged. */
+TVI_NODISCARD tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *integrator,
+                                                            const tvi_tangent_columns *columns);
+/* Sets the columns to those at the given offset (0 to h) from the start of the last step, which was made with the given
+ * parameters. On failure the columns become those at the end of the step. */
+TVI_NODISCARD tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *integrator,
+                                                         const tvi_tangent_columns *columns, double offset,
+                                                         const double parameters[]);
+/* Sets the columns to the stored ones at the end of the last step. */
+void tvi_columns_restore_step_end(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Sets the columns to the stored ones at the start of the last step. */
+void tvi_columns_restore_step_start(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
+/* Tells whether the user's columns equal the stored ones at the end of the last step, bit for bit. In that case the
+ * columns at points inside that step can be computed. */
+bool tvi_columns_match_last_step_end(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 
 #endif

@@ -1,7 +1,6 @@
 /* times.c - Reports the states at the given times of a run (times.h). Each state is computed by a partial step of the
  * method from the start of the last step (partial_step.h). */
 #include "run/times.h"
-#include "run/columns.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
