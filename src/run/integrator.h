@@ -89,7 +89,7 @@ struct tvi_integrator {
     double *energy_change;           /* [width] a bound of the energy's change in the step, from the stepper */
     bool *needs_energy;              /* [width] true if the energy must be computed to judge the step */
     double *energy_before, *energy_after; /* [width] the energies at the start and at the end of the step */
-    tvi_run_state end; /* the states at the end of the step, without low-order parts; scratch of guard.c */
+    tvi_run_state end;          /* the states at the end of the step, without low-order parts; scratch of guard.c */
     tvi_run_state member_state; /* the state of one member, without low-order parts */
     tvi_energy_work energy;     /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
     tvi_energy_work rescaled_hamiltonian; /* memory to compute the Hamiltonian K of a rescaled system */
@@ -160,12 +160,10 @@ static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, d
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
-/* Calls an observer of steps or of given times, or an observer of events. During the call the integrator refuses steps.
- * Returns the observer's value, or 0 if the observer is NULL. */
+/* Calls an observer of steps or of given times. During the call the integrator refuses steps. Returns the observer's
+ * value, or 0 if the observer is NULL. */
 int tvi_call_observer(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx);
-int tvi_call_event_observer(tvi_integrator *integrator, tvi_event_observer *observer, int event_index, double t,
-                            const double q[], const double p[], void *ctx);
 
 /* Creates an integrator of `width` members for the same system and options. It has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator, int width);
@@ -194,17 +192,13 @@ static inline bool tvi_is_failure_of_member(tvi_status status)
 /* Returns the end time of a run that goes in the direction of h without an end: plus or minus infinity. */
 static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY, h); }
 
-/* Makes up to `steps` steps of size h, and ends when the time reaches t_end; at least one step is made. t, q and p are
+/* Makes up to `steps` steps of size h, and ends when the time reaches t_end or a step fails; at least one step is made.
+ * With a tolerance > 0 a step chooses its size, at most h (stepper.h), which becomes integrator->h. t, q and p are
  * written once, after the last step or after the step before the first failure. */
-TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long steps, double h, double t_end, double *t,
-                                        double q[], double p[]);
+TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long steps, double tolerance, double h,
+                                        double t_end, double *t, double q[], double p[]);
 /* Makes up to `steps` steps of size h of all members whose status is TVI_OK, as long as there is such a member. */
 void tvi_step_batch(tvi_integrator *integrator, long steps, double h);
-/* Makes a step as tvi_step does. With a tolerance > 0 the step chooses its size, at most h (stepper.h); it is returned
- * in integrator->h. */
-TVI_NODISCARD tvi_status tvi_step_by_tolerance(tvi_integrator *integrator, double tolerance, double h, double *t,
-                                               double q[], double p[]);
-
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 

@@ -95,10 +95,14 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
 /* Calls the observer of events with the state of a root. Returns true if the observer asks to end the run. */
 static bool report_event(tvi_locator *locator, const tvi_event_root *root, const double state[])
 {
-    const int n = locator->search.integrator->system->n;
+    tvi_integrator *it = locator->search.integrator;
+    const int n = it->system->n;
     const tvi_observers *observers = &locator->run->observers;
-    return tvi_call_event_observer(locator->search.integrator, observers->on_event, root->event_index, state[2 * n],
-                                   state, state + n, observers->ctx) != 0;
+    if (!observers->on_event) return false;
+    it->is_in_observer = true;
+    const int stop = observers->on_event(root->event_index, state[2 * n], state, state + n, observers->ctx);
+    it->is_in_observer = false;
+    return stop != 0;
 }
 
 /* Computes the tangent vectors at the root, if the observer of events may read them, or the user after a terminal

@@ -19,16 +19,6 @@ int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, dou
     return stop;
 }
 
-int tvi_call_event_observer(tvi_integrator *it, tvi_event_observer *observer, int event_index, double t,
-                            const double q[], const double p[], void *ctx)
-{
-    if (!observer) return 0;
-    it->is_in_observer = true;
-    const int stop = observer(event_index, t, q, p, ctx);
-    it->is_in_observer = false;
-    return stop;
-}
-
 /* ---- Steps to a time --------------------------------------------------------------------------------------------- */
 
 /* The sequence of steps of a run, which depends on its mode. */
@@ -108,7 +98,7 @@ static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule 
     const double before_end = t_end - copysign(roundoff, h);
     tvi_status status =
         ends ? tvi_step(it, remaining_time, t, q, p)
-             : tvi_make_steps(it, count_steps_of_one_call(it, schedule, remaining_time), h, before_end, t, q, p);
+             : tvi_make_steps(it, count_steps_of_one_call(it, schedule, remaining_time), 0, h, before_end, t, q, p);
     const double left = ends ? 0 : remaining_time_to(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
@@ -125,7 +115,8 @@ static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule 
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(schedule->t_end), fabs(*t));
     const bool is_limited = largest > 0 && fabs(rest) > largest + roundoff;
     const double farthest = is_limited ? copysign(largest, rest) : rest;
-    const tvi_status status = tvi_step_by_tolerance(it, schedule->plan->tolerance, farthest, t, q, p);
+    const tvi_status status =
+        tvi_make_steps(it, 1, schedule->plan->tolerance, farthest, tvi_infinite_end_time(farthest), t, q, p);
     *is_last = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
     if (*is_last) set_time_to_t_end(it, schedule->t_end, t);
     return status;
@@ -137,7 +128,8 @@ static tvi_status make_scheduled_steps(tvi_integrator *it, const tvi_schedule *s
                                        double p[], bool *is_last)
 {
     (void)is_last;
-    return tvi_make_steps(it, schedule->at_once, schedule->plan->h, tvi_infinite_end_time(schedule->plan->h), t, q, p);
+    return tvi_make_steps(it, schedule->at_once, 0, schedule->plan->h, tvi_infinite_end_time(schedule->plan->h), t, q,
+                          p);
 }
 
 /* Tells whether the steps must be made one by one, since an observer, an event or the tangent vectors need each of
@@ -245,7 +237,8 @@ static tvi_status report_times_events_and_step(const run_in_progress *in_progres
                                                double p[])
 {
     const tvi_observers *observers = &in_progress->run->observers;
-    tvi_status status = in_progress->times ? tvi_times_update_parameters(in_progress->times) : TVI_OK;
+    tvi_status status =
+        in_progress->times ? tvi_partial_step_update_parameters(&in_progress->times->partial_step) : TVI_OK;
     if (status == TVI_OK && in_progress->locator)
         status = tvi_locator_report_events(in_progress->locator, in_progress->times, t, q, p);
     if (status == TVI_OK && in_progress->times) status = tvi_times_report_until(in_progress->times, *t);

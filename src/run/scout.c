@@ -45,7 +45,7 @@ static void update_largest_q_and_p(tvi_orbit_scout *scout, const tvi_integrated_
 static void store_current_state(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit)
 {
     const size_t n = (size_t)scout->n;
-    double *const x = scout->states + (size_t)scout->step_count * (2 * n + 1);
+    double *const x = tvi_scout_state(scout, scout->step_count);
     memcpy(x, orbit->q, n * sizeof *x);
     memcpy(x + n, orbit->p, n * sizeof *x);
     x[2 * n] = orbit->t;
@@ -101,7 +101,7 @@ static double try_next_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit,
 static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const int n = scout->n;
-    const double *const end = scout->states + 2 * n + 1;
+    const double *const end = tvi_scout_state(scout, 1);
     double size[2] = {0, 0}, apart[2] = {0, 0};
     store_current_state(scout, orbit);
     tvi_integrated_orbit_set_state(orbit, n, scout->states);

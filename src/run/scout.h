@@ -37,6 +37,11 @@ typedef struct {
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
     tvi_status last_status;      /* the status of the last step */
 } tvi_orbit_scout;
+/* Returns the state [2n + 1] at the position with this index. */
+static inline double *tvi_scout_state(const tvi_orbit_scout *scout, int position_index)
+{
+    return scout->states + (size_t)position_index * (size_t)(2 * scout->n + 1);
+}
 
 /* The tail (tvi_stats.tail) of a step that just resolves the orbit. */
 #define TVI_SCOUT_TAIL 0.003

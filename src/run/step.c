@@ -236,9 +236,8 @@ static tvi_status add_step_to_error(const tvi_integrator *it)
                       jet_last_refusal_text());
 }
 
-/* Makes steps until `steps` of them are made, or one fails, or the time reaches t_end. At least one step is made. */
-static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, double h, double t_end, double *t,
-                             double q[], double p[])
+tvi_status tvi_make_steps(tvi_integrator *it, long steps, double tolerance, double h, double t_end, double *t,
+                          double q[], double p[])
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run_arguments(given, "");
@@ -259,17 +258,7 @@ static tvi_status make_steps(tvi_integrator *it, long steps, double tolerance, d
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
-    return make_steps(it, 1, 0, h, tvi_infinite_end_time(h), t, q, p);
-}
-
-tvi_status tvi_make_steps(tvi_integrator *it, long steps, double h, double t_end, double *t, double q[], double p[])
-{
-    return make_steps(it, steps, 0, h, t_end, t, q, p);
-}
-
-tvi_status tvi_step_by_tolerance(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
-{
-    return make_steps(it, 1, tolerance, h, tvi_infinite_end_time(h), t, q, p);
+    return tvi_make_steps(it, 1, 0, h, tvi_infinite_end_time(h), t, q, p);
 }
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])

@@ -141,11 +141,6 @@ tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, con
 
 /* ---- Stretch ----------------------------------------------------------------------------------------------------- */
 
-static const double *stored_state_of_scout(const tvi_orbit_scout *scout, int position_index)
-{
-    return scout->states + (size_t)position_index * (size_t)(2 * scout->n + 1);
-}
-
 /* Sets half_step_orbit to the given state, displaced by START_DISTANCE in the direction of the present difference of
  * the two orbits. */
 static void place_companion_orbit(tvi_step_doubling *doubling, const double *state)
@@ -167,9 +162,9 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
 static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position_index,
                                   double distances[])
 {
-    place_companion_orbit(doubling, stored_state_of_scout(scout, first_position_index));
+    place_companion_orbit(doubling, tvi_scout_state(scout, first_position_index));
     for (int k = first_position_index; true; k++) {
-        tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, stored_state_of_scout(scout, k));
+        tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, tvi_scout_state(scout, k));
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
         distances[k] = doubling->distance;

@@ -235,8 +235,7 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double *const state = s->states + (size_t)s->hardest_index * (size_t)(2 * s->n + 1), *const next =
-                                                                                                   state + 2 * s->n + 1;
+    const double *const state = tvi_scout_state(s, s->hardest_index), *const next = state + 2 * s->n + 1;
     const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
                  h = s->positions[s->hardest_index + 1] - s->positions[s->hardest_index];
     const double last = fmax(fabs(trials->t), fabs(trials->t + trials->duration)), ulp = DBL_EPSILON * last;

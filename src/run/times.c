@@ -91,11 +91,6 @@ bool tvi_times_are_all_reported(const tvi_times_progress *times_progress)
     return times_progress->next_time_index == times_progress->run->plan->time_count;
 }
 
-tvi_status tvi_times_update_parameters(tvi_times_progress *times_progress)
-{
-    return tvi_partial_step_update_parameters(&times_progress->partial_step);
-}
-
 tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it, const tvi_single_run *run,
                           bool continues_last_step, double t, const double q[], const double p[])
 {

@@ -24,9 +24,6 @@ TVI_NODISCARD tvi_status tvi_times_open(tvi_times_progress *times, tvi_integrato
                                         const tvi_single_run *run, bool continues_last_step, double t, const double q[],
                                         const double p[]);
 void tvi_times_close(tvi_times_progress *times);
-/* Copies the parameters of the last step to the integrator of the partial steps, if they have changed since the step
- * before. */
-TVI_NODISCARD tvi_status tvi_times_update_parameters(tvi_times_progress *times);
 /* Reports the times of the last step up to `last_time`. After an observer has stopped the run, it reports no further
  * time, except in a run with events, where an event may come later in the same step. */
 TVI_NODISCARD tvi_status tvi_times_report_until(tvi_times_progress *times, double last_time);

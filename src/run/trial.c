@@ -109,7 +109,7 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
            fabs(end - s->positions[first - 1]) <= early)
         first--;
     trials->start_position = s->positions[first];
-    trials->start_state = s->states + (size_t)first * (size_t)(2 * s->n + 1);
+    trials->start_state = tvi_scout_state(s, first);
     trials->reserved_steps = s->explored_duration_part >= SEEN ? s->step_count - first - 1 : 0;
 }
 
