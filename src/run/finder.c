@@ -5,7 +5,6 @@
  * with the method's solution to roundoff over a short distance. The event is the sign change of g on this line. Its
  * state is as accurate as that of a step, whatever slope g has. */
 #include "run/finder.h"
-#include "run/start.h"
 #include "algebra/sizes.h"
 
 #include <float.h>

@@ -3,7 +3,6 @@
 #include "run/locate.h"
 #include "run/finder.h"
 #include "run/run.h"
-#include "run/start.h"
 #include "run/times.h"
 #include "system/refuse.h"
 

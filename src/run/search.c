@@ -3,7 +3,6 @@
  * (local minima), which may hide two roots. */
 #include "run/search.h"
 #include "run/dip.h"
-#include "run/start.h"
 #include "algebra/sizes.h"
 #include "vector.h"
 #include "system/refuse.h"

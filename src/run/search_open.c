@@ -1,6 +1,5 @@
 /* search_open.c - Allocates and frees the memory of the search for events (search.h). */
 #include "run/search.h"
-#include "run/start.h"
 
 #include <stdlib.h>
 

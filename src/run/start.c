@@ -1,11 +1,12 @@
-/* start.c - Determines the sign of each event function g at the start of a step (start.h). search.c calls it.
+/* start.c - Determines the sign of each event function g at the start of a step, also where the step begins exactly on
+ * the event. search.c calls it.
  *
  * If a run goes on from the end of the integrator's last step, g at the start is its value at the end of that step. If
  * a run goes on from a state where an event has stopped it, this event has g = 0 there, whatever value roundoff gives
  * to g. Any other state lies on an event if |g| is at most its roundoff. If a step begins on an event, g first leaves 0
  * with the sign of its first Taylor coefficient along the motion that is larger than roundoff. This is the sign of g(x
  * + d) - g(x), where d is the increment of a tiny step of the method. */
-#include "run/start.h"
+#include "run/search.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
