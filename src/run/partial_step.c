@@ -45,13 +45,12 @@ void tvi_partial_step_close(tvi_partial_step *partial_step)
 
 tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
 {
-    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
-    if (partial_step->parameter_version == full_step_integrator->parameter_version) return TVI_OK;
-    partial_step->parameter_version = full_step_integrator->parameter_version;
+    const tvi_integrator *it = partial_step->full_step_integrator;
+    if (partial_step->parameter_version == it->parameter_version) return TVI_OK;
+    partial_step->parameter_version = it->parameter_version;
     partial_step->step_number = 0;
-    if (partial_step->rates_evaluator.block)
-        tvi_rates_set_parameters(&partial_step->rates_evaluator, full_step_integrator->parameters);
-    return tvi_integrator_set_parameters(partial_step->partial_step_integrator, full_step_integrator->parameters);
+    if (partial_step->rates_evaluator.block) tvi_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
+    return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
 /* Sets the history from which the partial step starts. The low-order parts of the state are those at the start of the
@@ -59,27 +58,25 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
  * it is that at the end of the full step, or that of an earlier partial step if this one ended near `offset`. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
-    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
-    const size_t state =
-        partial_step->uses_history_at_end ? full_step_integrator->state_bytes : full_step_integrator->marked_bytes;
-    const bool is_near = partial_step->uses_history_at_end &&
-                         partial_step->step_number == full_step_integrator->stats.steps &&
-                         partial_step->offset != full_step_integrator->h && partial_step->offset != 0 &&
-                         fabs(offset - partial_step->offset) < NEAR * fabs(full_step_integrator->h);
-    tvi_arena_copy_history(partial_step->partial_step_integrator->history, full_step_integrator->history_before, state);
+    const tvi_integrator *it = partial_step->full_step_integrator;
+    const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->marked_bytes;
+    const bool is_near = partial_step->uses_history_at_end && partial_step->step_number == it->stats.steps &&
+                         partial_step->offset != it->h && partial_step->offset != 0 &&
+                         fabs(offset - partial_step->offset) < NEAR * fabs(it->h);
+    tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
     if (!is_near)
-        tvi_arena_copy_history(partial_step->partial_step_integrator->history + state,
-                               full_step_integrator->history + state, full_step_integrator->history_bytes - state);
+        tvi_arena_copy_history(partial_step->partial_step_integrator->history + state, it->history + state,
+                               it->history_bytes - state);
 }
 
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)
 {
-    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
-    const size_t bytes = (size_t)full_step_integrator->system->n * sizeof *partial_step->q;
-    const bool is_end = offset == full_step_integrator->h;
-    if (partial_step->step_number == full_step_integrator->stats.steps && partial_step->offset == offset) return TVI_OK;
-    const tvi_run_state *state = is_end ? &full_step_integrator->state : &full_step_integrator->start;
-    partial_step->t = state->q[full_step_integrator->system->n];
+    const tvi_integrator *it = partial_step->full_step_integrator;
+    const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
+    const bool is_end = offset == it->h;
+    if (partial_step->step_number == it->stats.steps && partial_step->offset == offset) return TVI_OK;
+    const tvi_run_state *state = is_end ? &it->state : &it->start;
+    partial_step->t = state->q[it->system->n];
     memcpy(partial_step->q, state->q, bytes);
     memcpy(partial_step->p, state->p, bytes);
     if (!is_end && offset != 0) {
@@ -89,7 +86,7 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
             tvi_step(partial_step->partial_step_integrator, offset, &partial_step->t, partial_step->q, partial_step->p);
         if (status != TVI_OK) return status;
     }
-    partial_step->step_number = full_step_integrator->stats.steps;
+    partial_step->step_number = it->stats.steps;
     partial_step->offset = offset;
     return TVI_OK;
 }
@@ -115,10 +112,10 @@ typedef struct {
 static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
 {
     const time_target *target = ctx;
-    const tvi_integrator *full_step_integrator = target->partial_step->full_step_integrator;
-    const tvi_increments *increments = &full_step_integrator->increments;
-    full_step_integrator->stepper->dense(full_step_integrator->work, theta, increments->dq, increments->dp);
-    *g = increments->dq[full_step_integrator->system->n] - target->time_from_start;
+    const tvi_integrator *it = target->partial_step->full_step_integrator;
+    const tvi_increments *increments = &it->increments;
+    it->stepper->dense(it->work, theta, increments->dq, increments->dp);
+    *g = increments->dq[it->system->n] - target->time_from_start;
     return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
 }
 
@@ -163,15 +160,14 @@ static tvi_status correct_offset_by_newton(tvi_partial_step *partial_step, doubl
 
 tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step, double time)
 {
-    const tvi_integrator *full_step_integrator = partial_step->full_step_integrator;
-    const int n = full_step_integrator->system->n;
-    const double h = full_step_integrator->h,
-                 time_from_start = (time - full_step_integrator->start.q[n]) - full_step_integrator->start.q_low[n];
-    const double offset = fmax(fmin(time_from_start * (h / full_step_integrator->covered), fmax(h, 0)), fmin(h, 0));
-    tvi_sign_bracket bracket = {0, -time_from_start, 1, full_step_integrator->covered - time_from_start};
-    if (time == full_step_integrator->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
+    const tvi_integrator *it = partial_step->full_step_integrator;
+    const int n = it->system->n;
+    const double h = it->h, time_from_start = (time - it->start.q[n]) - it->start.q_low[n];
+    const double offset = fmax(fmin(time_from_start * (h / it->covered), fmax(h, 0)), fmin(h, 0));
+    tvi_sign_bracket bracket = {0, -time_from_start, 1, it->covered - time_from_start};
+    if (time == it->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
     /* Without rescaling steps are steps in time, so the offset is the difference of the times. */
-    if (!tvi_is_rescaled(full_step_integrator)) return tvi_partial_step_compute_state(partial_step, offset);
+    if (!tvi_is_rescaled(it)) return tvi_partial_step_compute_state(partial_step, offset);
     partial_step->step_number = 0;
     const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target,
                                                  &(time_target){partial_step, time_from_start});
