@@ -1,5 +1,5 @@
 /* run.c - Runs an integrator step by step and calls the observers (run.h). It also defines the functions
- * tvi_integrate..., except for tvi_integrate_at (times.c). */
+ * tvi_integrate..., except for tvi_integrate_at (times.c), and tvi_step_tangent. */
 #include "run/run.h"
 #include "run/times.h"
 #include "algebra/sizes.h"
@@ -333,4 +333,17 @@ tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double 
                                    double p[], tvi_observer *observer, void *ctx)
 {
     return tvi_integrate_tolerance_events(it, tolerance, t_end, NULL, 0, t, q, p, observer, NULL, ctx);
+}
+
+/* A run of one step with the columns of D. */
+tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
+{
+    const tvi_run_arguments given = {it, t, q, p, h};
+    const tvi_run_plan plan = {.h = h, .steps = 1};
+    if (!it) return tvi_refuse_run_arguments(given, "");
+    if (!it->is_in_observer) it->has_dense = false;
+    if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
+        return tvi_refuse_run_arguments(given, D ? "columns is not positive" : "D is NULL");
+    const tvi_single_run run = {.mode = TVI_RUN_STEPS, .plan = &plan, .columns = {D, columns, 1}};
+    return tvi_run_integrator(it, &run, t, q, p);
 }

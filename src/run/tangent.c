@@ -356,24 +356,3 @@ void tvi_columns_restore_step_start(const tvi_integrator *it, const tvi_tangent_
 {
     if (columns->elements) copy_columns_to_user(it, columns, it->tangent->start);
 }
-
-tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
-{
-    const tvi_run_arguments given = {it, t, q, p, h};
-    if (!it) return tvi_refuse_run_arguments(given, "");
-    if (!it->is_in_observer) it->has_dense = false;
-    if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
-        return tvi_refuse_run_arguments(given, D ? "columns is not positive" : "D is NULL");
-    const tvi_tangent_columns own = {D, columns, 1};
-    tvi_status status = tvi_columns_check_finite(it, &own);
-    if (status == TVI_OK) status = tvi_integrator_allocate_tangents(it, columns);
-    if (status == TVI_OK) status = tvi_integrator_begin_step(it, *t, q, p);
-    if (status != TVI_OK) return status;
-    const tvi_tangent_columns moved = {it->tangent->end, columns, 1};
-    it->tangent->step_number = 0;
-    status =
-        tvi_columns_multiply_by_jacobian(it, &(tvi_step_to_differentiate){&it->state, it->parameters, h}, &own, &moved);
-    if (status == TVI_OK) status = tvi_step(it, h, t, q, p);
-    if (status == TVI_OK) memcpy(D, moved.elements, 2 * (size_t)it->system->n * (size_t)columns * sizeof *D);
-    return status;
-}
