@@ -4,7 +4,6 @@
 #include "run/search.h"
 #include "run/dip.h"
 #include "algebra/sizes.h"
-#include "vector.h"
 #include "system/refuse.h"
 
 #include <float.h>
@@ -204,24 +203,15 @@ static bool may_have_dip_at_boundary(const double g[], int stride)
            (is_not_rising_at_boundary(g, stride, abs_g_rise) || has_kink_at_boundary(g, stride));
 }
 
-/* The type of the result of comparing two jet_v2, which are vectors of two doubles. */
-typedef long long long_v2 JET_VECTOR(long long, 2);
-
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
- * steps end here; for speed the samples are compared in pairs and without branches. */
+ * steps end here. */
 static bool has_certainly_no_root(const double g[])
 {
-    double size[TVI_SAMPLES + 2];
-    for (int j = 0; j <= TVI_SAMPLES; j++) size[j] = fabs(g[j]);
-    size[TVI_SAMPLES + 1] = -1; /* The last sample has no successor, so it cannot be a dip. */
-    long_v2 found = {0, 0};
-    for (int j = 0; j < TVI_SAMPLES; j += 2) {
-        const jet_v2 now = *(const jet_v2 *)(size + j), next = *(const jet_v2 *)(size + j + 1);
-        const jet_v2 sign_after = *(const jet_v2 *)(size + j + 2), signs = *(const jet_v2 *)(g + j);
-        found |= ~(signs * *(const jet_v2 *)(g + j + 1) > 0) | ~(next <= DBL_MAX);
-        found |= (next < now) & (next <= sign_after);
-    }
-    return !(found[0] | found[1] || may_have_dip_at_boundary(g, 1) || may_have_dip_at_boundary(g + TVI_SAMPLES, -1));
+    bool may_have_root = false;
+    for (int j = 1; j <= TVI_SAMPLES; j++)
+        may_have_root |=
+            !(g[j - 1] * g[j] > 0) | !(fabs(g[j]) <= DBL_MAX) | (j < TVI_SAMPLES && is_local_minimum_of_abs_g(g + j));
+    return !(may_have_root || may_have_dip_at_boundary(g, 1) || may_have_dip_at_boundary(g + TVI_SAMPLES, -1));
 }
 
 /* Searches for a dip between an end of the step and the sample next to it. A value very near the end distinguishes a
