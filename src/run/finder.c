@@ -113,14 +113,11 @@ static void set_line_origin_to_partial_step(tvi_event_finder *finder, double the
 
 /* ---- On a line --------------------------------------------------------------------------------------------------- */
 
-/* Computes the state [2n + 1] on the line, state = line_origin + distance line_direction, and the value *g of the event
- * function there. */
-static tvi_status evaluate_event_on_line(tvi_event_finder *finder, int event_index, double distance, double state[],
-                                         double *g)
+/* Computes the state [2n + 1] on the line, state = line_origin + distance line_direction. */
+static void compute_state_on_line(const tvi_event_finder *finder, double distance, double state[])
 {
     for (int i = 0; i < finder->state_size; i++)
         state[i] = finder->line_origin[i] + distance * finder->line_direction[i];
-    return tvi_search_evaluate_event(finder->search, event_index, state, g);
 }
 
 /* The context argument of the functions that tvi_narrow_bracket calls: the event whose function they evaluate. */
@@ -132,58 +129,57 @@ typedef struct {
 static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, double *g)
 {
     const finder_event_context *context = ctx;
-    return evaluate_event_on_line(context->finder, context->event_index, distance, context->finder->scratch_state, g);
+    compute_state_on_line(context->finder, distance, context->finder->scratch_state);
+    return tvi_search_evaluate_event(context->finder->search, context->event_index, context->finder->scratch_state, g);
 }
 
-/* Searches for a bracket of the sign change of g on the line, around distance_estimate, inside the step and up to
- * FARTHEST. If there is no sign change, the bracket has one sign of g at both ends. */
-static tvi_status bracket_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double distance_estimate,
-                                       tvi_sign_bracket *bracket)
+/* Evaluates g at both ends of the bracket, and moves them outwards, between `least` and `largest`, until g changes its
+ * sign as at the root. An end moves by `width` at first, and by `factor` times as much each further time. *has_root
+ * tells whether g changes its sign in the bracket. */
+static tvi_status widen_bracket(const tvi_event_root *root, tvi_sign_bracket *bracket, double least, double largest,
+                                double width, double factor, tvi_bracketed_function *function, void *ctx,
+                                bool *has_root)
 {
-    const double low = fmax(-finder->line_origin_theta, -FARTHEST),
-                 high = fmin(1 - finder->line_origin_theta, FARTHEST);
-    double width = SURE;
-    bracket->left = fmin(fmax(distance_estimate - width, low), high),
-    bracket->right = fmin(fmax(distance_estimate + width, low), high);
-    tvi_status status =
-        evaluate_event_on_line(finder, root->event_index, bracket->left, finder->scratch_state, &bracket->g_left);
-    while (status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > low) {
+    tvi_status status = function(ctx, bracket->left, &bracket->g_left);
+    if (status == TVI_OK) status = function(ctx, bracket->right, &bracket->g_right);
+    for (; status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > least;
+         width *= factor) {
         bracket->right = bracket->left, bracket->g_right = bracket->g_left;
-        bracket->left = fmax(bracket->left - (width *= WIDER), low);
-        status =
-            evaluate_event_on_line(finder, root->event_index, bracket->left, finder->scratch_state, &bracket->g_left);
+        bracket->left = fmax(bracket->left - width, least);
+        status = function(ctx, bracket->left, &bracket->g_left);
     }
-    if (status != TVI_OK || width > SURE) return status;
-    status =
-        evaluate_event_on_line(finder, root->event_index, bracket->right, finder->scratch_state, &bracket->g_right);
-    while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < high) {
+    for (; status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < largest;
+         width *= factor) {
         bracket->left = bracket->right, bracket->g_left = bracket->g_right;
-        bracket->right = fmin(bracket->right + (width *= WIDER), high);
-        status =
-            evaluate_event_on_line(finder, root->event_index, bracket->right, finder->scratch_state, &bracket->g_right);
+        bracket->right = fmin(bracket->right + width, largest);
+        status = function(ctx, bracket->right, &bracket->g_right);
     }
+    *has_root = status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_left) &&
+                tvi_has_sign_after_root(root, bracket->g_right);
     return status;
 }
 
 /* Computes the distance from finder->line_origin to the root on the line, and sets finder->is_root_on_line if there is
- * one. g is the value at finder->line_origin. `slope` is an estimate of the derivative of g along the line, which need
- * not be accurate. */
+ * one inside the step and up to FARTHEST. g is the value at finder->line_origin. `slope` is an estimate of the
+ * derivative of g along the line, which need not be accurate. */
 static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
                                     double *distance)
 {
+    finder_event_context context = {finder, root->event_index};
+    const double least = fmax(-finder->line_origin_theta, -FARTHEST),
+                 largest = fmin(1 - finder->line_origin_theta, FARTHEST), first = -g / slope;
     double next;
-    tvi_sign_bracket bracket = {0};
-    const double first = -g / slope;
     *distance = fabs(first) <= FARTHEST ? first : 0;
-    tvi_status status = evaluate_event_on_line(finder, root->event_index, *distance, finder->scratch_state, &next);
+    tvi_status status = evaluate_event_at_line_distance(&context, *distance, &next);
+    if (status != TVI_OK) return status;
     const double second = *distance - next / slope;
     if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *distance = second;
-    if (status == TVI_OK) status = bracket_root_on_line(finder, root, *distance, &bracket);
-    finder->is_root_on_line = status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_left) &&
-                              tvi_has_sign_after_root(root, bracket.g_right);
+    tvi_sign_bracket bracket = {.left = fmin(fmax(*distance - SURE, least), largest),
+                                .right = fmin(fmax(*distance + SURE, least), largest)};
+    status = widen_bracket(root, &bracket, least, largest, WIDER * SURE, WIDER, evaluate_event_at_line_distance,
+                           &context, &finder->is_root_on_line);
     if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * SURE) return status;
-    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_at_line_distance,
-                                &(finder_event_context){finder, root->event_index});
+    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_at_line_distance, &context);
     *distance = bracket.right;
     return status;
 }
@@ -193,8 +189,7 @@ static void set_event_state_on_line(const tvi_event_finder *finder, tvi_event_ro
                                     double state[])
 {
     root->theta = finder->line_origin_theta + distance;
-    for (int i = 0; i < finder->state_size; i++)
-        state[i] = finder->line_origin[i] + distance * finder->line_direction[i];
+    compute_state_on_line(finder, distance, state);
 }
 
 /* Sets root->theta to the given theta, and computes the event's state there by a partial step. */
@@ -233,29 +228,18 @@ static tvi_status evaluate_event_after_partial_step(void *ctx, double theta, dou
                             : status;
 }
 
-/* Finds the root by narrowing its bracket, with one partial step for each value of g. It is used if the line has no
- * root or if the iteration over lines converges slowly. */
-static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root, double state[])
+/* Finds the root by narrowing the bracket, with one partial step for each value of the function, and sets the event to
+ * it. The curve may have the root elsewhere, so the bracket is widened first, down to `least` if necessary. */
+static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root,
+                                              tvi_bracketed_function *function, tvi_sign_bracket bracket, double least,
+                                              double accuracy, double state[])
 {
     finder_event_context context = {finder, root->event_index};
-    tvi_sign_bracket bracket = {root->bracket.left, 0, root->bracket.right, 0};
-    tvi_status status = evaluate_event_after_partial_step(&context, bracket.left, &bracket.g_left);
-    if (status == TVI_OK) status = evaluate_event_after_partial_step(&context, bracket.right, &bracket.g_right);
-    while (status == TVI_OK && tvi_has_sign_after_root(root, bracket.g_left) && bracket.left > 0) {
-        bracket.right = bracket.left, bracket.g_right = bracket.g_left;
-        bracket.left = fmax(bracket.left - tvi_sample_theta[0], 0);
-        status = evaluate_event_after_partial_step(&context, bracket.left, &bracket.g_left);
-    }
-    while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_right) && bracket.right < 1) {
-        bracket.left = bracket.right, bracket.g_left = bracket.g_right;
-        bracket.right = fmin(bracket.right + tvi_sample_theta[0], 1);
-        status = evaluate_event_after_partial_step(&context, bracket.right, &bracket.g_right);
-    }
-    if (status != TVI_OK) return status;
-    root->is_only_on_curve =
-        tvi_has_sign_after_root(root, bracket.g_left) || !tvi_has_sign_after_root(root, bracket.g_right);
-    if (root->is_only_on_curve) return TVI_OK;
-    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_after_partial_step, &context);
+    bool has_root;
+    tvi_status status = widen_bracket(root, &bracket, least, 1, tvi_sample_theta[0], 1, function, &context, &has_root);
+    root->is_only_on_curve = status == TVI_OK && !has_root;
+    if (!has_root) return status;
+    status = tvi_narrow_bracket(&bracket, accuracy, function, &context);
     return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
@@ -283,7 +267,9 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
         }
         theta = fmin(fmax(theta + distance, 0), 1);
     }
-    return status == TVI_OK ? find_event_by_partial_steps(finder, root, state) : status;
+    return status == TVI_OK ? find_event_by_partial_steps(finder, root, evaluate_event_after_partial_step,
+                                                          root->bracket, 0, DBL_EPSILON / 4, state)
+                            : status;
 }
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
@@ -305,6 +291,7 @@ static tvi_status compute_theta_derivatives(tvi_event_finder *finder, const doub
 static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_event_root *root, double state[],
                                                 bool *is_done)
 {
+    finder_event_context context = {finder, root->event_index};
     double g = 0, before = 0, after = 0, found = 0;
     const double h = finder->search->integrator->h;
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
@@ -313,10 +300,8 @@ static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_ev
     status = compute_theta_derivatives(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
-    if (status == TVI_OK)
-        status = evaluate_event_on_line(finder, root->event_index, -CHORD, finder->scratch_state, &before);
-    if (status == TVI_OK)
-        status = evaluate_event_on_line(finder, root->event_index, CHORD, finder->scratch_state, &after);
+    if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, -CHORD, &before);
+    if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, CHORD, &after);
     const double slope = (after - before) / (2 * CHORD), distance = -g / slope;
     const double tail = fmax(finder->search->integrator->stats.tail,
                              finder->search->partial_step->partial_step_integrator->stats.tail),
@@ -325,8 +310,7 @@ static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_ev
         !(fabs(distance) * error <= DBL_EPSILON / 8 && is_short_correction(root, root->theta_guess, distance)))
         return status;
     if (fabs(distance) > REACH) {
-        for (int i = 0; i < finder->state_size; i++)
-            finder->scratch_state[i] = finder->line_origin[i] + distance / 2 * finder->line_direction[i];
+        compute_state_on_line(finder, distance / 2, finder->scratch_state);
         status = compute_theta_derivatives(finder, finder->scratch_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
@@ -360,31 +344,16 @@ static tvi_status compute_g_rise_per_theta(void *ctx, double theta, double *g)
     return status;
 }
 
-/* Finds the root at which g returns to 0 in a step that has begun on the event. The more accurate partial steps may
- * have this root later than the curve, so the bracket is widened until g has changed its sign. */
-static tvi_status find_return_to_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
-{
-    finder_event_context context = {finder, root->event_index};
-    const double first = finder->search->watched_events[root->event_index].leaving_theta;
-    tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
-    tvi_status status = compute_g_rise_per_theta(&context, bracket.left, &bracket.g_left);
-    if (status == TVI_OK) status = compute_g_rise_per_theta(&context, bracket.right, &bracket.g_right);
-    while (status == TVI_OK && !tvi_has_sign_after_root(root, bracket.g_right) && bracket.right < 1) {
-        bracket.right = fmin(bracket.right + tvi_sample_theta[0], 1);
-        status = compute_g_rise_per_theta(&context, bracket.right, &bracket.g_right);
-    }
-    if (status != TVI_OK) return status;
-    root->is_only_on_curve = !tvi_has_sign_after_root(root, bracket.g_right);
-    if (root->is_only_on_curve) return TVI_OK;
-    status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4 * first, compute_g_rise_per_theta, &context);
-    return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
-}
-
 tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     bool is_done = false;
     tvi_status status = TVI_OK;
-    if (root->is_return_to_event) return find_return_to_event(finder, root, state);
+    if (root->is_return_to_event) {
+        const double first = finder->search->watched_events[root->event_index].leaving_theta;
+        const tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
+        return find_event_by_partial_steps(finder, root, compute_g_rise_per_theta, bracket, first,
+                                           DBL_EPSILON / 4 * first, state);
+    }
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
     if (has_guess_inside_bracket(root) && is_field_direction_accurate(finder))
