@@ -18,26 +18,21 @@ static const double SAME_TIME = 2 * DBL_EPSILON;
 static const double SOON = 32 * DBL_EPSILON, NEAR_STOP = 1e-6;
 /* Two roots of one event in the same direction are one root if their theta differ by less than this. */
 static const double SAME_ROOT = 1e-12;
-/* The computed states of the first CACHED_ROOTS roots of a step are stored until the roots are reported. The states of
- * further roots are computed again. */
-enum { CACHED_ROOTS = 32 };
-
 /* The memory of a run with events. States are vectors [2n + 1], in the order q, p, t. */
 struct tvi_locator {
     const tvi_single_run *run;
     tvi_partial_step partial_step;
     tvi_event_search search;
     tvi_event_finder finder;
-    int state_size; /* 2n + 1, the number of components of a state */
-    /* [CACHED_ROOTS + 1][state_size] The states of the first roots of the step, and scratch memory for one more. */
-    double *cached_states;
+    int state_size;        /* 2n + 1, the number of components of a state */
+    double *root_states;   /* [root_capacity][state_size] the computed states of the step's roots */
+    int root_capacity;     /* the number of roots for which root_states has memory */
     double *scratch_sizes; /* [state_size] the sizes |x_i| of a state's components */
 };
 
-static double *cached_root_state(tvi_locator *locator, int found_index)
+static double *state_of_root(const tvi_locator *locator, const tvi_event_root *root)
 {
-    return locator->cached_states +
-           (size_t)(found_index < CACHED_ROOTS ? found_index : CACHED_ROOTS) * (size_t)locator->state_size;
+    return locator->root_states + (size_t)root->found_index * (size_t)locator->state_size;
 }
 
 /* Tells whether root a comes before root b. Roots that are near each other are compared by their computed times, and at
@@ -45,11 +40,9 @@ static double *cached_root_state(tvi_locator *locator, int found_index)
 static bool is_root_before(tvi_locator *locator, const tvi_event_root *a, const tvi_event_root *b)
 {
     const int t = locator->state_size - 1;
-    const bool are_cached = a->found_index < CACHED_ROOTS && b->found_index < CACHED_ROOTS,
-               are_near = fabs(a->theta - b->theta) <= NEAR_STOP;
-    if (!are_cached || !are_near) return a->theta < b->theta;
-    const double way = (cached_root_state(locator, a->found_index)[t] - cached_root_state(locator, b->found_index)[t]) *
-                       locator->search.integrator->covered;
+    if (fabs(a->theta - b->theta) > NEAR_STOP) return a->theta < b->theta;
+    const double way =
+        (state_of_root(locator, a)[t] - state_of_root(locator, b)[t]) * locator->search.integrator->covered;
     return way < 0 || (way == 0 && a->event_index < b->event_index);
 }
 
@@ -76,14 +69,27 @@ static bool is_duplicate_root(const tvi_locator *locator, int root_count, const 
     return false;
 }
 
+/* Allocates memory for the states of all roots of the step. */
+static tvi_status reserve_root_states(tvi_locator *locator)
+{
+    if (locator->search.root_count <= locator->root_capacity) return TVI_OK;
+    const size_t count = (size_t)locator->search.root_count * (size_t)locator->state_size;
+    double *states = realloc(locator->root_states, count * sizeof *states);
+    if (!states) return jet_explain_out_of_memory(TVI_ENOMEM);
+    locator->root_states = states;
+    locator->root_capacity = locator->search.root_count;
+    return TVI_OK;
+}
+
 /* Finds all events of the last step, and sorts them by time. Roots that only the curve has are dropped. */
 static tvi_status locate_events_of_step(tvi_locator *locator)
 {
     tvi_status status = tvi_search_last_step(&locator->search);
     int count = 0;
+    if (status == TVI_OK) status = reserve_root_states(locator);
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++) {
         tvi_event_root *root = &locator->search.roots[i];
-        status = tvi_finder_find_event(&locator->finder, root, cached_root_state(locator, root->found_index));
+        status = tvi_finder_find_event(&locator->finder, root, state_of_root(locator, root));
         if (!root->is_only_on_curve && !is_duplicate_root(locator, count, root)) locator->search.roots[count++] = *root;
     }
     locator->search.root_count = count;
@@ -122,10 +128,8 @@ static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_even
 static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double state[],
                                   bool *is_at_stop)
 {
-    const double t = state[locator->state_size - 1], covered = locator->search.integrator->covered;
-    const double own = root->found_index < CACHED_ROOTS
-                           ? cached_root_state(locator, root->found_index)[locator->state_size - 1]
-                           : t + (root->theta - theta) * covered;
+    const int time = locator->state_size - 1;
+    const double t = state[time], own = state_of_root(locator, root)[time];
     double g = 0;
     *is_at_stop = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
     if (*is_at_stop || fabs(root->theta - theta) > NEAR_STOP) return TVI_OK;
@@ -246,11 +250,9 @@ static void copy_state_to_user(const tvi_locator *locator, const double state[],
 static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, int root_index, double *t, double q[],
                               double p[])
 {
-    tvi_event_root *root = &locator->search.roots[root_index];
-    double *state = cached_root_state(locator, root->found_index);
-    tvi_status status =
-        root->found_index >= CACHED_ROOTS ? tvi_finder_find_event(&locator->finder, root, state) : TVI_OK;
-    if (status == TVI_OK && times) status = tvi_times_report_until(times, state[locator->state_size - 1]);
+    const tvi_event_root *root = &locator->search.roots[root_index];
+    const double *state = state_of_root(locator, root);
+    tvi_status status = times ? tvi_times_report_until(times, state[locator->state_size - 1]) : TVI_OK;
     if (status == TVI_OK) status = propagate_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
     const bool ends = report_event(locator, root, state);
@@ -280,7 +282,8 @@ void tvi_locator_close(tvi_locator *locator)
     if (!locator) return;
     tvi_finder_close(&locator->finder);
     tvi_search_close(&locator->search);
-    free(locator->cached_states);
+    free(locator->root_states);
+    free(locator->scratch_sizes);
     tvi_partial_step_close(&locator->partial_step);
     free(locator);
 }
@@ -296,10 +299,8 @@ static tvi_status initialize_locator(tvi_locator *locator, tvi_integrator *it, c
         status = tvi_search_open(&locator->search, &locator->partial_step, plan->events, plan->event_count, t, state);
     if (status == TVI_OK) status = tvi_finder_open(&locator->finder, &locator->search);
     if (status != TVI_OK) return status;
-    locator->cached_states = calloc((size_t)size * (CACHED_ROOTS + 2), sizeof *locator->cached_states);
-    if (!locator->cached_states) return TVI_ENOMEM;
-    locator->scratch_sizes = locator->cached_states + size * (CACHED_ROOTS + 1);
-    return TVI_OK;
+    locator->scratch_sizes = calloc((size_t)size, sizeof *locator->scratch_sizes);
+    return locator->scratch_sizes ? TVI_OK : TVI_ENOMEM;
 }
 
 tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *it, const tvi_single_run *run, double t,
