@@ -24,10 +24,10 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
     prolongation x;
     tvi_arena arena = {0};
     tvi_curve_allocate(&x.curve, &arena, system, top, true, 1);
-    x.memory = tvi_arena_allocate_memory(&arena);
+    x.memory = tvi_arena_obtain_memory(&arena);
     if (!x.memory) exit(EXIT_FAILURE);
     tvi_curve_allocate(&x.curve, &arena, system, top, true, 1);
-    tvi_blocks_prepare(arena.blocks);
+    tvi_blocks_set_constants(arena.first_block);
     tvi_curve_fill_constant_tables(&x.curve);
     double z[2 * BASELINE_N_MAX];
     const double tau = s->steps[3];

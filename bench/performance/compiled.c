@@ -261,11 +261,11 @@ static void write_series(FILE *table, const experiment *e, const scene *s, const
     experiment_insist(tvi_options_named("midpoint", 2 * DEGREE, &options), "midpoint");
     tvi_compiled *code = experiment_compile(e, system, &options);
     tvi_arena arena = {0};
-    (void)tvi_compiled_attach_to_system(&arena, system, code);
-    char *memory = arena.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used_bytes);
+    (void)tvi_compiled_attach_to_copy(&arena, system, code);
+    char *memory = arena.memory = aligned_alloc(ARENA_ALIGNMENT, arena.plain_bytes);
     if (!memory) abort();
-    arena.used_bytes = 0;
-    const tvi_system *clothed = tvi_compiled_attach_to_system(&arena, system, code);
+    arena.plain_bytes = 0;
+    const tvi_system *clothed = tvi_compiled_attach_to_copy(&arena, system, code);
     open_curve *tape = curve_open(system, DEGREE, s->q, s->p, h), *own = curve_open(clothed, DEGREE, s->q, s->p, h);
     x = (hand){.code = widest_by_hand(), .is_kepler = s == &scene_kepler, .tau = tape->tau};
     set_power_weights(DEGREE, &x.weights);

@@ -8,7 +8,7 @@
 static void lay_out(open_curve *c, tvi_arena *arena, const tvi_system *system, int N)
 {
     tvi_curve_allocate(&c->curve, arena, system, N, TVI_JACOBIAN_PRODUCTS, 1);
-    c->z = tvi_arena_doubles(arena, 2 * (size_t)system->n);
+    c->z = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n);
 }
 
 open_curve *curve_open(const tvi_system *system, int N, const double q[], const double p[], double h)
@@ -17,10 +17,10 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     if (!c) abort();
     tvi_arena arena = {0};
     lay_out(c, &arena, system, N);
-    c->memory = tvi_arena_allocate_memory(&arena);
+    c->memory = tvi_arena_obtain_memory(&arena);
     if (!c->memory) abort();
     lay_out(c, &arena, system, N);
-    tvi_blocks_prepare(arena.blocks);
+    tvi_blocks_set_constants(arena.first_block);
     tvi_curve_fill_constant_tables(&c->curve);
     c->tau = h / 2;
     for (int i = 0; i < system->n; i++) {

@@ -20,8 +20,8 @@
 #endif
 
 /* The arena. Its history is a region that contains everything one step leaves to the next one. All zeros are the
- * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history without
- * knowing its contents.
+ * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history
+ * without knowing its contents.
  *
  * The rings stand at the end of the history. They contain data that is set at the start of a run, and buffers that
  * steps fill in turn. They are neither copied before a step nor restored after a failure; the rest, the marked
@@ -29,9 +29,11 @@
 typedef struct tvi_block tvi_block;
 typedef struct {
     char *memory, *history, *rings;
-    /* Bytes that are laid out so far: outside of the history, in the marked history, and in the rings. */
-    size_t used_bytes, marked, ring_bytes;
-    const tvi_block *blocks; /* List of the blocks of tapes (block.h). */
+    /* The numbers of bytes that are allocated so far outside of the history, in the marked history, and in the
+     * rings. */
+    size_t plain_bytes, marked_bytes, ring_bytes;
+    const tvi_block
+        *first_block; /* The first of the blocks that were allocated in this arena; they form a list (block.h). */
 } tvi_arena;
 
 /* Alignment of arrays in bytes. Arrays of the marked history are closer together, since each step copies them. */
@@ -56,30 +58,32 @@ static inline size_t tvi_arena_round_up(size_t bytes, size_t alignment)
 /* Returns the size of the history in bytes, with the rings. */
 static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
 {
-    return tvi_arena_round_up(arena->marked, ARENA_ALIGNMENT) + arena->ring_bytes;
+    return tvi_arena_round_up(arena->marked_bytes, ARENA_ALIGNMENT) + arena->ring_bytes;
 }
 /* Returns the size of all memory in bytes. The marked history is there twice: as it is, and as it was before the
  * last step. */
 static inline size_t tvi_arena_total_bytes(const tvi_arena *arena)
 {
-    return arena->used_bytes + tvi_arena_history_bytes(arena) + tvi_arena_round_up(arena->marked, ARENA_ALIGNMENT);
+    return arena->plain_bytes + tvi_arena_history_bytes(arena) +
+           tvi_arena_round_up(arena->marked_bytes, ARENA_ALIGNMENT);
 }
 
-/* Allocates memory, all zeros, of the size that was measured, and starts to lay it out again. The caller frees the
- * memory. Returns NULL if memory is lacking. */
-static inline void *tvi_arena_allocate_memory(tvi_arena *arena)
+/* Obtains memory of the size that was measured, all zeros, for the whole arena, and empties the arena, so that the
+ * arrays can be allocated in this memory. The caller frees the memory. Returns NULL if memory is lacking. */
+static inline void *tvi_arena_obtain_memory(tvi_arena *arena)
 {
     const size_t bytes = tvi_arena_total_bytes(arena);
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
     if (!memory) return NULL;
     memset(memory, 0, bytes);
-    char *const history = memory + arena->used_bytes;
-    char *const rings = history + tvi_arena_round_up(arena->marked, ARENA_ALIGNMENT);
+    char *const history = memory + arena->plain_bytes;
+    char *const rings = history + tvi_arena_round_up(arena->marked_bytes, ARENA_ALIGNMENT);
     *arena = (tvi_arena){.memory = memory, .history = history, .rings = rings};
     return memory;
 }
 
-/* Returns the next `bytes` bytes of a region, and counts them in *used. Returns NULL while the region has no memory. */
+/* Returns the next `bytes` bytes of a region, and counts them in *used. Returns NULL while the region has no
+ * memory. */
 static inline void *tvi_arena_reserve_piece(char *region, size_t *used, size_t bytes, size_t alignment)
 {
     const size_t room = tvi_arena_round_up(bytes, alignment) + ARENA_GAP;
@@ -89,26 +93,26 @@ static inline void *tvi_arena_reserve_piece(char *region, size_t *used, size_t b
     return piece;
 }
 
-/* Allocates memory outside of the history. */
+/* Allocates an array of this size outside of the history. */
 static inline void *tvi_arena_allocate(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->memory, &arena->used_bytes, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->memory, &arena->plain_bytes, bytes, ARENA_ALIGNMENT);
 }
 
-/* Allocates memory in the marked history. */
-static inline void *tvi_arena_allocate_history(tvi_arena *arena, size_t bytes)
+/* Allocates an array of this size in the marked history. */
+static inline void *tvi_arena_allocate_in_history(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->history, &arena->marked, bytes, ARENA_MARKED_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->history, &arena->marked_bytes, bytes, ARENA_MARKED_ALIGNMENT);
 }
 
-/* Allocates memory in the rings. */
-static inline void *tvi_arena_allocate_ring(tvi_arena *arena, size_t bytes)
+/* Allocates an array of this size in the rings. */
+static inline void *tvi_arena_allocate_in_rings(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->rings, &arena->ring_bytes, bytes, ARENA_ALIGNMENT);
 }
 
 /* Allocates an array of numbers outside of the history. */
-static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)
+static inline double *tvi_arena_allocate_doubles(tvi_arena *arena, size_t count)
 {
     return tvi_arena_allocate(arena, count * sizeof(double));
 }

@@ -1,18 +1,18 @@
-/* block.c - Allocates and prepares blocks of tapes (block.h). */
+/* block.c - Allocates blocks of tapes, and sets their constants and parameters (block.h). */
 #include "algebra/block.h"
 
 double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t extra_numbers)
 {
     const size_t numbers = (size_t)tape->slots * (size_t)orders * (size_t)lanes;
     tvi_block *block = tvi_arena_allocate(arena, sizeof *block);
-    double *x = tvi_arena_doubles(arena, numbers + extra_numbers);
+    double *x = tvi_arena_allocate_doubles(arena, numbers + extra_numbers);
     if (!block) return NULL;
-    *block = (tvi_block){tape, x, orders, lanes, arena->blocks};
-    arena->blocks = block;
+    *block = (tvi_block){tape, x, orders, lanes, arena->first_block};
+    arena->first_block = block;
     return x;
 }
 
-void tvi_blocks_prepare(const tvi_block *first)
+void tvi_blocks_set_constants(const tvi_block *first)
 {
     for (const tvi_block *block = first; block; block = block->next)
         jet_tape_prepare_block(block->tape, block->x, block->orders, block->lanes);

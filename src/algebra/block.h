@@ -6,6 +6,7 @@
 #include "algebra/arena.h"
 #include "tape.h"
 
+/* A block that is allocated in an arena. */
 struct tvi_block {
     const jet_tape *tape;
     double *x; /* [orders][slots][lanes] The numbers of the block (ad/tape.h). */
@@ -13,14 +14,13 @@ struct tvi_block {
     const tvi_block *next;
 };
 
-/* Allocates a block of the tape, with room for `extra_numbers`
- * numbers after it, and adds it to the arena's list. */
+/* Allocates a block of the tape, followed by room for `extra_numbers` numbers, and adds it to the arena's list. */
 double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t extra_numbers);
 
-/* Sets the constants of all blocks of the list. Their memory is allocated. */
-void tvi_blocks_prepare(const tvi_block *first);
-/* Sets parameter i to value[i][width], i < count, in all prepared blocks. The `width` values are repeated over the
- * lanes. */
+/* Sets the constants of all blocks of the list. The memory of the arena must have been obtained. */
+void tvi_blocks_set_constants(const tvi_block *first);
+/* Sets parameter i, i < count, to the `width` numbers value[i][width] in all blocks of the list, after their
+ * constants are set. The numbers are repeated over the lanes of a block. */
 void tvi_blocks_set_parameters(const tvi_block *first, int count, int width, const double value[]);
 
 #endif

@@ -1,58 +1,65 @@
-/* judge.h - Applies the rule of passes.h to the corrections of an iteration. The text serves numbers (passes.h) and
- * vectors of lanes (the kernels of src/galerkin/); each includes it with its own macros. REAL is the type of
- * numbers, TRUTH that of comparisons, and JUDGED makes the names. The macros ABOVE, AT_MOST, SAME, NOT and IF
- * compare and choose; they are undefined at the end. */
+/* judge.h - Applies the rule of passes.h to the corrections of an iteration. The functions below are compiled for
+ * numbers (passes.h) and for vectors of lanes (the kernels of src/galerkin/): each of these files defines the macros
+ * and includes this one. JUDGED(x) is the name of x in that file, REAL the type of numbers, and TRUTH that of
+ * comparisons. The macros ABOVE, AT_MOST, SAME, NOT and IF compare and choose; they are undefined at the end. */
 
 typedef struct {
     int count;
-    REAL size, before, earlier; /* The last three corrections, the newest one first. */
-    /* A correction above the roundoff level is significant. `part` is the ratio of the last significant correction
-     * to the one before it. `slowest` is the larger one of the last two such ratios; at first it is that of an
-     * earlier iteration, or 0 if unknown. */
-    REAL part, slowest;
-    REAL shown; /* The last correction, or if it is hidden by roundoff, what it would be without roundoff. */
-    REAL next;  /* The expected size of the next correction. */
-    /* A factor of `next`. It is 1, except for Newton's method (generating/newton.h). */
+    REAL size, before, earlier; /* The sizes of the last three corrections, the newest one first. */
+    /* A correction above the roundoff level is significant. `ratio` is the ratio of the last significant correction
+     * to the one before it. `slowest_ratio` is the larger one of the last two such ratios; at first it is the ratio
+     * of an earlier iteration, or 0 if that is unknown. */
+    REAL ratio, slowest_ratio;
+    /* The size of the last correction; if roundoff hides it, an estimate of the size without roundoff. */
+    REAL size_without_roundoff;
+    REAL next; /* The expected size of the next correction. */
+    /* The expected size is multiplied by this margin, which is more than 1 only for Newton's method
+     * (generating/newton.h). */
     REAL slack;
-    /* Corrections up to this size are roundoff, by a measurement; 0: nothing was measured. */
-    REAL roundoff;
+    REAL roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
 } JUDGED(passes);
 
-/* Adds a pass whose correction has this size. Returns whether the pass may be the last one. *is_stuck tells that it may
- * not, and that the corrections no longer shrink.
+/* Adds a pass whose correction has this size. Returns whether the pass may be the last one. *is_stuck tells that it
+ * may not, and that the corrections no longer shrink.
  *
- * If the correction before was larger than 1, the ratio is taken to 1, since such a correction shows the size of the
+ * If the correction before was larger than 1, the ratio is that to 1, since such a correction shows the size of the
  * unknowns rather than the convergence. Corrections at the roundoff level do not show how fast the passes converge.
  * They are assumed to converge like the significant ones, and their growth does not make the passes stuck. After a
- * single correction the rate is unknown. In a cycle only the last bits change, in turn. */
-static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule *rule, REAL size, TRUTH *is_stuck)
+ * single correction the rate is unknown. If three corrections at the roundoff level have the same size, the unknowns
+ * alternate between values that differ in their last bits, and the pass may be the last one. */
+static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes_rule *rule, REAL correction_size,
+                                       TRUTH *is_stuck)
 {
     const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->before;
-    const REAL part = size / IF(ABOVE(one, before), before, one), part_before = passes->part;
+    const REAL ratio = correction_size / IF(ABOVE(one, before), before, one), ratio_before = passes->ratio;
     const int count = ++passes->count;
     const TRUTH no = ABOVE(none, none), all = NOT(no), is_first = count == 1 ? all : no,
-                is_asked = rule->exact_passes > 0 ? all : no;
-    const TRUTH is_loud = ABOVE(size, rule->roundoff_level - none), shows = NOT(is_asked) & NOT(is_first) & is_loud;
-    const REAL square = part * part, larger = IF(ABOVE(part, part_before), part, part_before);
+                has_exact_count = rule->exact_passes > 0 ? all : no;
+    const TRUTH is_significant = ABOVE(correction_size, rule->roundoff_level - none),
+                shows_ratio = NOT(has_exact_count) & NOT(is_first) & is_significant;
+    const REAL square = ratio * ratio, larger = IF(ABOVE(ratio, ratio_before), ratio, ratio_before);
     const REAL slower = rule->is_quadratic ? square : larger;
-    const REAL slowest = IF(shows, slower, passes->slowest);
-    const TRUTH is_known = ABOVE(slowest, none) & ABOVE(rule->max_contraction - none, slowest);
-    const REAL left = IF(is_known, slowest, one), expected = left * passes->shown;
-    const REAL shown = IF(is_loud | is_first | ABOVE(expected, size), size, expected);
+    const REAL slowest_ratio = IF(shows_ratio, slower, passes->slowest_ratio);
+    const TRUTH is_ratio_trusted = ABOVE(slowest_ratio, none) & ABOVE(rule->max_trusted_ratio - none, slowest_ratio);
+    const REAL expected_ratio = IF(is_ratio_trusted, slowest_ratio, one),
+               expected_size = expected_ratio * passes->size_without_roundoff;
+    const REAL without_roundoff =
+        IF(is_significant | is_first | ABOVE(expected_size, correction_size), correction_size, expected_size);
     passes->earlier = earlier;
     passes->before = before;
-    passes->size = size;
-    passes->part = IF(shows, part, part_before);
-    passes->slowest = slowest;
-    passes->shown = shown;
-    passes->next = IF(is_loud & is_first, size, passes->slack * left * shown);
-    const TRUTH is_cycle = SAME(size, before) & SAME(size, earlier) & NOT(is_loud);
+    passes->size = correction_size;
+    passes->ratio = IF(shows_ratio, ratio, ratio_before);
+    passes->slowest_ratio = slowest_ratio;
+    passes->size_without_roundoff = without_roundoff;
+    passes->next = IF(is_significant & is_first, correction_size, passes->slack * expected_ratio * without_roundoff);
+    const TRUTH is_cycle = SAME(correction_size, before) & SAME(correction_size, earlier) & NOT(is_significant);
     const TRUTH is_at_goal = AT_MOST(passes->next, rule->correction_goal - none),
-                is_roundoff = AT_MOST(size, passes->roundoff);
+                is_roundoff = AT_MOST(correction_size, passes->roundoff);
     const TRUTH grows =
-        ABOVE(size, rule->stall_ratio * before) &
-        (rule->stall_period < 2 ? all : (TRUTH)ABOVE(size, rule->stall_ratio * rule->stall_ratio * earlier));
-    *is_stuck = count > rule->stall_period ? (TRUTH)(NOT(is_asked) & grows & (is_loud | NOT(is_known))) : no;
+        ABOVE(correction_size, rule->stall_ratio * before) &
+        (rule->stall_lag < 2 ? all : (TRUTH)ABOVE(correction_size, rule->stall_ratio * rule->stall_ratio * earlier));
+    *is_stuck =
+        count > rule->stall_lag ? (TRUTH)(NOT(has_exact_count) & grows & (is_significant | NOT(is_ratio_trusted))) : no;
     if (rule->exact_passes > 0) return count == rule->exact_passes ? all : no;
     return is_at_goal | is_roundoff | is_cycle;
 }

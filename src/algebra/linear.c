@@ -16,26 +16,26 @@ void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, i
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
 
-/* For smaller matrices OpenBLAS factors with one thread, and the result of dgetrf does not depend on the number of
- * threads. For others dgetf2 is called, which always uses one thread. */
+/* Matrices with fewer rows than this are factored by dgetrf: OpenBLAS then uses one thread, and the result does not
+ * depend on the number of threads. Others are factored by dgetf2, which always uses one thread. */
 enum { DGETRF_BELOW = 100 };
 
 void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n)
 {
-    tvi_factor_allocate_members(factor, arena, n, 1);
+    tvi_factor_allocate_batch(factor, arena, n, 1);
 }
 
-void tvi_factor_allocate_members(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
+void tvi_factor_allocate_batch(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
 {
     const size_t numbers = (size_t)n * (size_t)width;
     factor->n = n;
-    factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
-    factor->row_scale = tvi_arena_doubles(arena, numbers);
-    factor->column_scale = tvi_arena_doubles(arena, (size_t)n);
+    factor->lu = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
+    factor->row_scale = tvi_arena_allocate_doubles(arena, numbers);
+    factor->column_scale = tvi_arena_allocate_doubles(arena, (size_t)n);
     factor->pivot = tvi_arena_allocate(arena, (size_t)n * sizeof(int));
-    factor->matrix = tvi_arena_doubles(arena, (size_t)n * numbers);
-    factor->given = tvi_arena_doubles(arena, (size_t)n);
-    factor->residual = tvi_arena_doubles(arena, (size_t)n);
+    factor->scaled_matrix = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
+    factor->given = tvi_arena_allocate_doubles(arena, (size_t)n);
+    factor->residual = tvi_arena_allocate_doubles(arena, (size_t)n);
 }
 
 tvi_status tvi_factor_compute(tvi_lu_factor *factor)

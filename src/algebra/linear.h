@@ -13,25 +13,28 @@ typedef struct {
     int n;
     /* [n][n] The matrix, then its factors L and U. */
     double *lu;
-    /* Scratch for iterative refinement: the scaled matrix [n][n], the right-hand side and the residual [n]. */
-    double *matrix, *given, *residual;
-    bool is_refined;                  /* Solutions are refined. */
+    /* Scratch for iterative refinement: the matrix R A C [n][n], the right-hand side [n] and the residual [n]. */
+    double *scaled_matrix, *given, *residual;
+    bool refines_solutions;           /* Each solution gets one step of iterative refinement. */
     double *row_scale, *column_scale; /* [n] The diagonals of R and C, powers of two. */
-    int *pivot;
+    int *pivot;                       /* [n] The rows that were exchanged (P), as LAPACK has them. */
 } tvi_lu_factor;
 
 void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n);
-/* Allocates the factors of several members (linear_small.h), which stand side by side. */
-void tvi_factor_allocate_members(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
+/* Allocates the factored matrices of `width` members of an ensemble: each entry is `width` numbers, one for each
+ * member (linear_small.h). */
+void tvi_factor_allocate_batch(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
 
-/* Factors the matrix in place. TVI_ESINGULAR; TVI_ENONFINITE if the matrix is not finite. */
+/* Factors the matrix in place. Returns TVI_ESINGULAR if a pivot is at the level of roundoff, and TVI_ENONFINITE if
+ * the matrix is not finite. */
 TVI_NODISCARD tvi_status tvi_factor_compute(tvi_lu_factor *factor);
 
 /* Returns the smallest pivot of the scaled matrix, whose rows and columns have size 1. */
 double tvi_factor_least_pivot(const tvi_lu_factor *factor);
 
-/* Computes x <- A^-1 x, or transposed, x <- A^-T x. Pivots on the diagonal do not depend on units, and no unknown
- * gets the roundoff of another one. If rows are exchanged between rows of different units, the solution is refined. */
+/* Compute x <- A^-1 x, and x <- A^-T x. As long as the pivots are on the diagonal, the result does not depend on the
+ * units of the unknowns, and roundoff of a large unknown does not enter a small one. If rows with different units
+ * were exchanged, the solution is refined, which removes that roundoff. */
 void tvi_factor_solve(const tvi_lu_factor *factor, double x[]);
 void tvi_factor_solve_transposed(const tvi_lu_factor *factor, double x[]);
 

@@ -95,13 +95,15 @@ JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const in
 
 /* ---- Factors of all sizes ---------------------------------------------------------------------------------------- */
 
-/* Returns a power of two close to 1/size, with which scaling is exact; 1 if size is 0 or not finite. */
-JET_INLINE double linear_inverse_power_of_two(double size)
+/* Returns a power of two close to 1/magnitude, which scales without roundoff. Returns 1 if magnitude is 0 or not
+ * finite. */
+JET_INLINE double linear_power_of_two_scale(double magnitude)
 {
     uint64_t bits;
-    if (size == 0 || !isfinite(size)) return 1;
-    memcpy(&bits, &size, sizeof bits);
-    const uint64_t exponent = bits >> 52; /* The bits of size = 1.f 2^(exponent - 1023), or of a subnormal number. */
+    if (magnitude == 0 || !isfinite(magnitude)) return 1;
+    memcpy(&bits, &magnitude, sizeof bits);
+    /* Here magnitude = 1.f 2^(exponent - 1023), or exponent = 0 if magnitude is subnormal. */
+    const uint64_t exponent = bits >> 52;
     if (exponent < 23 || exponent > 2040) return exponent < 23 ? 0x1p1000 : 0x1p-1018;
     bits = (2045 - exponent) << 52;
     double power;
@@ -124,20 +126,21 @@ JET_INLINE void linear_equilibrate(int n, tvi_lu_factor *factor)
             const double entry = fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]);
             if (entry > size) size = entry;
         }
-        factor->column_scale[j] = linear_inverse_power_of_two(size);
+        factor->column_scale[j] = linear_power_of_two_scale(size);
         for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
     }
     for (int i = 0; i < n; i++) {
         double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
         for (int j = 0; j < n; j++)
             if (fabs(row[j]) > size) size = fabs(row[j]);
-        factor->row_scale[i] = linear_inverse_power_of_two(size);
+        factor->row_scale[i] = linear_power_of_two_scale(size);
         for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
         least = tvi_smaller(factor->row_scale[i], least);
         largest = tvi_larger(factor->row_scale[i], largest);
     }
-    factor->is_refined = largest >= LINEAR_OTHER_UNIT * least;
-    if (factor->is_refined) memcpy(factor->matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
+    factor->refines_solutions = largest >= LINEAR_OTHER_UNIT * least;
+    if (factor->refines_solutions)
+        memcpy(factor->scaled_matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
 }
 
 /* Tells whether the factorisation exchanged rows. */
@@ -162,7 +165,7 @@ JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
  * Also decides whether solutions are refined. */
 JET_INLINE tvi_status linear_check_factor(int n, bool is_factored, tvi_lu_factor *factor)
 {
-    factor->is_refined = factor->is_refined && linear_has_row_exchanges(n, factor);
+    factor->refines_solutions = factor->refines_solutions && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
@@ -179,7 +182,7 @@ JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool
     const int row_stride = transposed ? 1 : n, column_stride = transposed ? n : 1;
     for (int i = 0; i < n; i++) {
         double residual = factor->given[i];
-        for (int j = 0; j < n; j++) residual -= factor->matrix[i * row_stride + j * column_stride] * x[j];
+        for (int j = 0; j < n; j++) residual -= factor->scaled_matrix[i * row_stride + j * column_stride] * x[j];
         factor->residual[i] = residual;
     }
 }
@@ -189,18 +192,19 @@ JET_INLINE void linear_add_refinement(int n, const tvi_lu_factor *factor, double
     for (int i = 0; i < n; i++) x[i] += factor->residual[i];
 }
 
+/* The type of a function that computes x <- (R A C)^-1 x, or with the transpose. */
 typedef void linear_factored_solver(int n, const tvi_lu_factor *factor, bool transposed, double x[]);
 
-/* Computes x <- A^-1 x or A^-T x with A^-1 = C (R A C)^-1 R, where `apply` computes with (R A C)^-1. */
-JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool transposed, linear_factored_solver *apply,
-                                    double x[])
+/* Computes x <- A^-1 x or A^-T x with A^-1 = C (R A C)^-1 R, where `solve_factored` applies (R A C)^-1. */
+JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool transposed,
+                                    linear_factored_solver *solve_factored, double x[])
 {
     linear_scale_components(n, transposed ? factor->column_scale : factor->row_scale, x);
-    if (factor->is_refined) memcpy(factor->given, x, (size_t)n * sizeof *x);
-    apply(n, factor, transposed, x);
-    if (factor->is_refined) {
+    if (factor->refines_solutions) memcpy(factor->given, x, (size_t)n * sizeof *x);
+    solve_factored(n, factor, transposed, x);
+    if (factor->refines_solutions) {
         linear_compute_residual(n, factor, transposed, x);
-        apply(n, factor, transposed, factor->residual);
+        solve_factored(n, factor, transposed, factor->residual);
         linear_add_refinement(n, factor, x);
     }
     linear_scale_components(n, transposed ? factor->row_scale : factor->column_scale, x);
@@ -225,45 +229,47 @@ JET_INLINE void linear_small_solve_factored(int n, const tvi_lu_factor *factor, 
 
 /* ---- Without exchanges of rows, of matrices that are I + O(h) in some units -------------------------------------- */
 
-/* A pivot must neither be smaller nor larger, by this factor, than the number on the diagonal before the
- * elimination; otherwise rows must be exchanged. In a row in the units of its columns, it must not be smaller than
- * this number itself. */
+/* The ratio of a pivot to the number on the diagonal before the elimination must lie between LINEAR_LEAST_PIVOT and
+ * its inverse; otherwise rows must be exchanged. If the row has the same units as the columns, the pivot itself must
+ * also be at least LINEAR_LEAST_PIVOT. */
 static const double LINEAR_LEAST_PIVOT = 0x1p-10;
 /* The same limit for an inverse, which rounds more than a factorisation does. */
 static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
 
 #define LINEAR_ELIMINATE(V, S) JET_AT(V, other_row, 0) -= multiplier * JET_OF(V, row, 0);
 
-/* Tells whether a pivot is good enough without an exchange of rows, compared with the number that was in its place
- * before the elimination. */
-JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, double least)
+/* Tells whether the ratio of a pivot to the number that was in its place before the elimination lies between
+ * least_ratio and its inverse, so that no rows need to be exchanged. */
+JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, double least_ratio)
 {
     const double size = fabs(pivot), most = fabs(diagonal_before);
-    return size > least * most && least * size < most;
+    return size > least_ratio * most && least_ratio * size < most;
 }
 
-/* The systems of several members stand side by side: `width` numbers in the place of each, the member fastest. */
+/* The arrays below contain the linear systems of several members of an ensemble: each entry is `width` numbers, one
+ * for each member. */
 
 #define LINEAR_SUBTRACT_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
 #define LINEAR_MULTIPLY(V, S)         JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
 
-/* Computes x <- x - a b, [width]. */
-JET_INLINE void linear_subtract_product(int width, const double a[], const double b[], double x[])
+/* Computes x <- x - a b for the number of each of `width` members. */
+JET_INLINE void linear_subtract_member_products(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
     JET_BLOCKS(width, LINEAR_SUBTRACT_PRODUCT, );
 }
-/* Computes x <- a b, [width]. */
-JET_INLINE void linear_multiply(int width, const double a[], const double b[], double x[])
+/* Computes x <- a b for the number of each of `width` members. */
+JET_INLINE void linear_multiply_members(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
     JET_BLOCKS(width, LINEAR_MULTIPLY, );
 }
 
-/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 /
- * U_jj in factor->row_scale. In this layout rows are only written as a whole. The first `in_units` rows are in the
- * units of their columns. Clears is_safe [width] if a pivot needs an exchange of rows, or is no number. */
-JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tvi_lu_factor *factor,
+/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->scaled_matrix,
+ * and 1 / U_jj in factor->row_scale. In this layout rows are only written as a whole. The first `rows_in_units` rows
+ * have the same units as the columns. Sets is_safe [width] of a member to 0 if a pivot needs an exchange of rows, or
+ * is NaN. */
+JET_INLINE void linear_unpivoted_factor(int n, int rows_in_units, int width, const tvi_lu_factor *factor,
                                         long long is_safe[])
 {
     const size_t stride = (size_t)n;
@@ -276,22 +282,22 @@ JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tv
         const double *row = factor->lu + j * n * width, *pivot = row + j * width;
         double *inverse = factor->row_scale + j * width;
         for (int m = 0; m < width; m++) {
-            const bool is_large = j >= in_units || fabs(pivot[m]) >= LINEAR_LEAST_PIVOT;
+            const bool is_large = j >= rows_in_units || fabs(pivot[m]) >= LINEAR_LEAST_PIVOT;
             inverse[m] = 1 / pivot[m];
             is_safe[m] &=
                 -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_LEAST_PIVOT));
         }
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
-            double *other_row = factor->lu + i * n * width, *l = factor->matrix + (i * n + j) * width;
-            linear_multiply(width, other_row + j * width, inverse, l);
+            double *other_row = factor->lu + i * n * width, *l = factor->scaled_matrix + (i * n + j) * width;
+            linear_multiply_members(width, other_row + j * width, inverse, l);
             if (width == 1 && n >= 4) {
                 const double multiplier = *l;
                 JET_BLOCKS(n, LINEAR_ELIMINATE, );
             } else {
                 JET_UNROLLED
                 for (int k = j + 1; k < n; k++)
-                    linear_subtract_product(width, l, row + k * width, other_row + k * width);
+                    linear_subtract_member_products(width, l, row + k * width, other_row + k * width);
             }
         }
     }
@@ -301,34 +307,35 @@ JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tv
  * wait. */
 JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *factor, double x[])
 {
-    const double *l = factor->matrix, *u = factor->lu;
+    const double *l = factor->scaled_matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) JET_UNROLLED
-    for (int j = 0; j < i; j++) linear_subtract_product(width, l + (i * n + j) * width, x + j * width, x + i * width);
+    for (int j = 0; j < i; j++)
+        linear_subtract_member_products(width, l + (i * n + j) * width, x + j * width, x + i * width);
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
         JET_UNROLLED
         for (int j = n - 1; j > i; j--)
-            linear_subtract_product(width, u + (i * n + j) * width, x + j * width, x + i * width);
-        linear_multiply(width, x + i * width, factor->row_scale + i * width, x + i * width);
+            linear_subtract_member_products(width, u + (i * n + j) * width, x + j * width, x + i * width);
+        linear_multiply_members(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
 }
 
 /* Computes x <- A^-T x. */
 JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu_factor *factor, double x[])
 {
-    const double *l = factor->matrix, *u = factor->lu;
+    const double *l = factor->scaled_matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) {
         JET_UNROLLED
         for (int j = 0; j < i; j++)
-            linear_subtract_product(width, u + (j * n + i) * width, x + j * width, x + i * width);
-        linear_multiply(width, x + i * width, factor->row_scale + i * width, x + i * width);
+            linear_subtract_member_products(width, u + (j * n + i) * width, x + j * width, x + i * width);
+        linear_multiply_members(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) JET_UNROLLED
     for (int j = n - 1; j > i; j--)
-        linear_subtract_product(width, l + (j * n + i) * width, x + j * width, x + i * width);
+        linear_subtract_member_products(width, l + (j * n + i) * width, x + j * width, x + i * width);
 }
 
 /* Computes A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; A is then undefined. */

@@ -11,21 +11,22 @@
 /* A stall ratio with which passes are stuck only if the correction does not shrink at all. */
 #define TVI_PASSES_ALL (1 - DBL_EPSILON)
 
-/* The rule of an iteration. Sizes of corrections are absolute or relative, as the iteration has it. Ratios are those
- * of successive corrections. A number that is 0 has no effect. */
+/* The rule of an iteration, which decides whether the sizes of its corrections are absolute or relative. A ratio of
+ * corrections is that of a correction to the one before it. A field that is 0 has no effect. */
 typedef struct {
-    /* The largest number of passes; and the exact number of passes if the user asked for one, otherwise 0. */
+    /* The largest number of passes, and the exact number of passes if the user asked for one. */
     int max_passes, exact_passes;
     double correction_goal; /* Passes end if the next correction is expected to be at most this. */
-    /* Corrections up to this may be roundoff, and do not show how fast the passes converge. */
+    /* Corrections up to this size may be roundoff, and do not show how fast the passes converge. */
     double roundoff_level;
-    /* If the ratio of corrections is at least this, the next correction is expected to be as large as the last one. */
-    double max_contraction;
+    /* If the ratio of corrections is at least this, it is not trusted: the next correction is expected to be as large
+     * as the last one. */
+    double max_trusted_ratio;
     /* Passes are stuck if the ratio of corrections is above this. */
     double stall_ratio;
-    /* With 2, the correction must also not have shrunk compared with the one before the last, since small and large
-     * corrections may alternate; otherwise 1. */
-    int stall_period;
+    /* The value is 1, or 2 if small and large corrections may alternate. Passes are then stuck only if the correction
+     * has not shrunk either compared with the one two passes before. */
+    int stall_lag;
     /* The next ratio is expected to be the square of the last one, as in Newton's method. */
     bool is_quadratic;
 } tvi_passes_rule;
@@ -33,11 +34,12 @@ typedef struct {
 /* The outcome of a pass of an iteration. */
 typedef enum {
     TVI_PASSES_GO_ON,
-    TVI_PASSES_MAY_END, /* The goal is reached, or roundoff. */
+    TVI_PASSES_MAY_END, /* The next correction is expected to reach the goal, or the last one is roundoff. */
     TVI_PASSES_STUCK    /* The passes are at roundoff, or they do not converge; the caller measures the roundoff. */
 } tvi_passes_verdict;
 
-/* Defines the structure tvi_passes, which describes the passes so far, and tvi_judge, which adds one. */
+/* Defines the structure tvi_passes, which describes the passes so far, and the function tvi_judge_pass, which adds a
+ * pass to it. */
 #define JUDGED(name)       tvi_##name
 #define REAL               double
 #define TRUTH              int
@@ -48,27 +50,29 @@ typedef enum {
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 
-/* Begins an iteration. `slowest` is the ratio of corrections in an earlier iteration; 0: unknown. The members are
- * set one by one, since compilers would clear the structure by an instruction that starts slowly. */
-static inline void tvi_passes_begin(tvi_passes *passes, double slowest)
+/* Begins an iteration. `slowest_ratio` is the ratio of corrections in an earlier iteration, or 0 if it is unknown.
+ * The fields are set one by one, since compilers would clear the structure by an instruction that starts slowly. */
+static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
 {
     passes->count = 0;
     passes->size = passes->before = passes->earlier = INFINITY;
-    passes->part = passes->shown = passes->next = passes->roundoff = 0;
+    passes->ratio = passes->size_without_roundoff = passes->next = passes->roundoff = 0;
     passes->slack = 1;
-    passes->slowest = slowest;
+    passes->slowest_ratio = slowest_ratio;
 }
 
-/* Adds a pass whose correction has this size, and returns what to do next. */
-static inline tvi_passes_verdict tvi_passes_add_and_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
+/* Adds a pass whose correction has this size, and returns the outcome of the pass. */
+static inline tvi_passes_verdict tvi_passes_add_and_judge(tvi_passes *passes, const tvi_passes_rule *rule,
+                                                          double correction_size)
 {
     int is_stuck;
-    if (tvi_judge(passes, rule, size, &is_stuck)) return TVI_PASSES_MAY_END;
+    if (tvi_judge_pass(passes, rule, correction_size, &is_stuck)) return TVI_PASSES_MAY_END;
     return is_stuck ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
-/* Sets the roundoff that was measured after the passes were stuck. Returns whether the last correction is roundoff. */
-static inline bool tvi_passes_are_roundoff(tvi_passes *passes, double roundoff)
+/* Sets the roundoff that was measured after the passes were stuck. Returns whether the last correction is
+ * roundoff. */
+static inline bool tvi_passes_set_roundoff(tvi_passes *passes, double roundoff)
 {
     passes->roundoff = roundoff;
     return passes->size <= roundoff;

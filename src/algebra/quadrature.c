@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-int tvi_quadrature_fixed_point_count(tvi_quadrature rule)
+int tvi_quadrature_only_point_count(tvi_quadrature rule)
 {
     switch (rule) {
     case TVI_TRAPEZOID: return 2;
@@ -15,7 +15,7 @@ int tvi_quadrature_fixed_point_count(tvi_quadrature rule)
 
 int tvi_quadrature_least_point_count(tvi_quadrature rule)
 {
-    const int fixed = tvi_quadrature_fixed_point_count(rule);
+    const int fixed = tvi_quadrature_only_point_count(rule);
     return fixed ? fixed : rule == TVI_LOBATTO ? 2 : 1;
 }
 

@@ -7,8 +7,9 @@
 
 enum { TVI_MAX_POINTS = TVI_MAX_DEGREE + 2 }; /* Enough for every order of every rule. */
 
-/* Returns the number of nodes of a rule that has only one number of nodes; 0 for Gauss and Lobatto, which have any. */
-int tvi_quadrature_fixed_point_count(tvi_quadrature rule);
+/* Returns the number of nodes of the trapezoid and rectangle rules. Returns 0 for Gauss and Lobatto, which exist with
+ * any number of nodes. */
+int tvi_quadrature_only_point_count(tvi_quadrature rule);
 
 /* Returns the smallest number of nodes of the rule. */
 int tvi_quadrature_least_point_count(tvi_quadrature rule);

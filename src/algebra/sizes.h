@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Returns the bits of x as an integer. */
 static inline uint64_t tvi_double_bits(double x)
 {
     uint64_t bits;
@@ -17,8 +18,8 @@ static inline uint64_t tvi_double_bits(double x)
     return bits;
 }
 
-/* Returns 0 if and only if x is finite: only then x - x is 0. */
-static inline uint64_t tvi_nonfinite_bits(double x) { return tvi_double_bits(x - x); }
+/* Returns 0 if x is finite, and otherwise another number: x - x is 0 only if x is finite. */
+static inline uint64_t tvi_nonzero_if_nonfinite(double x) { return tvi_double_bits(x - x); }
 
 /* Tells whether all numbers in rows of n numbers, `stride` apart, are finite. It combines the bits of all numbers,
  * so that compilers can use vectors. */
@@ -26,7 +27,7 @@ static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const dou
 {
     uint64_t any = 0;
     for (int r = 0; r < rows; r++)
-        for (int i = 0; i < n; i++) any |= tvi_nonfinite_bits(x[(size_t)r * stride + (size_t)i]);
+        for (int i = 0; i < n; i++) any |= tvi_nonzero_if_nonfinite(x[(size_t)r * stride + (size_t)i]);
     return any == 0;
 }
 
@@ -43,8 +44,8 @@ static inline double tvi_largest_magnitude(int n, const double x[], int stride)
     return size;
 }
 
-/* Return the larger and the smaller of two numbers, unlike fmax and fmin without a call. The result is b if one of
- * them is not a number. */
+/* Return the larger and the smaller of two numbers without the function call that fmax and fmin may need. The result
+ * is b if one of them is NaN. */
 static inline double tvi_larger(double a, double b) { return a > b ? a : b; }
 static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
 /* Returns the number with the smaller magnitude. */

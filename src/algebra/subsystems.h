@@ -12,15 +12,15 @@ typedef struct {
     int *end;
 } tvi_subsystems;
 
-/* Return component number k of the list, and the end of subsystem k, of n components in all. If there is one
- * subsystem, compilers know both. */
-static inline int tvi_subsystems_component(const tvi_subsystems *subsystems, int k)
+/* Return the component at a position of the list, and the end of a subsystem of n components in all. If there is only
+ * one subsystem, they are the position and n, so that the lists need not be read. */
+static inline int tvi_subsystems_component(const tvi_subsystems *subsystems, int position)
 {
-    return subsystems->count == 1 ? k : subsystems->component[k];
+    return subsystems->count == 1 ? position : subsystems->component[position];
 }
-static inline int tvi_subsystems_end(const tvi_subsystems *subsystems, int k, int n)
+static inline int tvi_subsystems_end(const tvi_subsystems *subsystems, int subsystem, int n)
 {
-    return subsystems->count == 1 ? n : subsystems->end[k];
+    return subsystems->count == 1 ? n : subsystems->end[subsystem];
 }
 
 #endif

@@ -1,6 +1,6 @@
-/* tail.h - Computes tvi_stats.tail: the share of the last term in the polynomial of the forces (docs/method.md section
- * 3). It is a ratio for each component, so that it depends neither on units nor on the origin; the largest one
- * counts. */
+/* tail.h - Computes the tail of a step (tvi_stats.tail): the last term of the polynomial of the forces relative to
+ * the whole (docs/method.md, section 3). The curves call it. The tail is the largest of such ratios of the
+ * components, each of which depends neither on the units nor on the origin of the coordinates. */
 #ifndef TVI_SRC_TAIL_H
 #define TVI_SRC_TAIL_H
 
@@ -12,90 +12,96 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* The sizes of one component over the step, without signs. */
+/* The magnitudes of the quantities of one component in a step, from which its tail is computed. */
 typedef struct {
-    double momentum; /* p and its change */
-    double movement; /* of q */
-    double last_p;   /* the last term of p', times the factor that makes it a momentum */
-    /* The last term of q', for a Hamiltonian or a Lagrangian, where q' does not follow from p. */
-    double last_q;
-    double position;                   /* q */
-    double per_momentum, per_movement; /* 1 / momentum, 1 / movement */
-} tvi_tail_part;
+    double momentum_size; /* The magnitude of p plus that of its change. */
+    double movement_size; /* The magnitude of the change of q in the step. */
+    double last_term_p;   /* The last term of p', times the factor that makes it a momentum. */
+    /* The last term of q', times the factor that makes it a movement. It is 0 in a separable system, where q' follows
+     * from p. */
+    double last_term_q;
+    double position_size;                      /* The magnitude of q at the start of the step. */
+    double inverse_momentum, inverse_movement; /* 1 / momentum_size and 1 / movement_size. */
+} tvi_tail_component;
 
-/* A component whose share is less than this part of the largest share in its subsystem counts in proportion to its
- * share. An example is the end of a chain that a wave has not reached: its first motion has the highest power of t,
- * however small h is. The limit corresponds to a hundredth of the motion, as a share is a product of two of these:
- * squared velocity, so that a light body counts as much as a heavy one, or momentum times velocity if there are no
- * masses. */
+/* The share of a component is its squared velocity, so that a light body counts as much as a heavy one, or its
+ * momentum times its velocity if there are no masses. If its share is less than TVI_TAIL_LEAST times the largest
+ * share in its subsystem, its ratio is multiplied by the quotient of the two. An example is the end of a chain that a
+ * wave has not reached: its first motion has the highest power of t, however small h is. As a share is a product of
+ * two factors, the limit corresponds to a hundredth of the motion. */
 #define TVI_TAIL_LEAST 1e-4
 
-/* The result of looking at the components of a subsystem: the largest ratio, the share of its component, and the
- * largest share. */
+/* The largest ratio of the components of a subsystem, the share of the component that has it, and the largest
+ * share. */
 typedef struct {
-    double ratio, share, largest;
-} tvi_tail_survey;
+    double largest_ratio, share_of_largest_ratio, largest_share;
+} tvi_tail_maxima;
 
-static inline double tvi_tail_share(const tvi_tail_part *part, bool has_masses)
+static inline double tvi_tail_component_share(const tvi_tail_component *component, bool has_masses)
 {
-    return (has_masses ? part->movement : part->momentum) * part->movement;
+    return (has_masses ? component->movement_size : component->momentum_size) * component->movement_size;
 }
 
-/* The ratio without the roundoff of a force, which is that of the positions, relative to their movement. 0 / 0 counts
- * as 0. There are no branches, since the larger of two numbers changes from step to step. */
-static inline double tvi_tail_ratio(const tvi_tail_part *part)
+/* Returns the last term relative to the momentum or the movement, less the part that roundoff of the positions
+ * causes: it is the roundoff of the position relative to the movement. 0 / 0 counts as 0. There are no branches,
+ * since the larger of two numbers changes from step to step. */
+static inline double tvi_tail_component_ratio(const tvi_tail_component *component)
 {
-    const double ratio_p = part->last_p * part->per_momentum, ratio_q = part->last_q * part->per_movement;
-    const double known_q = part->last_q > 0 ? ratio_q : 0, ratio = ratio_p >= known_q ? ratio_p : known_q;
-    const double roundoff = 32 * DBL_EPSILON * part->position * part->per_movement;
-    const double rest = ratio - (part->position > 0 ? roundoff : 0);
+    const double ratio_p = component->last_term_p * component->inverse_momentum;
+    const double quotient_q = component->last_term_q * component->inverse_movement;
+    const double ratio_q = component->last_term_q > 0 ? quotient_q : 0, ratio = ratio_p >= ratio_q ? ratio_p : ratio_q;
+    const double roundoff = 32 * DBL_EPSILON * component->position_size * component->inverse_movement;
+    const double rest = ratio - (component->position_size > 0 ? roundoff : 0);
     return rest > 0 ? rest : 0;
 }
 
-static inline void tvi_tail_look(tvi_tail_survey *survey, const tvi_tail_part *part, bool has_masses)
+/* Takes one more component into account. */
+static inline void tvi_tail_update_maxima(tvi_tail_maxima *maxima, const tvi_tail_component *component, bool has_masses)
 {
-    const double share = tvi_tail_share(part, has_masses), ratio = tvi_tail_ratio(part);
-    if (share > survey->largest) survey->largest = share;
-    if (ratio <= survey->ratio) return;
-    survey->ratio = ratio;
-    survey->share = share;
+    const double share = tvi_tail_component_share(component, has_masses), ratio = tvi_tail_component_ratio(component);
+    if (share > maxima->largest_share) maxima->largest_share = share;
+    if (ratio <= maxima->largest_ratio) return;
+    maxima->largest_ratio = ratio;
+    maxima->share_of_largest_ratio = share;
 }
 
-/* Tells whether the largest ratio is the tail: its component has a share that counts in full. */
-static inline bool tvi_tail_is_known(const tvi_tail_survey *survey)
+/* Tells whether the largest ratio is the tail of the subsystem, since the share of its component is at least
+ * TVI_TAIL_LEAST times the largest share. */
+static inline bool tvi_tail_is_largest_ratio(const tvi_tail_maxima *maxima)
 {
-    return survey->share >= TVI_TAIL_LEAST * survey->largest;
+    return maxima->share_of_largest_ratio >= TVI_TAIL_LEAST * maxima->largest_share;
 }
 
-static inline double tvi_tail_of(double ratio, double share, double largest)
+/* Returns the ratio of a component, reduced if its share is below TVI_TAIL_LEAST times the largest share. */
+static inline double tvi_tail_weigh_ratio(double ratio, double share, double largest_share)
 {
-    const double least = TVI_TAIL_LEAST * largest, part = share * (1 / least);
-    return ratio * (share < least ? part : 1);
+    const double least = TVI_TAIL_LEAST * largest_share, quotient = share * (1 / least);
+    return ratio * (share < least ? quotient : 1);
 }
 
-/* Computes out[width], the tails of several members, from share and ratio [n][width]. */
-static inline void tvi_tails_of_members(const tvi_subsystems *parts, int n, int width, const double *share,
-                                        const double *ratio, double *out)
+/* Computes tail [width], the tails of several members, from the shares and ratios [n][width] of their components. */
+static inline void tvi_tail_compute_members(const tvi_subsystems *subsystems, int n, int width, const double *share,
+                                            const double *ratio, double *tail)
 {
-    double most[TVI_MOST_WIDTH];
-    for (int m = 0; m < width; m++) most[m] = 0;
-    for (int part = 0, k = 0; part < parts->count; part++) {
-        const int first = k, end = tvi_subsystems_end(parts, part, n);
-        double largest[TVI_MOST_WIDTH];
-        for (int m = 0; m < width; m++) largest[m] = 0;
+    double largest_tail[TVI_MOST_WIDTH];
+    for (int m = 0; m < width; m++) largest_tail[m] = 0;
+    for (int subsystem = 0, k = 0; subsystem < subsystems->count; subsystem++) {
+        const int first = k, end = tvi_subsystems_end(subsystems, subsystem, n);
+        double largest_share[TVI_MOST_WIDTH];
+        for (int m = 0; m < width; m++) largest_share[m] = 0;
         for (; k < end; k++)
             for (int m = 0; m < width; m++) {
-                const double one = share[tvi_subsystems_component(parts, k) * width + m];
-                largest[m] = one > largest[m] ? one : largest[m];
+                const double one = share[tvi_subsystems_component(subsystems, k) * width + m];
+                largest_share[m] = one > largest_share[m] ? one : largest_share[m];
             }
         for (k = first; k < end; k++)
             for (int m = 0; m < width; m++) {
-                const int at = tvi_subsystems_component(parts, k) * width + m;
-                const double tail = tvi_tail_of(ratio[at], share[at], largest[m]);
-                most[m] = tail > most[m] ? tail : most[m];
+                const int at = tvi_subsystems_component(subsystems, k) * width + m;
+                const double one = tvi_tail_weigh_ratio(ratio[at], share[at], largest_share[m]);
+                largest_tail[m] = one > largest_tail[m] ? one : largest_tail[m];
             }
     }
-    for (int m = 0; m < width; m++) out[m] = most[m];
+    for (int m = 0; m < width; m++) tail[m] = largest_tail[m];
 }
 
 #endif

@@ -6,14 +6,14 @@
 
 #include <math.h>
 
-/* |x| of a vector. */
+/* The magnitude of each lane of a vector. */
 #define TVI_SIZE_OF_jet_v8(x) JET_ABS(jet_v8, x)
 #define TVI_SIZE_OF_jet_v4(x) JET_ABS(jet_v4, x)
 #define TVI_SIZE_OF_jet_v2(x) JET_ABS(jet_v2, x)
 #define TVI_SIZE_OF_jet_v1(x) fabs(x)
 
-/* Sums a block of components in two chains of rows, which do not wait for each other. The sum of a component does not
- * depend on how many components there are. */
+/* Sums the weighted rows of a block of components as two sums, which the processor adds at the same time. The sum of
+ * a component does not depend on how many components there are. */
 #define TVI_WEIGH(V, OF)                                                                                               \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
@@ -28,15 +28,15 @@
 #define TVI_ITSELF(V, x)   (x)
 #define TVI_ITS_SIZE(V, x) TVI_SIZE_OF_##V(x)
 
-/* out[components] += sum_r weight[r] row[r * stride ..], from the last row to the first, so that the small terms of a
- * series come first. */
+/* Adds sum_r weight[r] row[r * stride + i] to out[i], i < components, from the last row to the first, so that the
+ * small terms of a series come first. */
 static inline void tvi_add_weighted_rows(size_t count, const double weight[], size_t stride, size_t components,
                                          const double row[], double out[])
 {
     JET_BLOCKS((int)components, TVI_WEIGH, TVI_ITSELF);
 }
 
-/* Computes the same sum of the magnitudes |row|. */
+/* Adds sum_r weight[r] |row[r * stride + i]| to out[i], i < components, in the same order. */
 static inline void tvi_add_weighted_magnitudes(size_t count, const double weight[], size_t stride, size_t components,
                                                const double row[], double out[])
 {

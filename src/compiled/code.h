@@ -5,8 +5,9 @@
 
 #include "tape.h"
 
-/* The tapes of a system that generated code may run. */
-typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_BEND, TVI_CODE_HESSIAN, TVI_CODE_TAPES } tvi_code_tape;
+/* The tapes of a system that generated code may run (system/system.h): series of the field, values of the field, the
+ * gradient of r.H_p, and the field with its second derivatives. TVI_CODE_TAPES is their number. */
+typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_R_DOT_HP, TVI_CODE_HESSIAN, TVI_CODE_TAPES } tvi_code_tape;
 
 struct galerkin_code;
 struct tvi_curve_code;
@@ -14,14 +15,16 @@ struct tvi_curve_code;
 /* The data and functions of generated code. */
 typedef struct tvi_code {
     /* Hashes of the library's texts, of the system and of the options for which the code was made. */
-    uint64_t library_hash, system_hash, options_hash;
+    uint64_t library_text_hash, system_hash, options_hash;
     jet_isa isa; /* The instruction set for which the code was compiled. */
-    /* Sweeps of the system's tapes. If a pointer, or a function in it, is NULL, the interpreter runs the tape. */
+    /* The generated sweeps of each tape. If a pointer is NULL, the interpreter makes all sweeps of the tape. If a
+     * function of the sweeps is NULL, the interpreter makes those sweeps. */
     const jet_sweeps *sweeps[TVI_CODE_TAPES];
     const struct galerkin_code *galerkin; /* Loops of the Galerkin curve; NULL: the library's own are used. */
     const struct tvi_curve_code *curve;   /* Functions of a Taylor curve; NULL: the library's own are used. */
 } tvi_code;
 
+/* Generated code that can be attached to integrators. */
 struct tvi_compiled {
     const tvi_code *code;
     /* The loaded shared library. NULL: the code is part of the program, and its users are not counted. */

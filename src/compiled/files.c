@@ -1,5 +1,5 @@
 /* files.c - Reads and writes the files of generated code, and starts the compiler (files.h). */
-#define _GNU_SOURCE /* posix_spawn_file_actions_addclosefrom_np */
+#define _GNU_SOURCE /* This makes spawn.h declare posix_spawn_file_actions_addclosefrom_np. */
 #include "compiled/files.h"
 
 #include <errno.h>
@@ -148,9 +148,9 @@ bool tvi_directory_create_temporary(char *path)
     return is_safe && mkdtemp(path) != NULL;
 }
 
-void tvi_directory_remove(const char *path, const char *const file[])
+void tvi_directory_remove(const char *path, const char *const files[])
 {
-    for (; *file; file++) unlink(*file);
+    for (; *files; files++) unlink(*files);
     rmdir(path);
 }
 
@@ -160,7 +160,7 @@ static int wait_for_exit(pid_t child)
 {
     int status;
     while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return 0; /* The caller judges the compiler by its output. */
+        if (errno != EINTR) return 0; /* The exit status is unknown; an incomplete library is found later (load.c). */
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -171,7 +171,7 @@ static int wait_for_exit(pid_t child)
 #endif
 
 /* Closes all other files of this process in the compiler, and in a server that the compiler may leave behind. */
-static bool add_close_of_other_files(posix_spawn_file_actions_t *actions)
+static bool add_closing_of_other_files(posix_spawn_file_actions_t *actions)
 {
 #ifdef HAS_CLOSEFROM
     return posix_spawn_file_actions_addclosefrom_np(actions, 3) == 0;
@@ -180,15 +180,15 @@ static bool add_close_of_other_files(posix_spawn_file_actions_t *actions)
 #endif
 }
 
-int tvi_process_run(char *const argv[], const char *output)
+int tvi_process_run(char *const argv[], const char *output_path)
 {
     posix_spawn_file_actions_t actions;
     pid_t child;
     if (posix_spawn_file_actions_init(&actions) != 0) return -1;
     const bool is_set =
         posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0) == 0 &&
-        posix_spawn_file_actions_addopen(&actions, 1, output, O_WRONLY | O_CREAT | O_TRUNC, 0600) == 0 &&
-        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && add_close_of_other_files(&actions);
+        posix_spawn_file_actions_addopen(&actions, 1, output_path, O_WRONLY | O_CREAT | O_TRUNC, 0600) == 0 &&
+        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && add_closing_of_other_files(&actions);
     const bool is_started = is_set && posix_spawnp(&child, argv[0], &actions, NULL, argv, environ) == 0;
     posix_spawn_file_actions_destroy(&actions);
     return is_started ? wait_for_exit(child) : -1;

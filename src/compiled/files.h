@@ -23,15 +23,15 @@ bool tvi_directory_create_protected(const char *path);
 /* Creates a new directory for this process from a path that ends with /NAME-XXXXXX, which is replaced by a unique
  * name. Fails if another user could replace the directory. */
 bool tvi_directory_create_temporary(char *path);
-/* Removes the files of this list, which ends with NULL, and then the directory. */
-void tvi_directory_remove(const char *path, const char *const file[]);
+/* Removes the files at the paths of this list, which ends with NULL, and then the directory. */
+void tvi_directory_remove(const char *path, const char *const files[]);
 /* Renames a file in one operation, so that other processes see the old file or the new one. */
 bool tvi_file_move(const char *from, const char *to);
 
 /* Runs the program argv[0], which is searched for as a shell does. Its output goes to a file, and no other file of
- * this process stays open in it. Returns 0 on success, a positive exit status, 128 and more after a signal, or a
- * negative number if it could not be started. */
-int tvi_process_run(char *const argv[], const char *output);
+ * this process stays open in it. Returns the exit status of the program, which is 0 on success, 128 plus the signal
+ * if a signal ended the program, and a negative number if it could not be started. */
+int tvi_process_run(char *const argv[], const char *output_path);
 
 /* Returns the value of a variable of the environment. NULL: it is not set, or empty. */
 const char *tvi_environment_variable(const char *name);

@@ -21,29 +21,29 @@
 /* The compiler flags for each of the library's instruction sets. */
 static const char *const flags_of[JET_ISA_COUNT] = {TVI_COMPILED_FLAGS};
 
-/* The last arguments of the compiler. */
+/* The arguments of the compiler that follow its flags. */
 static char *const last_arguments[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
 enum { LAST_ARGUMENTS = sizeof last_arguments / sizeof *last_arguments };
 
 /* The key of a compilation: a hash of 128 bits of the text, the compiler, its flags and the processor. */
 typedef struct {
     uint64_t hash[2];
-} tvi_key;
+} compilation_key;
 
 /* The seal: the last bytes of a file in the cache. */
 typedef struct {
     char magic[8];
-    tvi_key key;
+    compilation_key key;
     uint64_t checksum; /* Hash of all bytes before the seal. */
 } cache_seal;
 
 /* A request to compile. The compiler and its flags come from the user, the environment or the library. */
 typedef struct {
     const char *compiler, *flags;
-    /* The directory of the cache. Without a cache, the directory for temporary files. */
-    jet_text directory;
+    /* The directory of the cache. If the library is not stored in a cache, the directory for temporary files. */
+    jet_text base_directory;
     bool uses_cache; /* The library is stored in the cache. */
-    tvi_key key;
+    compilation_key key;
 } compilation_request;
 
 /* The files of one compilation. */
@@ -53,10 +53,11 @@ typedef struct {
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
 
-/* Appends the path `below` in a directory, in a form that no compiler takes for an option. */
-static void append_path_below(jet_text *path, const char *directory, const char *below)
+/* Appends the path of a file or directory, given relative to a directory. The path begins with / or ./, so that no
+ * compiler takes it for an option. */
+static void append_joined_path(jet_text *path, const char *directory, const char *relative_path)
 {
-    jet_text_append(path, "%s%s%s", *directory == '/' ? "" : "./", directory, below);
+    jet_text_append(path, "%s%s%s", *directory == '/' ? "" : "./", directory, relative_path);
 }
 
 /* Returns the directory that a variable of the environment names. NULL: it is not set, or the path is relative. */
@@ -66,26 +67,29 @@ static const char *absolute_path_from_environment(const char *variable)
     return path && *path == '/' ? path : NULL;
 }
 
-static void choose_cache_directory(compilation_request *request, const char *cache)
+/* Sets the directory of the cache, which the user, XDG_CACHE_HOME or HOME names. The user requests no cache by an
+ * empty name. */
+static void choose_cache_directory(compilation_request *request, const char *requested_directory)
 {
     const char *home = absolute_path_from_environment("HOME"), *user = absolute_path_from_environment("XDG_CACHE_HOME");
-    request->uses_cache = !cache || *cache;
-    if (cache && *cache) append_path_below(&request->directory, cache, "");
+    request->uses_cache = !requested_directory || *requested_directory;
+    if (requested_directory && *requested_directory)
+        append_joined_path(&request->base_directory, requested_directory, "");
     else if (!request->uses_cache || (!home && !user)) {
         const char *temporary = tvi_environment_variable("TMPDIR");
         request->uses_cache = false;
-        append_path_below(&request->directory, temporary ? temporary : "/tmp", "");
-    } else if (user) append_path_below(&request->directory, user, "/tvi");
-    else append_path_below(&request->directory, home, "/.cache/tvi");
+        append_joined_path(&request->base_directory, temporary ? temporary : "/tmp", "");
+    } else if (user) append_joined_path(&request->base_directory, user, "/tvi");
+    else append_joined_path(&request->base_directory, home, "/.cache/tvi");
 }
 
-static void add_to_key(tvi_key *key, const void *data, size_t byte_count)
+static void add_to_key(compilation_key *key, const void *data, size_t byte_count)
 {
     for (int i = 0; i < 2; i++) key->hash[i] = jet_hash(key->hash[i], data, byte_count);
 }
 
-/* Adds to the key what the flag "native" depends on, the features of this processor. */
-static void add_processor_to_key(tvi_key *key)
+/* Adds the features of this processor to the key, since the compiler's flag "native" depends on them. */
+static void add_processor_to_key(compilation_key *key)
 {
 #ifdef JET_ISA_X86
     unsigned id[8] = {0}, of_core;
@@ -119,14 +123,14 @@ static compilation_request make_request(const jet_text *text, const tvi_compiler
 
 /* ---- Seals ------------------------------------------------------------------------------------------------------- */
 
-static cache_seal compute_seal(const tvi_key *key, const char *data, size_t byte_count)
+static cache_seal compute_seal(const compilation_key *key, const char *data, size_t byte_count)
 {
     return (cache_seal){
         {'t', 'v', 'i', ' ', 'c', 'o', 'd', 'e'}, *key, jet_hash(JET_HASH_OF_NOTHING, data, byte_count)};
 }
 
 /* Tells whether the file exists, and ends with the seal for this key and its contents. */
-static bool has_valid_seal(const char *path, const tvi_key *key)
+static bool has_valid_seal(const char *path, const compilation_key *key)
 {
     size_t byte_count;
     char *data = tvi_file_read(path, &byte_count);
@@ -155,7 +159,7 @@ static bool is_library_complete(const char *data, size_t byte_count)
 }
 
 /* Appends the seal to a complete library. Returns false if it is not complete. */
-static bool append_seal(const char *path, const tvi_key *key)
+static bool append_seal(const char *path, const compilation_key *key)
 {
     size_t byte_count = 0;
     char *data = tvi_file_restrict_to_user(path) ? tvi_file_read(path, &byte_count) : NULL;
@@ -185,10 +189,10 @@ static bool split_into_words(char *text, char *words[], int *count)
 
 /* Refuses with TVI_ECOMPILE. The text is the first line of the compiler's output that contains "error", otherwise
  * the first line. */
-static tvi_status refuse_with_compiler_output(const char *compiler, const char *path)
+static tvi_status refuse_with_compiler_output(const char *compiler, const char *output_path)
 {
     size_t byte_count = 0;
-    char *output = tvi_file_read(path, &byte_count);
+    char *output = tvi_file_read(output_path, &byte_count);
     const char *named = output ? strstr(output, "error") : NULL, *line = output ? output : "";
     while (named && named > output && named[-1] != '\n') named--;
     if (named) line = named;
@@ -263,11 +267,11 @@ static tvi_status compile_in_temporary_directory(tvi_compiled **out, const compi
 {
     compilation_files files = {.directory = {0}};
     tvi_status status;
-    jet_text_append(&files.directory, "%s/make-XXXXXX", request->directory.data);
+    jet_text_append(&files.directory, "%s/make-XXXXXX", request->base_directory.data);
     if (files.directory.is_incomplete) return TVI_ENOMEM;
     if (!tvi_directory_create_temporary(files.directory.data)) {
         status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or others may exchange it",
-                            request->directory.data);
+                            request->base_directory.data);
         free(files.directory.data);
         return status;
     }
@@ -289,12 +293,12 @@ static tvi_status load_from_cache_or_compile(tvi_compiled **out, const compilati
                                              const jet_text *text)
 {
     jet_text cached_path = {0};
-    if (request->uses_cache && !tvi_directory_create_protected(request->directory.data))
+    if (request->uses_cache && !tvi_directory_create_protected(request->base_directory.data))
         return jet_refuse(TVI_ECOMPILE,
                           "%s is not a directory of the user's own that no other may write to or exchange",
-                          request->directory.data);
-    jet_text_append(&cached_path, "%s/%016" PRIx64 "%016" PRIx64 ".so", request->directory.data, request->key.hash[0],
-                    request->key.hash[1]);
+                          request->base_directory.data);
+    jet_text_append(&cached_path, "%s/%016" PRIx64 "%016" PRIx64 ".so", request->base_directory.data,
+                    request->key.hash[0], request->key.hash[1]);
     if (cached_path.is_incomplete) return TVI_ENOMEM;
     const bool is_there = request->uses_cache && has_valid_seal(cached_path.data, &request->key);
     const tvi_status status = is_there ? open_library(out, cached_path.data)
@@ -308,7 +312,7 @@ tvi_status tvi_compiled_load_or_compile(tvi_compiled **out, const jet_text *text
 {
     compilation_request request = make_request(text, compiler, isa);
     const tvi_status status =
-        request.directory.is_incomplete ? TVI_ENOMEM : load_from_cache_or_compile(out, &request, text);
-    free(request.directory.data);
+        request.base_directory.is_incomplete ? TVI_ENOMEM : load_from_cache_or_compile(out, &request, text);
+    free(request.base_directory.data);
     return status;
 }

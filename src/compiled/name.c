@@ -1,6 +1,6 @@
-/* name.c - Checks the name of the function that generated code defines. Names that C, C++ or the generated text use
- * are refused. If another word of the text equals the name, the text is changed instead (generate.c). compile.c
- * calls it. */
+/* name.c - Checks the name of the function that generated code defines. compile.c calls it. Names are refused that C,
+ * C++ or all generated texts use. If a variable of one text has the same name, the variable is renamed instead
+ * (generate.c). */
 #include "compiled/compiled.h"
 
 #include <string.h>
@@ -69,14 +69,14 @@ static bool is_word_in_list(const char *name, const char *list)
     return false;
 }
 
-static bool begins_with_any(const char *name, const char *const beginning[], size_t count)
+static bool begins_with_any(const char *name, const char *const prefix[], size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        if (!strncmp(name, beginning[i], strlen(beginning[i]))) return true;
+        if (!strncmp(name, prefix[i], strlen(prefix[i]))) return true;
     return false;
 }
 
-enum { MAX_NAME_LENGTH = 32 /* More characters than any of these names has. */ };
+enum { MAX_NAME_LENGTH = 32 /* All names in these lists are shorter. */ };
 
 static bool is_c_library_name(const char *name)
 {
@@ -98,7 +98,7 @@ static bool is_identifier(const char *name)
     return true;
 }
 
-const char *tvi_compiled_reason_name_refused(const char *name)
+const char *tvi_compiled_why_name_refused(const char *name)
 {
     if (!is_identifier(name)) return "is no identifier";
     if (is_word_in_list(name, keywords)) return "is a word of C or C++";

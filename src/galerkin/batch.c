@@ -70,10 +70,10 @@ static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const 
     *nodes = (galerkin_nodes){
         .unknowns = system->inputs, .half_unknowns = system->n, .node_count = node_count, .member_count = member_count};
     nodes->values = tvi_arena_allocate_block(arena, system->field_values, 1, node_count * member_count, 0);
-    nodes->start_values = tvi_arena_doubles(arena, of_unknowns);
-    nodes->free_values = tvi_arena_doubles(arena, numbers);
-    nodes->free_values_low = tvi_arena_doubles(arena, numbers);
-    nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
+    nodes->start_values = tvi_arena_allocate_doubles(arena, of_unknowns);
+    nodes->free_values = tvi_arena_allocate_doubles(arena, numbers);
+    nodes->free_values_low = tvi_arena_allocate_doubles(arena, numbers);
+    nodes->inverse_size = tvi_arena_allocate_doubles(arena, of_unknowns);
 }
 
 static void allocate_batch_history(galerkin_batch_stepper *batch, tvi_arena *arena, size_t numbers)
@@ -81,11 +81,12 @@ static void allocate_batch_history(galerkin_batch_stepper *batch, tvi_arena *are
     const size_t member_count = (size_t)batch->nodes.member_count;
     double **const of_last[] = {&batch->history.step_size, &batch->history.previous_step_size,
                                 &batch->history.start_time};
-    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_history(arena, member_count * sizeof(double));
-    batch->history.convergence = tvi_arena_allocate_history(arena, member_count * sizeof *batch->history.convergence);
-    batch->last_ring_index = tvi_arena_allocate_history(arena, sizeof *batch->last_ring_index);
+    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_in_history(arena, member_count * sizeof(double));
+    batch->history.convergence =
+        tvi_arena_allocate_in_history(arena, member_count * sizeof *batch->history.convergence);
+    batch->last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *batch->last_ring_index);
     for (int i = 0; i < GALERKIN_RING; i++)
-        batch->impulse_ring[i] = tvi_arena_allocate_history(arena, numbers * sizeof(double));
+        batch->impulse_ring[i] = tvi_arena_allocate_in_history(arena, numbers * sizeof(double));
 }
 
 static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
@@ -95,7 +96,7 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     galerkin_batch_stepper batch = {.last_ring_index = NULL};
     tvi_member_stepper_allocate(&batch.single_member, arena, &tvi_stepper_galerkin, system, options, member_count,
                                 options->degree);
-    batch.galerkin = batch.single_member.work;
+    batch.galerkin = batch.single_member.stepper_work;
     allocate_node_arrays(&batch.nodes, arena, system, options->degree, member_count);
     const size_t count = (size_t)member_count, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
     galerkin_impulse_sums *sums = &batch.tail_inputs.impulse_sums;
@@ -104,9 +105,9 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
                                     &batch.step_data.drift,  &batch.step_data.drift_low};
     double **const of_n[] = {&batch.increments.dq,     &batch.increments.dp, &batch.increments.dq_low,
                              &batch.increments.dp_low, &batch.tail_share,    &batch.tail_ratio};
-    for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
-    for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, n);
-    batch.tail = tvi_arena_doubles(arena, count);
+    for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_allocate_doubles(arena, unknowns);
+    for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
+    batch.tail = tvi_arena_allocate_doubles(arena, count);
     batch.is_in_lanes = tvi_arena_allocate(arena, count * sizeof *batch.is_in_lanes);
     batch.is_rough = tvi_arena_allocate(arena, count * sizeof *batch.is_rough);
     allocate_batch_history(&batch, arena, unknowns * (size_t)options->degree);
@@ -120,7 +121,7 @@ static void prepare_batch_stepper(void *work)
     galerkin_stepper *single = batch->galerkin;
     galerkin_nodes *nodes = &batch->nodes;
     double *const drift = batch->step_data.drift, *const drift_low = batch->step_data.drift_low;
-    tvi_member_stepper_prepare(&batch->single_member);
+    tvi_member_stepper_set_tables(&batch->single_member);
     const galerkin_nodes *of_one = &single->field.nodes;
     nodes->is_member_moving = batch->convergence.is_moving;
     nodes->lanes = of_one->lanes;
@@ -292,7 +293,7 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
 }
 
 static void solve_members_in_lanes(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
-                                   const tvi_origin *lanes_origin, tvi_stats *stats)
+                                   const tvi_step_origin *lanes_origin, tvi_stats *stats)
 {
     const galerkin_nodes *nodes = &batch->nodes;
     const galerkin_extrapolation by =
@@ -336,7 +337,7 @@ static void copy_members_in_lanes(const galerkin_batch_stepper *batch, int rows,
 }
 
 static void finish_step_in_lanes(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
-                                 const tvi_origin *lanes_origin, const tvi_batch_results *end)
+                                 const tvi_step_origin *lanes_origin, const tvi_batch_results *end)
 {
     const int n = batch->galerkin->n;
     galerkin_compute_increments(&batch->step_data, &batch->nodes, lanes_origin, &batch->increments, batch->tail);
@@ -360,7 +361,7 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
                        tvi_stats *stats)
 {
     galerkin_batch_stepper *batch = work;
-    const tvi_origin lanes_origin = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};
+    const tvi_step_origin lanes_origin = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};
     tvi_galerkin_set_step_size(batch->galerkin, h);
     batch->nodes.impulses = impulses_of_step(batch, 1);
     if (select_members_that_continue(batch, h, origin->t, end->status) > 0) {
@@ -379,4 +380,4 @@ const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,
                                               .lane_to_scalar = copy_history_from_lane,
                                               .scalar_to_lane = copy_history_to_lane,
                                               .forget = forget_lane_history,
-                                              .is_sound = is_ring_index_valid};
+                                              .is_history_valid = is_ring_index_valid};

@@ -12,12 +12,12 @@ void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi
     const size_t width = (size_t)lanes;
     coefficients->node_count = node_count;
     coefficients->lanes = lanes;
-    coefficients->node_weight = tvi_arena_doubles(arena, width);
-    coefficients->node_abscissa = tvi_arena_doubles(arena, width);
-    coefficients->impulse_matrix = tvi_arena_doubles(arena, width * width);
+    coefficients->node_weight = tvi_arena_allocate_doubles(arena, width);
+    coefficients->node_abscissa = tvi_arena_allocate_doubles(arena, width);
+    coefficients->impulse_matrix = tvi_arena_allocate_doubles(arena, width * width);
     coefficients->end_weights.node_count = node_count;
-    coefficients->end_weights.one_minus_abscissa = tvi_arena_doubles(arena, width);
-    coefficients->end_weights.last_term_weight = tvi_arena_doubles(arena, width);
+    coefficients->end_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
+    coefficients->end_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
 }
 
 static double round_to_binary_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }

@@ -8,10 +8,10 @@ void tvi_galerkin_allocate_dense_output(galerkin_dense_output *dense, tvi_arena 
 {
     dense->node_count = node_count;
     dense->sweeps = sweeps;
-    dense->legendre_coefficient = tvi_arena_doubles(arena, (size_t)node_count * (size_t)node_count);
-    dense->coefficient_of_node = tvi_arena_doubles(arena, (size_t)node_count * (size_t)lanes);
-    dense->single_integral = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
-    dense->double_integral = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    dense->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
+    dense->coefficient_of_node = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
+    dense->single_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    dense->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
 /* Computes P_0 .. P_top of x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */

@@ -30,10 +30,10 @@ void tvi_galerkin_displace_outputs(const galerkin_field *field, const jet_tape *
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
             x[tape->output_slot[i] * lanes + lane] +=
-                tvi_roundoff_random_sign(field->value_noise, field->value_noise->change[i]);
+                tvi_roundoff_sign_randomly(field->value_noise, field->value_noise->field_change[i]);
 }
 
-static tvi_status start_fixed_point_unknowns(galerkin_field *field, const tvi_origin *origin)
+static tvi_status start_fixed_point_unknowns(galerkin_field *field, const tvi_step_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
     (void)origin;

@@ -47,7 +47,7 @@ struct galerkin_field_form {
     /* Prepares the form after the coefficients have been computed. */
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
-    tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
+    tvi_status (*start)(galerkin_field *field, const tvi_step_origin *origin);
     /* Predicts the unknowns from the impulses of earlier steps, by tables that are multiplied by rate_to_unknown. */
     void (*predict)(galerkin_field *field, const galerkin_extrapolation *by);
     /* Makes a pass, without counting it. If the form has NULL here, tvi_galerkin_make_pass evaluates the field and

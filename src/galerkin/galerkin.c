@@ -82,13 +82,13 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     const int cyclic = count_last_cyclic_coordinates(system);
     nodes->moving_unknowns = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
-    nodes->free_values = tvi_arena_doubles(arena, unknowns * lanes);
-    nodes->free_values_low = tvi_arena_doubles(arena, unknowns * lanes);
-    nodes->impulse_weight = tvi_arena_doubles(arena, lanes);
-    nodes->start_values = tvi_arena_doubles(arena, unknowns);
-    nodes->impulse_scale = tvi_arena_doubles(arena, unknowns);
-    nodes->inverse_size = tvi_arena_doubles(arena, unknowns);
-    nodes->momentum_per_movement = tvi_arena_doubles(arena, (size_t)system->n);
+    nodes->free_values = tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    nodes->free_values_low = tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    nodes->impulse_weight = tvi_arena_allocate_doubles(arena, lanes);
+    nodes->start_values = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->inverse_size = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->momentum_per_movement = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     field->rate_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
@@ -98,13 +98,13 @@ static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena,
     galerkin_impulse_sums *sums = &inputs->impulse_sums;
     double **const vectors[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
                                 &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low};
-    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
+    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->inputs + 7);
     inputs->n = system->n;
     inputs->is_separable = system->form == TVI_SEPARABLE;
     inputs->has_masses = system->compares_movements;
     inputs->subsystems = system->tail_parts;
     inputs->impulse_scale = scale;
-    inputs->inverse_impulse_scale = tvi_arena_doubles(arena, (size_t)system->n);
+    inputs->inverse_impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -119,11 +119,11 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.field);
     tvi_galerkin_allocate_dense_output(&stepper.dense_output, arena, stepper.field.node_count, lanes,
                                        system->field_values->sweeps);
-    stepper.drift = tvi_arena_doubles(arena, (size_t)unknowns);
-    stepper.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
-    stepper.tail_share = tvi_arena_doubles(arena, (size_t)stepper.n);
-    stepper.tail_ratio = tvi_arena_doubles(arena, (size_t)stepper.n);
-    stepper.change_scale = tvi_arena_doubles(arena, 2 * (size_t)stepper.n);
+    stepper.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    stepper.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    stepper.tail_share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
+    stepper.tail_ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
+    stepper.change_scale = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
     allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
     stepper.field.form->take(&stepper.field, arena);
     tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.field);
@@ -185,7 +185,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
 }
 
 /* Writes the times of the nodes of a step of size h into the field's tape, if it uses the time. */
-static void set_node_times(galerkin_stepper *stepper, const tvi_origin *origin, double h)
+static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *origin, double h)
 {
     double t[MAX_LANES];
     if (!stepper->field.system->uses_time) return;
@@ -196,7 +196,7 @@ static void set_node_times(galerkin_stepper *stepper, const tvi_origin *origin, 
 
 /* Predicts the unknowns of a step if the step before it has another size. It extrapolates the last step, beginning
  * after `start_part` of it. If `start_part` is NULL, it uses the field at the start of the step. */
-static tvi_status predict_without_equal_steps(galerkin_stepper *stepper, const tvi_origin *origin,
+static tvi_status predict_without_equal_steps(galerkin_stepper *stepper, const tvi_step_origin *origin,
                                               const double *start_part, tvi_stats *stats)
 {
     galerkin_field *field = &stepper->field;
@@ -217,7 +217,7 @@ static tvi_status predict_without_equal_steps(galerkin_stepper *stepper, const t
 /* The data of steps that the library makes itself, without generated code. */
 typedef struct {
     galerkin_stepper *stepper;
-    const tvi_origin *origin;
+    const tvi_step_origin *origin;
     /* The counts of all evaluations, and the counts at the end of the last step that was completed. */
     tvi_stats *stats, counted_stats;
 } library_steps;
@@ -249,7 +249,7 @@ static void save_counts_of_step(void *work)
     step->counted_stats = *step->stats;
 }
 
-static void make_steps_in_library(galerkin_stepper *stepper, const tvi_step_run *run, const tvi_origin *origin,
+static void make_steps_in_library(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                                   const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats)
 {
     library_steps step = {.stepper = stepper, .origin = origin, .stats = stats};
@@ -259,8 +259,9 @@ static void make_steps_in_library(galerkin_stepper *stepper, const tvi_step_run 
     if (outcome->step_count > 0) *stats = step.counted_stats;
 }
 
-static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_step_run *run, const tvi_origin *origin,
-                                         const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats)
+static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_run_request *run,
+                                         const tvi_step_origin *origin, const tvi_run_state *state,
+                                         galerkin_outcome *outcome, tvi_stats *stats)
 {
     stepper->generated_code->steps(&stepper->step_data, run, origin, state, outcome);
     const long passes = outcome->pass_count + (outcome->step_count < 1 ? outcome->failed_pass_count : 0);
@@ -278,14 +279,15 @@ static void update_history(galerkin_history *history, double h, const galerkin_o
                                   .ring_index = outcome->last_ring_index};
 }
 
-typedef void step_maker(galerkin_stepper *stepper, const tvi_step_run *run, const tvi_origin *origin,
+typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                         const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats);
 
 /* Makes steps of size field.step_size, by generated code or by the library. The first step is predicted from earlier
  * steps, or from the state alone. */
 static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
-                                               bool follows_last_step, const tvi_step_run *run,
-                                               const tvi_origin *origin, const tvi_run_state *state, tvi_stats *stats)
+                                               bool follows_last_step, const tvi_run_request *run,
+                                               const tvi_step_origin *origin, const tvi_run_state *state,
+                                               tvi_stats *stats)
 {
     galerkin_history *history = stepper->predictor.history;
     galerkin_outcome outcome = {.last_ring_index = (int)history->ring_index, .largest_tail = stats->largest_tail};
@@ -311,11 +313,11 @@ static bool makes_passes(const galerkin_stepper *stepper) { return stepper->pass
 
 /* Makes a step, predicted from earlier steps. If its passes do not converge, it makes the step again, predicted from
  * the state alone. */
-static tvi_status make_single_step(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
-                                   tvi_stats *stats)
+static tvi_status make_single_step(void *work, double h, const tvi_step_origin *origin,
+                                   const tvi_increments *increments, tvi_stats *stats)
 {
     galerkin_stepper *stepper = work;
-    const tvi_step_run run = {.h = h, .steps = 1, .increments = *increments};
+    const tvi_run_request run = {.h = h, .max_steps = 1, .increments = *increments};
     double start_part;
     tvi_galerkin_set_step_size(stepper, h);
     if (stepper->generated_code &&
@@ -331,11 +333,11 @@ static tvi_status make_single_step(void *work, double h, const tvi_origin *origi
     return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }
 
-static long make_step_run(void *work, const tvi_step_run *run, const tvi_run_state *state, tvi_stats *stats)
+static long make_step_run(void *work, const tvi_run_request *run, const tvi_run_state *state, tvi_stats *stats)
 {
     galerkin_stepper *stepper = work;
-    const tvi_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
-                               state->p_low};
+    const tvi_step_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
+                                    state->p_low};
     tvi_stats counted = *stats;
     if (!makes_passes(stepper) || stepper->field.system->uses_time) return 0;
     tvi_galerkin_set_step_size(stepper, run->h);
@@ -355,7 +357,7 @@ static void emit_generated_steps(jet_text *text, const tvi_system *system, const
 {
     tvi_arena arena = {0};
     (void)allocate_stepper(&arena, system, options);
-    void *memory = tvi_arena_allocate_memory(&arena);
+    void *memory = tvi_arena_obtain_memory(&arena);
     galerkin_stepper *stepper = memory ? allocate_stepper(&arena, system, options) : NULL;
     text->is_incomplete |= !stepper;
     if (!stepper) return;
@@ -369,7 +371,7 @@ static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_option
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
     tvi_used_tapes used = {.values = {.name = "tvi_values", .lane_counts = {lanes, of_batch}},
-                           .code_member = "galerkin",
+                           .loops_field = "galerkin",
                            .emit_loops = emit_generated_steps};
     if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lane_counts = {lanes}};
     return used;
@@ -387,6 +389,6 @@ const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,
                                           .dense = tvi_galerkin_compute_dense_output,
                                           .sample = tvi_galerkin_compute_samples,
                                           .is_superconvergent = true,
-                                          .is_sound = is_history_valid,
+                                          .is_history_valid = is_history_valid,
                                           .uses = list_used_tapes,
                                           .batch = &tvi_galerkin_batch};

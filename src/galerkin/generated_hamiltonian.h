@@ -26,8 +26,8 @@ JET_INLINE void galerkin_predict_hamiltonian(void *work, const galerkin_nodes *n
 
 /* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. The
  * first GALERKIN_ROUND rows belong to unknowns that are also columns. */
-static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_step_run *run,
-                                          const tvi_origin *origin, const tvi_run_state *state,
+static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_run_request *run,
+                                          const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
     enum { PACKED = GALERKIN_ROWS * GALERKIN_COLUMNS * GALERKIN_LANES, IS_PACKED = PACKED <= 2 * GALERKIN_MOST_OWN };

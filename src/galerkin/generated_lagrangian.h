@@ -24,8 +24,8 @@ JET_INLINE void galerkin_predict_lagrangian(void *work, const galerkin_nodes *no
     lagrangian_predict_unknowns(work, extrapolation);
 }
 
-static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_step_run *run,
-                                          const tvi_origin *origin, const tvi_run_state *state,
+static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_run_request *run,
+                                          const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
     enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };

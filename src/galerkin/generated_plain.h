@@ -61,8 +61,8 @@ JET_INLINE void galerkin_predict_fixed_point(void *work, const galerkin_nodes *n
     NAME(predict)(nodes, extrapolation);
 }
 
-static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_step_run *run,
-                                          const tvi_origin *origin, const tvi_run_state *state,
+static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_run_request *run,
+                                          const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
     enum { IS_OWN = tvi_values_is_split && GALERKIN_KEPT * GALERKIN_LANES <= GALERKIN_MOST_OWN };

@@ -22,8 +22,8 @@ static void allocate_inner_rounds(lanes_inner_rounds *rounds, tvi_arena *arena, 
 {
     rounds->impulse_matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *rounds->impulse_matrix);
     rounds->packed_hessian = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *rounds->packed_hessian);
-    rounds->unknown_size = tvi_arena_doubles(arena, rows);
-    rounds->inverse_unknown_size = tvi_arena_doubles(arena, rows);
+    rounds->unknown_size = tvi_arena_allocate_doubles(arena, rows);
+    rounds->inverse_unknown_size = tvi_arena_allocate_doubles(arena, rows);
     float **const vectors[] = {&rounds->round_change, &rounds->total_change, &rounds->round_impulse,
                                &rounds->total_impulse};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, rows * lanes * sizeof(float));
@@ -35,20 +35,20 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     hamiltonian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
     hamiltonian_work work = {.passes = {.kernels = field->kernels}};
     field->saved_row_count = field->nodes.unknowns;
-    field->nodes.values = tvi_arena_doubles(arena, 2 * unknowns * lanes);
+    field->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
     tvi_galerkin_allocate_hessian_model(&work.hessian_model, arena, field);
     field->tape_block = work.hessian_model.blocks.values_block;
-    field->rate_to_unknown = tvi_arena_doubles(arena, lanes * lanes);
+    field->rate_to_unknown = tvi_arena_allocate_doubles(arena, lanes * lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
     work.passes.rate_nodes.free_values = work.passes.rate_nodes.free_values_low =
-        tvi_arena_doubles(arena, unknowns * lanes);
-    work.passes.rate_nodes.impulse_scale = tvi_arena_doubles(arena, unknowns);
+        tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
     work.passes.rounds.unknown_of_row = work.unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
     work.passes.rounds.hessian_index = work.hessian_index =
         tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     allocate_inner_rounds(&work.passes.rounds, arena, unknowns, lanes);
-    work.passes.impulse_changes = tvi_arena_doubles(arena, unknowns * lanes);
+    work.passes.impulse_changes = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++)
         work.passes.rate_slot[i] = work.rate_slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
     if (taken) *taken = work;
@@ -147,7 +147,7 @@ static void prepare_hamiltonian_field(galerkin_field *field)
     passes->tape_blocks = work->hessian_model.blocks;
 }
 
-static tvi_status start_hamiltonian_unknowns(galerkin_field *field, const tvi_origin *origin)
+static tvi_status start_hamiltonian_unknowns(galerkin_field *field, const tvi_step_origin *origin)
 {
     hamiltonian_work *work = field->form_work;
     const galerkin_nodes *nodes = &field->nodes;

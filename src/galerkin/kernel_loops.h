@@ -1,14 +1,14 @@
 /* kernel_loops.h - Defines the functions of the kernel table of loops.h, for one number of lanes. kernel.h includes
  * it after the functions that these call. */
 
-OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin)
+OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin)
 {
     EACH_VECTOR(NAME(start_half)(nodes, 0, n, origin->q, origin->q_low, s, here));
     EACH_VECTOR(NAME(start_half)(nodes, n, n, origin->p, origin->p_low, s, here));
 }
 
-OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
-                              double *drift_low)
+OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin,
+                              double *drift, double *drift_low)
 {
     const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknowns; u++)
@@ -82,13 +82,13 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int members, double
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(inputs.is_separable ? at : at + inputs.n * width);
-            const tvi_tail_part part =
+            const tvi_tail_component component =
                 galerkin_tail_part_of_component(&inputs, inputs.is_separable, inputs.impulse_scale[i],
                                                 inputs.inverse_impulse_scale[i], (size_t)at, momentum);
-            share[at] = tvi_tail_share(&part, inputs.is_separable || inputs.has_masses);
-            ratio[at] = tvi_tail_ratio(&part);
+            share[at] = tvi_tail_component_share(&component, inputs.is_separable || inputs.has_masses);
+            ratio[at] = tvi_tail_component_ratio(&component);
         }
-    tvi_tails_of_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
+    tvi_tail_compute_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
 
 #if MEMBERS
@@ -103,19 +103,19 @@ OWN int NAME(judge)(galerkin_batch_convergence *verdicts, const tvi_passes_rule 
         members_passes passes = {.count = count - 1,
                                  .size = *(V *)(verdicts->correction + m),
                                  .before = *(V *)(verdicts->correction_before + m),
-                                 .part = *(V *)(verdicts->contraction + m),
-                                 .slowest = slowest,
-                                 .shown = *(V *)(verdicts->correction_without_roundoff + m),
+                                 .ratio = *(V *)(verdicts->contraction + m),
+                                 .slowest_ratio = slowest,
+                                 .size_without_roundoff = *(V *)(verdicts->correction_without_roundoff + m),
                                  .slack = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
-        const JET_MASK(jet_widest) may_end = members_judge(&passes, &rule, moved, &is_stuck),
+        const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, moved, &is_stuck),
                                    is_finite = moved < infinite;
         *(V *)(verdicts->correction + m) = passes.size;
         *(V *)(verdicts->correction_before + m) = passes.before;
-        *(V *)(verdicts->contraction + m) = passes.part;
-        *(V *)(verdicts->correction_without_roundoff + m) = passes.shown;
-        *(V *)(verdicts->slowest_contraction + m) = JET_CHOOSE(V, moves, passes.slowest, slowest);
+        *(V *)(verdicts->contraction + m) = passes.ratio;
+        *(V *)(verdicts->correction_without_roundoff + m) = passes.size_without_roundoff;
+        *(V *)(verdicts->slowest_contraction + m) = JET_CHOOSE(V, moves, passes.slowest_ratio, slowest);
         if (count == 1) *(V *)(verdicts->first_movement + m) = moved;
         *(V *)(verdicts->pass_count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(verdicts->pass_count + m));
         *(JET_MASK(jet_widest) *)(verdicts->has_ended + m) |= moves & is_finite & may_end;

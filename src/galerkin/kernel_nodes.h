@@ -25,7 +25,7 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *given, int first, int cou
  * their errors, whose mean many steps show, if h is nearly a ratio of small numbers, such as 0.1. For this reason the
  * drift is exact. The sum of the impulses is rounded together with `base`, with far smaller bits. `base` is not added
  * to `high`: the sum would end on a grid, and its product with h near the same few points of another. */
-JET_INLINE void NAME(start_drift)(const galerkin_nodes *given, int u, const double *c, const tvi_origin *origin,
+JET_INLINE void NAME(start_drift)(const galerkin_nodes *given, int u, const double *c, const tvi_step_origin *origin,
                                   const double *drifts, const double *drifts_low, galerkin_array_shape s, size_t here)
 {
     const galerkin_nodes copy = *given, *const nodes = &copy;

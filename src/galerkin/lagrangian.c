@@ -20,12 +20,12 @@ static void allocate_mass_inverse(lanes_matrix_inverse *inverse, tvi_arena *aren
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
     *inverse = (lanes_matrix_inverse){.n = n};
-    inverse->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
-    inverse->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
-    inverse->row_scale = tvi_arena_doubles(arena, numbers);
-    inverse->column_scale = tvi_arena_doubles(arena, numbers);
+    inverse->lu = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
+    inverse->inverse = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
+    inverse->row_scale = tvi_arena_allocate_doubles(arena, numbers);
+    inverse->column_scale = tvi_arena_allocate_doubles(arena, numbers);
     inverse->pivot_row = tvi_arena_allocate(arena, numbers * sizeof(int));
-    inverse->scratch_column = tvi_arena_doubles(arena, numbers);
+    inverse->scratch_column = tvi_arena_allocate_doubles(arena, numbers);
 }
 
 static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
@@ -36,20 +36,20 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     lagrangian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
     lagrangian_work work = {.passes = {.kernels = field->kernels}};
     field->saved_row_count = 3 * n;
-    field->nodes.values = tvi_arena_doubles(arena, 5 * half_size);
+    field->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
     tvi_galerkin_allocate_hessian_model(&work.hessian_model, arena, field);
     field->tape_block = work.hessian_model.blocks.values_block;
-    field->rate_to_unknown = tvi_arena_doubles(arena, lanes * lanes);
+    field->rate_to_unknown = tvi_arena_allocate_doubles(arena, lanes * lanes);
     double **const rows[] = {&work.passes.displacement, &work.passes.point_offset[0], &work.passes.point_offset[1]};
-    for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
-    work.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
-    work.start_velocity = tvi_arena_doubles(arena, (size_t)n);
+    for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half_size);
+    work.passes.gradient = tvi_arena_allocate_doubles(arena, 2 * half_size);
+    work.start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
     tvi_legendre_allocate(&work.legendre_transform, arena, system);
     allocate_mass_inverse(&work.passes.mass_inverse, arena, n, field->nodes.lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? lagrangian_values_row(&field->nodes, unknowns) : NULL;
-    work.passes.rate_nodes.free_values = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
-    work.passes.rate_nodes.impulse_scale = tvi_arena_doubles(arena, (size_t)unknowns);
+    work.passes.rate_nodes.free_values = tvi_arena_allocate_doubles(arena, (size_t)unknowns * lanes);
+    work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     if (taken) *taken = work;
 }
 
@@ -85,7 +85,7 @@ static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first,
 }
 
 /* Sets V by the Legendre transform, from rest. */
-static tvi_status start_lagrangian_unknowns(galerkin_field *field, const tvi_origin *origin)
+static tvi_status start_lagrangian_unknowns(galerkin_field *field, const tvi_step_origin *origin)
 {
     lagrangian_work *work = field->form_work;
     const tvi_system *system = field->system;

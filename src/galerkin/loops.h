@@ -100,19 +100,21 @@ static inline double galerkin_movement_size(const galerkin_tail_inputs *inputs, 
 
 /* Returns the contribution of one component to the tail. `coordinate_at` is the index of its coordinate in the
  * arrays, and `momentum_at` that of its momentum. */
-static inline tvi_tail_part galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, bool is_separable,
-                                                            double scale, double inverse_scale, size_t coordinate_at,
-                                                            size_t momentum_at)
+static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, bool is_separable,
+                                                                 double scale, double inverse_scale,
+                                                                 size_t coordinate_at, size_t momentum_at)
 {
     const double *last = inputs->impulse_sums.last_term;
-    tvi_tail_part part = {.momentum = galerkin_momentum_size(inputs, coordinate_at, momentum_at),
-                          .last_p = last[momentum_at],
-                          .last_q = is_separable ? 0 : last[coordinate_at],
-                          .position = fabs(inputs->start_q[coordinate_at])};
-    part.per_momentum = 1 / part.momentum;
-    part.movement = is_separable ? fabs(scale) * part.momentum : galerkin_movement_size(inputs, coordinate_at);
-    part.per_movement = is_separable ? inverse_scale * part.per_momentum : 1 / part.movement;
-    return part;
+    tvi_tail_component component = {.momentum_size = galerkin_momentum_size(inputs, coordinate_at, momentum_at),
+                                    .last_term_p = last[momentum_at],
+                                    .last_term_q = is_separable ? 0 : last[coordinate_at],
+                                    .position_size = fabs(inputs->start_q[coordinate_at])};
+    component.inverse_momentum = 1 / component.momentum_size;
+    component.movement_size =
+        is_separable ? fabs(scale) * component.momentum_size : galerkin_movement_size(inputs, coordinate_at);
+    component.inverse_movement =
+        is_separable ? inverse_scale * component.inverse_momentum : 1 / component.movement_size;
+    return component;
 }
 
 /* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (double_integral +
@@ -233,8 +235,8 @@ typedef struct {
 typedef struct galerkin_kernels {
     /* `start` sets the unknowns to the state at the start of the step, for equations of first order.
      * `start_drifting` does so for a separable system, and also sets drift + drift_low = scale (p + p_low). */
-    void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
-    void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
+    void (*start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
+    void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin, double *drift,
                            double *drift_low);
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *by);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);

@@ -8,7 +8,7 @@ const tvi_descriptor tvi_galerkin = {
     .nodes = {[TVI_NODES_ON_CURVE] = {"galerkin", 2, 0}},
     .least_degree = 1,
     .most_degree = TVI_MAX_NODES,
-    .serves = &tvi_serves_all,
+    .supports = &tvi_supports_all,
     .adjoint = &tvi_galerkin,
     .quadrature = TVI_GAUSS_OF_DEGREE,
     .stepper = &tvi_stepper_galerkin,

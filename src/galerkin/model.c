@@ -9,7 +9,7 @@ void tvi_galerkin_allocate_hessian_model(galerkin_hessian_model *model, tvi_aren
         (galerkin_tape_blocks){.n = system->n, .lanes = field->nodes.lanes, .inputs = system->hessian_values->inputs};
     model->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lanes, 0);
     model->blocks.hessian_block = tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
-    model->expansion.displacement = tvi_arena_doubles(arena, 2 * (size_t)system->n * lanes);
+    model->expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n * lanes);
     model->hessian_element =
         tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *model->hessian_element);
     model->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *model->row_end);

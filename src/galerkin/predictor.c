@@ -9,16 +9,16 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
 {
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
-    predictor->history = tvi_arena_allocate_history(arena, sizeof *predictor->history);
+    predictor->history = tvi_arena_allocate_in_history(arena, sizeof *predictor->history);
     predictor->rough_prediction_limit = unknowns * lanes * (1e-2 * 1e-2);
     for (int i = 0; i < GALERKIN_RING; i++)
-        predictor->impulse_ring[i] = tvi_arena_allocate_ring(arena, count * width * sizeof(double));
-    predictor->two_step_table = tvi_arena_doubles(arena, 2 * width * width);
-    predictor->last_step_table = tvi_arena_doubles(arena, 2 * width * width);
-    predictor->resized_step_table = tvi_arena_doubles(arena, width * width);
-    predictor->extrapolated_rates = tvi_arena_doubles(arena, count * width);
-    predictor->zeros = tvi_arena_doubles(arena, count + width);
-    predictor->ones = tvi_arena_doubles(arena, count + width);
+        predictor->impulse_ring[i] = tvi_arena_allocate_in_rings(arena, count * width * sizeof(double));
+    predictor->two_step_table = tvi_arena_allocate_doubles(arena, 2 * width * width);
+    predictor->last_step_table = tvi_arena_allocate_doubles(arena, 2 * width * width);
+    predictor->resized_step_table = tvi_arena_allocate_doubles(arena, width * width);
+    predictor->extrapolated_rates = tvi_arena_allocate_doubles(arena, count * width);
+    predictor->zeros = tvi_arena_allocate_doubles(arena, count + width);
+    predictor->ones = tvi_arena_allocate_doubles(arena, count + width);
 }
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */

@@ -21,7 +21,7 @@
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
     .max_passes = 100, .correction_goal = SQUARE(GOAL), .roundoff_level = SQUARE(32 * DBL_EPSILON),                    \
-    .max_contraction = SQUARE(0.5), .stall_ratio = TVI_PASSES_ALL, .stall_period = 2
+    .max_trusted_ratio = SQUARE(0.5), .stall_ratio = TVI_PASSES_ALL, .stall_lag = 2
 const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
@@ -51,10 +51,12 @@ static size_t count_numbers_in_rows(const galerkin_field *field, int row_count)
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field)
 {
     tvi_roundoff_allocate(&probe->field_roundoff, arena, field->system);
-    probe->values_before_pass = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
-    probe->values_of_displaced_pass = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
-    probe->saved_free_values_low = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
-    probe->saved_impulses = tvi_arena_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
+    probe->values_before_pass = tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
+    probe->values_of_displaced_pass =
+        tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
+    probe->saved_free_values_low =
+        tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
+    probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
 }
 
 /* Displaces the unknowns, and the free values from which passes compute them, by UNITS units of roundoff. The signs
@@ -113,9 +115,9 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
     const galerkin_nodes *nodes = &field->nodes;
     memcpy(probe->values_before_pass, nodes->values,
            count_numbers_in_rows(field, field->saved_row_count) * sizeof(double));
-    stats->force_evaluations += tvi_roundoff_estimate_of_field(&probe->field_roundoff, field->system, field->tape_block,
-                                                               nodes->lanes, field->node_count);
-    for (int i = 0; i < tvi_system_output_count(field->system); i++) probe->field_roundoff.change[i] *= UNITS;
+    stats->force_evaluations += tvi_roundoff_estimate_field(&probe->field_roundoff, field->system, field->tape_block,
+                                                            nodes->lanes, field->node_count);
+    for (int i = 0; i < tvi_system_output_count(field->system); i++) probe->field_roundoff.field_change[i] *= UNITS;
     tvi_status status = make_displaced_pass(field, probe, movement, stats);
     if (status == TVI_OK) status = tvi_galerkin_make_pass(field, movement, stats);
     *roundoff = squared_distance_to_unknowns(nodes, probe->values_of_displaced_pass);
@@ -123,7 +125,7 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
     return status;
 }
 
-bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_origin *origin)
+bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_step_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
     return tvi_roundoff_is_motion_small(field->system, field->step_size, origin->q, origin->p, nodes->values,

@@ -74,7 +74,7 @@ typedef struct galerkin_outcome {
 /* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
 
 JET_INLINE void galerkin_start_unknowns(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
-                                        const tvi_origin *origin)
+                                        const tvi_step_origin *origin)
 {
     if (step_data->tail_inputs->is_separable)
         GALERKIN_KERNEL(step_data->kernels, start_drifting, nodes, step_data->node_abscissa, origin, step_data->drift,
@@ -112,7 +112,7 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, g
 {
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&iteration->passes, rule, moved);
     if (iteration->pass_count++ == 0) iteration->convergence.first_movement = moved;
-    iteration->convergence.slowest_contraction = iteration->passes.slowest;
+    iteration->convergence.slowest_contraction = iteration->passes.slowest_ratio;
     iteration->status = !(moved < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
@@ -164,7 +164,7 @@ JET_INLINE void galerkin_iterate_member(const galerkin_step_data *step_data, con
 
 /* Computes the increments of a step from its impulses, and the tail of each member, [member_count]. */
 JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
-                                            const tvi_origin *origin, const tvi_increments *by, double tail[])
+                                            const tvi_step_origin *origin, const tvi_increments *by, double tail[])
 {
     galerkin_tail_inputs inputs = *step_data->tail_inputs;
     inputs.start_q = origin->q;
@@ -186,17 +186,17 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data,
 JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const double *dx)
 {
     uint64_t any = 0;
-    for (int i = 0; i < count; i++) any |= tvi_nonfinite_bits(x[i] + dx[i]);
+    for (int i = 0; i < count; i++) any |= tvi_nonzero_if_nonfinite(x[i] + dx[i]);
     return any == 0;
 }
 
 /* Adds the increments of a step to the state. Returns false, and adds nothing, if the energy has to be checked
  * first, or if the result would not be finite. */
-JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_step_run *run, const tvi_run_state *state, double tail,
+JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
                                            int passes)
 {
-    if (!(tail <= run->skip_limits.tail && passes <= run->skip_limits.passes)) return false;
-    if (!tvi_step_ends_before_limit(run, state->q)) return false;
+    if (!(tail <= run->unchecked_limits.max_tail && passes <= run->unchecked_limits.max_passes)) return false;
+    if (!tvi_step_ends_before_t_end(run, state->q)) return false;
     if (!galerkin_are_sums_finite(n + 1, state->q, run->increments.dq)) return false;
     if (!galerkin_are_sums_finite(n, state->p, run->increments.dp)) return false;
     (void)tvi_add_all_compensated(n + 1, state->q, state->q_low, run->increments.dq, run->increments.dq_low);
@@ -208,11 +208,12 @@ JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_step_run *run, const
  * single step and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first
  * step. */
 JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerkin_nodes *nodes,
-                                    const galerkin_pass_functions *pass_functions, const tvi_step_run *run,
-                                    const tvi_origin *origin, const tvi_run_state *state, galerkin_outcome *outcome)
+                                    const galerkin_pass_functions *pass_functions, const tvi_run_request *run,
+                                    const tvi_step_origin *origin, const tvi_run_state *state,
+                                    galerkin_outcome *outcome)
 {
     const int n = step_data->tail_inputs->n;
-    while (outcome->step_count < run->steps) {
+    while (outcome->step_count < run->max_steps) {
         const double t = state ? state->q[n] : origin->t;
         galerkin_member_iteration iteration = {.convergence = outcome->convergence};
         double moved, tail;
@@ -249,7 +250,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
 
 /* The function of generated code that makes steps, as galerkin_make_steps does. */
 typedef struct galerkin_code {
-    void (*steps)(const galerkin_step_data *step_data, const tvi_step_run *run, const tvi_origin *origin,
+    void (*steps)(const galerkin_step_data *step_data, const tvi_run_request *run, const tvi_step_origin *origin,
                   const tvi_run_state *state, galerkin_outcome *outcome);
 } galerkin_code;
 

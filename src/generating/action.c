@@ -13,10 +13,10 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
     const int n = curve->n, points = action->points;
     tvi_roundoff *roundoff = &action->field_roundoff;
     if (tvi_curve_factor_velocity_hessian(curve) != TVI_OK) return 0;
-    (void)tvi_roundoff_estimate_of_field(roundoff, curve->system, action->field_block, points, points);
+    (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
         const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
-        action->momentum_correction[i] = tvi_roundoff_random_sign(roundoff, roundoff->change[n + i] + of_v);
+        action->momentum_correction[i] = tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[n + i] + of_v);
     }
     tvi_factor_solve(&curve->velocity_hessian, action->momentum_correction);
     return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(n, action->momentum_correction, 1);
@@ -49,7 +49,7 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
         memcpy(action->bend_block, action->field_block,
                (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
         memcpy(action->bend_block + (2 * n + 1) * points, action->node_momentum, panel);
-        if (!jet_sweep_values(system->bend_values, action->bend_block, points)) return TVI_EDOMAIN;
+        if (!jet_sweep_values(system->r_dot_Hp_values, action->bend_block, points)) return TVI_EDOMAIN;
     }
     for (int i = 0; i < n; i++)
         for (int node = 0; node < points; node++) {
@@ -58,9 +58,9 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
                 action->gradient_by_p[place] = curve->tau * action->node_momentum[place] / system->mass[i];
             } else {
                 action->gradient_by_q[place] +=
-                    curve->tau * seeds_field_output_row(action, system->bend_values, action->bend_block, i)[node];
-                action->gradient_by_p[place] =
-                    curve->tau * seeds_field_output_row(action, system->bend_values, action->bend_block, n + i)[node];
+                    curve->tau * seeds_field_output_row(action, system->r_dot_Hp_values, action->bend_block, i)[node];
+                action->gradient_by_p[place] = curve->tau * seeds_field_output_row(action, system->r_dot_Hp_values,
+                                                                                   action->bend_block, n + i)[node];
             }
             action->gradient_by_v[place] = -action->node_momentum[place];
         }

@@ -43,8 +43,8 @@ static tvi_action choose_action_shape(const tvi_system *system, const tvi_option
 tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const int degree = options->degree, p_degree = expanded->has_top_momentum ? degree : degree - 1;
-    const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE;
+    const int degree = options->degree, p_degree = expanded->uses_top_momentum ? degree : degree - 1;
+    const bool one_more = expanded->uses_top_momentum && system->form == TVI_SEPARABLE;
     return choose_action_shape(system, options, expanded->action, degree, p_degree, degree + one_more,
                                expanded->span.from == -expanded->span.to, 1);
 }
@@ -58,9 +58,9 @@ static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, size_t 
                                 int half)
 {
     const size_t halves = half_rows * (size_t)seeds_round_up_to_vectors(half);
-    table->all_orders = tvi_arena_doubles(arena, rows * columns);
-    table->even_orders = tvi_arena_doubles(arena, halves);
-    table->odd_orders = tvi_arena_doubles(arena, halves);
+    table->all_orders = tvi_arena_allocate_doubles(arena, rows * columns);
+    table->even_orders = tvi_arena_allocate_doubles(arena, halves);
+    table->odd_orders = tvi_arena_allocate_doubles(arena, halves);
 }
 
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
@@ -71,8 +71,8 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     const size_t points = (size_t)action->points;
     action->field_tape = tvi_select_node_field(system, kind);
     action->sweeps = action->field_tape->sweeps;
-    action->node_s = tvi_arena_doubles(arena, points);
-    action->node_weight = tvi_arena_doubles(arena, points);
+    action->node_s = tvi_arena_allocate_doubles(arena, points);
+    action->node_weight = tvi_arena_allocate_doubles(arena, points);
     tvi_node_table *const at_nodes[] = {&action->power_table, &action->slope_table, &action->second_slope_table,
                                         &action->node_power_table};
     for (int i = 0; i < 4; i++)
@@ -81,20 +81,21 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
                         (int)(orders + 1) / 2);
     allocate_node_table(&action->weighted_slope_table, arena, points, orders, (size_t)action->half_points,
                         (int)(orders + 1) / 2);
-    action->order_row = tvi_arena_doubles(arena, orders * (size_t)width);
+    action->order_row = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
     if (!is_integration_by_parts_exact(action, options))
-        action->by_parts_error = tvi_arena_doubles(arena, orders * orders);
+        action->by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->has_truncated_nodes)
-        action->bend_block = tvi_arena_allocate_block(arena, system->bend_values, 1, action->points, 0);
-    action->momentum_coefficients = tvi_arena_doubles(arena, orders * n);
+        action->bend_block = tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
+    action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);
     double **const panels[] = {&action->node_momentum, &action->node_force, &action->gradient_by_q,
                                &action->gradient_by_v, &action->gradient_by_p};
-    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
-    action->momentum_correction = tvi_arena_doubles(arena, n * points);
+    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
+        *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
+    action->momentum_correction = tvi_arena_allocate_doubles(arena, n * points);
     if (action->field_tape != system->field_values) {
-        action->H_pp = tvi_arena_doubles(arena, n * n * points);
-        action->field_tangent_block = tvi_arena_doubles(arena, (size_t)action->field_tape->slots * points);
+        action->H_pp = tvi_arena_allocate_doubles(arena, n * n * points);
+        action->field_tangent_block = tvi_arena_allocate_doubles(arena, (size_t)action->field_tape->slots * points);
     }
     tvi_roundoff_allocate(&action->field_roundoff, arena, system);
 }

@@ -30,13 +30,13 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&x->curve, arena);
-    x->blend = tvi_arena_doubles(arena, (size_t)options->quadrature_points);
-    x->P = tvi_arena_doubles(arena, (size_t)r * n);
-    x->seed = tvi_arena_doubles(arena, ((size_t)r + 1) * n);
-    x->R = tvi_arena_doubles(arena, 2 * n);
-    x->G = tvi_arena_doubles(arena, n * 2 * n);
-    x->multiplier = tvi_arena_doubles(arena, n);
-    x->dz = tvi_arena_doubles(arena, 2 * n);
+    x->blend = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
+    x->P = tvi_arena_allocate_doubles(arena, (size_t)r * n);
+    x->seed = tvi_arena_allocate_doubles(arena, ((size_t)r + 1) * n);
+    x->R = tvi_arena_allocate_doubles(arena, 2 * n);
+    x->G = tvi_arena_allocate_doubles(arena, n * 2 * n);
+    x->multiplier = tvi_arena_allocate_doubles(arena, n);
+    x->dz = tvi_arena_allocate_doubles(arena, 2 * n);
     tvi_factor_allocate(&x->factor, arena, system->n);
 }
 
@@ -55,15 +55,17 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity = tvi_arena_allocate_history(arena, n * sizeof *w.velocity);
+        w.velocity = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity);
     }
     w.q_unit = tvi_combination_allocate(&w.a.curve, arena);
     w.z_unit = tvi_combination_allocate(&w.a.curve, arena);
     double **const panels[] = {&w.y, &w.v, &w.pi, &w.pi_rate, &w.on_q, &w.on_v, &w.apart};
-    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
-    w.row = tvi_arena_doubles(arena, points);
+    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
+        *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
+    w.row = tvi_arena_allocate_doubles(arena, points);
     double **const vectors[] = {&w.z, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, 2 * n);
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        *vectors[i] = tvi_arena_allocate_doubles(arena, 2 * n);
     if (taken) *taken = w;
     return taken;
 }
@@ -136,7 +138,7 @@ static tvi_status close_equations(tvi_both_ends_workspace *w, tvi_stats *stats)
 /* An attempt holds the step that is being made. */
 typedef struct {
     tvi_both_ends_workspace *work;
-    const tvi_origin *origin;
+    const tvi_step_origin *origin;
     double h;
     tvi_stats *stats;
 } step_attempt;
@@ -175,7 +177,7 @@ static void compute_unknown_scales(void *self, double scale[])
 static void compute_end_differences(const step_attempt *attempt, const double q1[], double r[])
 {
     tvi_both_ends_workspace *w = attempt->work;
-    const tvi_origin *origin = attempt->origin;
+    const tvi_step_origin *origin = attempt->origin;
     const int n = w->n;
     tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, r);
     tvi_curve_sum_combination(&w->b.curve, &w->b.to_end, r + n);
@@ -193,7 +195,7 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
 {
     const step_attempt *attempt = self;
     tvi_both_ends_workspace *w = attempt->work;
-    const tvi_origin *origin = attempt->origin;
+    const tvi_step_origin *origin = attempt->origin;
     const size_t n = (size_t)w->n;
     memcpy(w->z, origin->q, n * sizeof *x);
     memcpy(w->z + n, x, n * sizeof *x);
@@ -250,9 +252,9 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
 {
     tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
-    const tvi_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->system, attempt->h, origin->t, origin->q, origin->p,
-                                                   w->velocity, w->z);
+    const tvi_step_origin *origin = attempt->origin;
+    tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->system, attempt->h, origin->t, origin->q,
+                                                        origin->p, w->velocity, w->z);
     if (status != TVI_OK) return status;
     status = expand_end_curve(attempt, &w->a, w->z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z + n, n * sizeof(double));
@@ -262,7 +264,7 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
 }
 
 /* Stores in dz what z of the curves lacks: the low-order part of q0, and the last correction. */
-static void store_last_correction(tvi_both_ends_workspace *w, const tvi_origin *origin)
+static void store_last_correction(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
     memcpy(w->a.dz, origin->q_low, bytes);
@@ -288,7 +290,7 @@ static void compute_increments(tvi_both_ends_workspace *w, double dq[], double d
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
 }
 
-static tvi_status step_both_ends(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
+static tvi_status step_both_ends(void *taken, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                                  tvi_stats *stats)
 {
     tvi_both_ends_workspace *w = taken;
@@ -355,10 +357,10 @@ const tvi_descriptor tvi_type1_both_ends = {
     .nodes = {[TVI_NODES_ON_CURVE] = {"both-ends", 2, 0}, [TVI_NODES_TRUNCATED] = {"symmetric-tvi", 1, 0}},
     .least_degree = 1,
     .most_degree = TVI_MAX_DEGREE,
-    .serves = &tvi_serves_type1,
+    .supports = &tvi_supports_type1,
     .adjoint = &tvi_type1_both_ends,
-    .quadrature = TVI_ANY_QUADRATURE,
-    .pairs_momenta = true,
+    .quadrature = TVI_FREE_QUADRATURE,
+    .needs_conjugate_momenta = true,
     .stepper = &stepper,
     .predictor = &tvi_stepper_curve,
     .curve = {.span = {0, 1, 1}},

@@ -59,8 +59,8 @@ tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system)
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
     const tvi_action action = tvi_get_action_sizes(system, options);
-    return tvi_find_method(options)->curve.close == tvi_close_by_mean_of_ends && options->passes != TVI_PREDICT_ONLY &&
-           seeds_need_only_field(&action) && 2 * system->n <= LINEAR_SMALL &&
+    return tvi_find_method(options)->curve.correct_ends == tvi_close_by_mean_of_ends &&
+           options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action) && 2 * system->n <= LINEAR_SMALL &&
            tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
 }
 

@@ -51,8 +51,8 @@ typedef struct tvi_closure {
     tvi_combination p_sizes;                      /* the weights whose sum over |U_k| is p_size */
     int p_degree;                                 /* the degree of the momentum */
     double *p_size;                               /* [n] sum_k |P_k| */
-    tvi_close_fn *close;                          /* the generating function's closing */
-    const tvi_mean_closing *mean;                 /* the factors of tvi_close_by_mean_of_ends, or NULL */
+    tvi_correct_ends_fn *close;                   /* the generating function's closing */
+    const tvi_mean_factors *mean;                 /* the factors of tvi_close_by_mean_of_ends, or NULL */
     double *seed_Q, *seed_U;                      /* [top + 1][n] the seeds of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */
     const tvi_closure_solver *solver;
@@ -73,16 +73,16 @@ TVI_NODISCARD tvi_status tvi_solve_transposed_full(tvi_closure *closure, const t
 /* Returns the combination whose Jacobian is J2 if the mean of the ends is J1. */
 static inline const tvi_combination *closure_partner_of_mean(const tvi_closure *closure)
 {
-    return closure->mean->has_momenta ? &closure->u_mean : &closure->q_rise;
+    return closure->mean->uses_mean_momentum ? &closure->u_mean : &closure->q_rise;
 }
 
 /* Solves these equations with the mean of the ends as J1, and makes the corrections that closure->mean says. */
-tvi_close_fn tvi_close_by_mean_of_ends;
+tvi_correct_ends_fn tvi_close_by_mean_of_ends;
 
 /* Computes the corrections from the solution in D, as closure->mean says. */
 static inline void closure_correct_ends(const tvi_closure *closure)
 {
-    const tvi_mean_closing *mean = closure->mean;
+    const tvi_mean_factors *mean = closure->mean;
     const int width = curve_width(&closure->curve);
     double *restrict from_q = closure->from_q, *restrict rise_q = closure->rise_q;
     double *restrict from_p = closure->from_p, *restrict rise_p = closure->rise_p;
@@ -90,10 +90,10 @@ static inline void closure_correct_ends(const tvi_closure *closure)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const double x = closure->D[at], y = closure->D[curve_numbers(&closure->curve) + at],
                          of_q = closure->curve.kappa[i] * y;
-            from_q[at] = mean->from_q * of_q;
-            rise_q[at] = mean->rise_q * of_q;
-            from_p[at] = mean->from_p[0] * x + mean->from_p[1] * y;
-            rise_p[at] = mean->rise_p[0] * x + mean->rise_p[1] * y;
+            from_q[at] = mean->from_q_factor * of_q;
+            rise_q[at] = mean->rise_q_factor * of_q;
+            from_p[at] = mean->from_p_factor[0] * x + mean->from_p_factor[1] * y;
+            rise_p[at] = mean->rise_p_factor[0] * x + mean->rise_p_factor[1] * y;
         }
 }
 
@@ -107,6 +107,6 @@ static inline void closure_set_p_size(const tvi_closure *closure)
 }
 
 /* Closes type I, expanded at the start or the end of the step. */
-tvi_close_fn tvi_close_type1_end;
+tvi_correct_ends_fn tvi_close_type1_end;
 
 #endif

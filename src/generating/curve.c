@@ -35,33 +35,33 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->n = system->n;
     curve->width = width;
     curve->top = top;
-    curve->kappa = tvi_arena_doubles(arena, n);
-    curve->movement_size = tvi_arena_doubles(arena, numbers);
-    curve->momentum_size = tvi_arena_doubles(arena, numbers);
-    curve->share = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
-    curve->ratio = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
+    curve->kappa = tvi_arena_allocate_doubles(arena, n);
+    curve->movement_size = tvi_arena_allocate_doubles(arena, numbers);
+    curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
+    curve->share = tvi_arena_allocate_doubles(arena, width > 1 ? numbers : 0);
+    curve->ratio = tvi_arena_allocate_doubles(arena, width > 1 ? numbers : 0);
     curve->q_size_weights = tvi_combination_allocate(curve, arena);
     curve->u_size_weights = tvi_combination_allocate(curve, arena);
-    curve->reciprocal = tvi_arena_doubles(arena, orders + 1);
-    curve->log_integer = tvi_arena_doubles(arena, orders + 1);
+    curve->reciprocal = tvi_arena_allocate_doubles(arena, orders + 1);
+    curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->series_block = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
-        curve->tangent_block = tvi_arena_doubles(arena, orders * slots);
-        curve->adjoint_block = tvi_arena_doubles(arena, orders * slots);
+        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
+        curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
     }
     if (jacobians == TVI_JACOBIAN_MATRICES) {
-        curve->tangent_block = tvi_arena_doubles(arena, orders * slots * tvi_curve_tangent_lanes(curve));
-        curve->product_direction = tvi_arena_doubles(arena, 2 * numbers);
-        curve->dQ = tvi_arena_doubles(arena, jacobian);
-        curve->product_by_dU = tvi_arena_doubles(arena, 2 * numbers);
-        curve->product_jacobian = tvi_arena_doubles(arena, 2 * n * numbers);
-        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
+        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tvi_curve_tangent_lanes(curve));
+        curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
+        curve->product_by_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->product_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
+        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_allocate(&curve->velocity_hessian, arena, system->n);
-        curve->velocity_derivatives = tvi_arena_doubles(arena, slots * n);
-        curve->velocity_residual = tvi_arena_doubles(arena, n * tvi_curve_tangent_lanes(curve));
-        curve->column = tvi_arena_doubles(arena, n);
+        curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
+        curve->velocity_residual = tvi_arena_allocate_doubles(arena, n * tvi_curve_tangent_lanes(curve));
+        curve->column = tvi_arena_allocate_doubles(arena, n);
     }
 }
 
@@ -78,7 +78,7 @@ void tvi_curve_fill_constant_tables(tvi_curve *curve)
 
 tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena)
 {
-    return (tvi_combination){false, tvi_arena_doubles(arena, (size_t)curve->top + 1)};
+    return (tvi_combination){false, tvi_arena_allocate_doubles(arena, (size_t)curve->top + 1)};
 }
 
 void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,

@@ -20,7 +20,7 @@ typedef struct {
     int *passes;             /* [width] */
 } batch;
 
-static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.close; }
+static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.correct_ends; }
 
 /* Returns whether the field of corrected curves needs no momenta of nodes. */
 static bool can_step_corrected_in_lanes(const tvi_system *system, const tvi_options *options)
@@ -53,10 +53,10 @@ static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tv
                                 options->quadrature_points + 1);
     members.lanes = tvi_curve_workspace_allocate(arena, system, options, width);
     members.is_moving = tvi_arena_allocate(arena, count * sizeof *members.is_moving);
-    members.dq = tvi_arena_doubles(arena, numbers);
-    members.dp = tvi_arena_doubles(arena, numbers);
-    members.residual = tvi_arena_doubles(arena, count);
-    members.tail = tvi_arena_doubles(arena, count);
+    members.dq = tvi_arena_allocate_doubles(arena, numbers);
+    members.dp = tvi_arena_allocate_doubles(arena, numbers);
+    members.residual = tvi_arena_allocate_doubles(arena, count);
+    members.tail = tvi_arena_allocate_doubles(arena, count);
     members.passes = tvi_arena_allocate(arena, count * sizeof *members.passes);
     if (!taken) return NULL;
     *taken = members;
@@ -67,7 +67,7 @@ static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tv
 static void prepare_batch(void *work)
 {
     batch *members = work;
-    tvi_member_stepper_prepare(&members->by_itself);
+    tvi_member_stepper_set_tables(&members->by_itself);
     tvi_curve_workspace_fill_tables(members->lanes);
 }
 
@@ -100,10 +100,10 @@ static void step_member_by_itself(batch *members, double h, const tvi_batch_orig
                                   const tvi_batch_results *end, int m, tvi_stats *stats)
 {
     const tvi_member_stepper *single = &members->by_itself;
-    copy_lane_to_member(members, m, single->work);
+    copy_lane_to_member(members, m, single->stepper_work);
     if (tvi_step_member(single, single->system->field_series, members->lanes->closure.curve.series_block, 1, h, origin,
                         end, m, stats))
-        copy_member_to_lane(members, m, single->work);
+        copy_member_to_lane(members, m, single->stepper_work);
 }
 
 static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end,

@@ -175,12 +175,12 @@ static inline void step_factor_jacobians(step_state *state, int due, const doubl
     const tvi_closure *closure = &state->work->closure;
     const tvi_form form = curve_form(&closure->curve);
     const int n = curve_dimension(&closure->curve), size = 2 * n, width = curve_width(&closure->curve);
-    const bool has_momenta = closure->mean->has_momenta;
+    const bool uses_momenta = closure->mean->uses_mean_momentum;
     tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
     matrices_record_jacobians(closure, z);
     matrices_stack_jacobians(closure, &closure->q_mean, closure_partner_of_mean(closure), full->lu);
     const int renewed = matrices_renew_corrector_jacobian(closure, state->is_moving, back->lu);
-    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, width, full, state->is_moving);
+    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full, state->is_moving);
     if (renewed > 0) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->is_moving);
     state->factorisations += due + renewed;
 }

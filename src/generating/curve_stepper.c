@@ -14,7 +14,7 @@ typedef tvi_curve_workspace work;
 /* An attempt holds the step that is being made. */
 typedef struct {
     work *work;
-    const tvi_origin *origin;
+    const tvi_step_origin *origin;
     double tau;
     tvi_stats *stats;
 } step_attempt;
@@ -24,13 +24,13 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
 {
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
-    const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE; /* p_N is from Q_{N+1} */
+    const bool one_more = expanded->uses_top_momentum && system->form == TVI_SEPARABLE; /* p_N is from Q_{N+1} */
     c->system = system;
     c->n = system->n;
     c->span = expanded->span;
-    c->p_degree = expanded->has_top_momentum ? degree : degree - 1;
-    c->close = expanded->close;
-    c->mean = &expanded->mean;
+    c->p_degree = expanded->uses_top_momentum ? degree : degree - 1;
+    c->close = expanded->correct_ends;
+    c->mean = &expanded->mean_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_closure_solver *solver = has_products ? tvi_choose_product_solver(system) : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, degree + one_more, jacobians, width);
@@ -40,24 +40,25 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
-    for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++) *corrections[i] = tvi_arena_doubles(arena, n);
+    for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
+        *corrections[i] = tvi_arena_allocate_doubles(arena, n);
     if (!corrects) return;
     const size_t seeds = ((size_t)c->curve.top + 1) * n;
-    c->p_size = tvi_arena_doubles(arena, n);
-    c->D = tvi_arena_doubles(arena, 2 * n);
+    c->p_size = tvi_arena_allocate_doubles(arena, n);
+    c->D = tvi_arena_allocate_doubles(arena, 2 * n);
     solver->take(c, arena);
-    c->seed_Q = tvi_arena_doubles(arena, seeds);
-    c->seed_U = tvi_arena_doubles(arena, seeds);
+    c->seed_Q = tvi_arena_allocate_doubles(arena, seeds);
+    c->seed_U = tvi_arena_allocate_doubles(arena, seeds);
 }
 
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
     work *taken = tvi_arena_allocate(arena, sizeof *taken);
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
+    const bool corrects = expanded->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const int degree = options->degree;
     const size_t n = (size_t)system->n * (size_t)width;
-    work w = {.corrects = corrects, .is_rough = expanded->is_rough, .options = options, .q_degree = degree};
+    work w = {.corrects = corrects, .is_rough = expanded->is_first_pass_rough, .options = options, .q_degree = degree};
     allocate_closure(&w.closure, arena, system, expanded, degree, corrects, width);
     const tvi_curve *curve = &w.closure.curve;
     tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.v_end, &w.dense_q, &w.dense_u};
@@ -65,10 +66,10 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity = tvi_arena_allocate_history(arena, n * sizeof *w.velocity);
+        w.velocity = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity);
     }
-    if (!expanded->close) {
-        w.chosen = tvi_arena_allocate_history(arena, (size_t)width * sizeof *w.chosen);
+    if (!expanded->correct_ends) {
+        w.chosen = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *w.chosen);
         if (width > 1) w.quick_step = tvi_choose_taylor_batch_step(system);
         else tvi_allocate_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
@@ -76,8 +77,8 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
             tvi_roundoff_allocate(&w.roundoff, arena, system);
         }
     }
-    w.shift = tvi_arena_doubles(arena, n);
-    w.z = tvi_arena_doubles(arena, 2 * n);
+    w.shift = tvi_arena_allocate_doubles(arena, n);
+    w.z = tvi_arena_allocate_doubles(arena, 2 * n);
     if (corrects) {
         tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                             expanded->span.from == -expanded->span.to, width);
@@ -152,9 +153,9 @@ static tvi_status expand_curve(const step_attempt *attempt, const double z[], do
 static tvi_status predict_centre_data(const step_attempt *attempt)
 {
     work *w = attempt->work;
-    const tvi_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_start(&w->legendre, w->closure.system, attempt->tau, origin->t, origin->q,
-                                                   origin->p, w->velocity, w->z);
+    const tvi_step_origin *origin = attempt->origin;
+    tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->closure.system, attempt->tau, origin->t,
+                                                        origin->q, origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
     status = expand_curve(attempt, w->z, origin->t + origin->t_low);
     step_move_to_centre(w, w->z);
@@ -184,7 +185,7 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
     status = tvi_compute_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
     status = c->solver->close(c, z, w->newton.scale, attempt->stats);
-    const tvi_batch_origin origin = tvi_origin_of_one(attempt->origin);
+    const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
     if (status == TVI_OK) step_compute_residual(w, &origin, r);
     return status;
 }
@@ -242,7 +243,7 @@ static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[]
     int passes;
     long long is_moving = -1;
     const tvi_quick_step_results end = {dq, dp, &attempt->stats->tail, &attempt->stats->residual, &passes, &is_moving};
-    const tvi_batch_origin origin = tvi_origin_of_one(attempt->origin);
+    const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
     return w->quick_step && w->quick_step(w, attempt->tau, &origin, &end, attempt->stats);
 }
 
@@ -262,7 +263,7 @@ static bool is_plain_taylor_step(const work *w)
     return !w->corrects && c->span.from == 0 && w->q_degree > 1 && c->curve.top == w->q_degree;
 }
 
-static tvi_status step_curve(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
+static tvi_status step_curve(void *taken, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                              tvi_stats *stats)
 {
     work *w = taken;
@@ -320,7 +321,7 @@ static tvi_status expand_within_domain(step_attempt *attempt, double guess, doub
  * allow to be MUCH_LARGER times as large, have to show that they are right at their end. */
 static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
-static tvi_status step_to_tolerance(void *taken, double tolerance, double *h, const tvi_origin *origin,
+static tvi_status step_to_tolerance(void *taken, double tolerance, double *h, const tvi_step_origin *origin,
                                     const tvi_increments *increments, tvi_stats *stats)
 {
     work *w = taken;
@@ -374,7 +375,7 @@ static double bound_energy_change(const void *taken)
 static tvi_used_tapes find_used_sweeps(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
+    const bool corrects = expanded->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_get_action_sizes(system, options);
     return tvi_curve_find_used_sweeps(system, options, shape.orders - 1, shape.points,
                                       corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);

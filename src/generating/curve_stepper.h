@@ -56,7 +56,7 @@ tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system);
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
  * is large may not show what the body will meet. */
-bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_origin *origin,
+bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
                                       const tvi_increments *increments);
 
 #endif

@@ -30,7 +30,7 @@ static int count_directions_of_last_block(const tvi_system *system, int lanes)
 static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const form[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
-    const int p_degree = tvi_find_method(options)->curve.has_top_momentum ? options->degree : options->degree - 1;
+    const int p_degree = tvi_find_method(options)->curve.uses_top_momentum ? options->degree : options->degree - 1;
     jet_text_append(text,
                     "enum {\n    CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d, CURVE_TOP = tvi_series_top,\n"
                     "    CURVE_INPUTS = %d, CURVE_USES_TIME = %d, CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d,\n"
@@ -94,7 +94,8 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
 {
     const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
     const tvi_action action = tvi_get_action_sizes(system, options);
-    const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
+    const bool has_seed =
+        expanded->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
     const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
@@ -105,7 +106,7 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
                     "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_REACH %d\n",
-                    lanes > 0, has_products, has_seed, has_step, !expanded->close);
+                    lanes > 0, has_products, has_seed, has_step, !expanded->correct_ends);
     emit_text_lines(text, tvi_embedded_curve);
     if (has_products) emit_text_lines(text, tvi_embedded_products);
     emit_text_lines(text, tvi_embedded_generated_curve);

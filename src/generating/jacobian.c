@@ -42,7 +42,7 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
     tvi_used_tapes used = {
         .series = {.name = "tvi_series", .lane_counts = {1}, .top_order = top, .has_series = !is_whole},
-        .code_member = "curve",
+        .loops_field = "curve",
         .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
@@ -53,8 +53,8 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
     if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
     if (system->form == TVI_HAMILTONIAN) used.series.lane_counts[1] = points; /* velocities at the nodes */
     used.values = (jet_emission_request){.name = "tvi_values", .lane_counts = {points}};
-    if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
-        used.bend = (jet_emission_request){.name = "tvi_bend", .lane_counts = {points}};
+    if (system->r_dot_Hp_values && options->nodes == TVI_NODES_TRUNCATED)
+        used.r_dot_Hp = (jet_emission_request){.name = "tvi_r_dot_Hp", .lane_counts = {points}};
     return used;
 }
 

@@ -13,12 +13,12 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
     tvi_jacobian_factors *taken = tvi_arena_allocate(arena, sizeof *taken), m = {0};
-    m.jacobian_z = tvi_arena_doubles(arena, 2 * n * width);
-    m.distance_since_jacobian = tvi_arena_doubles(arena, width);
-    if (width > 1) m.given = tvi_arena_doubles(arena, 2 * n * 2 * n * width);
-    m.end_jacobian = tvi_arena_doubles(arena, n * 2 * n);
+    m.jacobian_z = tvi_arena_allocate_doubles(arena, 2 * n * width);
+    m.distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
+    if (width > 1) m.given = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
+    m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     tvi_factor_allocate(&m.half_factor, arena, closure->n);
-    tvi_factor_allocate_members(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
+    tvi_factor_allocate_batch(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
     if (taken) *taken = m;
     closure->solving = taken;
 }

@@ -18,13 +18,13 @@ enum { MAX_REFRESHES = 3 };
  * contract get there after 53. */
 static const tvi_passes_rule of_each = {.max_passes = 64,
                                         .correction_goal = DBL_EPSILON / 2,
-                                        .max_contraction = 1,
+                                        .max_trusted_ratio = 1,
                                         .stall_ratio = CONTRACTION,
-                                        .stall_period = 1};
+                                        .stall_lag = 1};
 /* This rule judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck
  * as long as these corrections settle. In each pass one body moves the next; the corrections of bodies that had none
  * before settle last. */
-static const tvi_passes_rule of_largest = {.stall_ratio = CONTRACTION, .stall_period = 2};
+static const tvi_passes_rule of_largest = {.stall_ratio = CONTRACTION, .stall_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
                          int width)
@@ -36,14 +36,14 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const
     newton->width = width;
     newton->group = system->n;
     newton->parts = &system->parts;
-    newton->x = tvi_arena_doubles(arena, count);
-    newton->correction = tvi_arena_doubles(arena, count);
-    newton->scale = tvi_arena_doubles(arena, count);
-    newton->reach = tvi_arena_doubles(arena, count);
-    newton->trial = tvi_arena_doubles(arena, count);
-    newton->difference = tvi_arena_doubles(arena, count);
-    if (has_matrix) tvi_factor_allocate_members(&newton->factor, arena, size, width);
-    newton->history = tvi_arena_allocate_history(arena, (size_t)width * sizeof *newton->history);
+    newton->x = tvi_arena_allocate_doubles(arena, count);
+    newton->correction = tvi_arena_allocate_doubles(arena, count);
+    newton->scale = tvi_arena_allocate_doubles(arena, count);
+    newton->reach = tvi_arena_allocate_doubles(arena, count);
+    newton->trial = tvi_arena_allocate_doubles(arena, count);
+    newton->difference = tvi_arena_allocate_doubles(arena, count);
+    if (has_matrix) tvi_factor_allocate_batch(&newton->factor, arena, size, width);
+    newton->history = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->history);
 }
 
 /* Computes dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not
@@ -103,8 +103,8 @@ static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equ
 static tvi_newton_rules rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough)
 {
     tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
-    if (has_matrix) rules.of_largest = (tvi_passes_rule){.stall_period = 1};
-    if (!has_matrix || is_rough) rules.of_each.stall_period = 2;
+    if (has_matrix) rules.of_largest = (tvi_passes_rule){.stall_lag = 1};
+    if (!has_matrix || is_rough) rules.of_each.stall_lag = 2;
     return rules;
 }
 

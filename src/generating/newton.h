@@ -77,7 +77,7 @@ static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, const tvi_
     passes->slack = tvi_larger(history->slack, 1);
     passes->seen = 0;
     passes->checks =
-        rules->of_each.exact_passes == 0 && rules->of_each.max_contraction > 0 && (history->slack == 0 || is_rough);
+        rules->of_each.exact_passes == 0 && rules->of_each.max_trusted_ratio > 0 && (history->slack == 0 || is_rough);
 }
 
 static inline void tvi_newton_store_slack(tvi_newton_history *history, const tvi_newton_passes *passes)

@@ -112,10 +112,8 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     tvi_passes_begin(&passes, 0);
     memcpy(p, action->node_momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
-    const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                  .max_contraction = 0.5,
-                                  .stall_ratio = TVI_PASSES_ALL,
-                                  .stall_period = 1};
+    const tvi_passes_rule rule = {
+        .correction_goal = DBL_EPSILON * size, .max_trusted_ratio = 0.5, .stall_ratio = TVI_PASSES_ALL, .stall_lag = 1};
     for (int step = 0; step < MOMENTA_STEPS; step++) {
         tvi_status status = seeds_evaluate_field(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))
@@ -128,7 +126,7 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         for (int i = 0; i < count; i++) p[i] += action->momentum_correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
-             (largest <= MOMENTA_STALLED * size || tvi_passes_are_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
+             (largest <= MOMENTA_STALLED * size || tvi_passes_set_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
             return seeds_evaluate_field(action);
     }
     return TVI_ENOCONV;

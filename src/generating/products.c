@@ -10,14 +10,14 @@ static void allocate_residual_iteration(tvi_closure *closure, tvi_arena *arena)
     const size_t width = (size_t)products_padded_length(closure);
     tvi_residual_iteration *taken = tvi_arena_allocate(arena, sizeof *taken);
     const tvi_residual_iteration iteration = {
-        .solution = tvi_arena_doubles(arena, width),
-        .residual = tvi_arena_doubles(arena, width),
-        .direction = tvi_arena_doubles(arena, PRODUCTS_MOST * width),
-        .direction_image = tvi_arena_doubles(arena, PRODUCTS_MOST * width),
-        .inverse_size = tvi_arena_doubles(arena, width),
-        .scratch = tvi_arena_doubles(arena, width),
-        .product = tvi_arena_doubles(arena, width),
-        .largest_coefficient = tvi_arena_doubles(arena, (size_t)closure->curve.top + 1),
+        .solution = tvi_arena_allocate_doubles(arena, width),
+        .residual = tvi_arena_allocate_doubles(arena, width),
+        .direction = tvi_arena_allocate_doubles(arena, PRODUCTS_MOST * width),
+        .direction_image = tvi_arena_allocate_doubles(arena, PRODUCTS_MOST * width),
+        .inverse_size = tvi_arena_allocate_doubles(arena, width),
+        .scratch = tvi_arena_allocate_doubles(arena, width),
+        .product = tvi_arena_allocate_doubles(arena, width),
+        .largest_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.top + 1),
     };
     if (taken) *taken = iteration;
     closure->solving = taken;

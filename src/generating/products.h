@@ -290,7 +290,7 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
         const tvi_passes_rule rule = {
-            .correction_goal = goal, .max_contraction = 0.5, .stall_ratio = 0.5, .stall_period = 1};
+            .correction_goal = goal, .max_trusted_ratio = 0.5, .stall_ratio = 0.5, .stall_lag = 1};
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, size);
         const bool may_end =
             verdict == TVI_PASSES_MAY_END ||

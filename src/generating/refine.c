@@ -24,7 +24,7 @@ typedef struct {
     const tvi_refinement *refinement;
     const tvi_curve *curve;
     const tvi_system *system;
-    const tvi_origin *origin;
+    const tvi_step_origin *origin;
     long double h;
 } refinement_step;
 
@@ -44,8 +44,8 @@ void tvi_allocate_refinement(tvi_refinement *refinement, tvi_arena *arena, const
         &refinement->single_integral, &refinement->double_integral, &refinement->field_slots};
     for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
     refinement->first_order = system->form == TVI_SEPARABLE ? 2 : 1;
-    refinement->high_order_weight = tvi_arena_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
-    refinement->high_order_sum = tvi_arena_doubles(arena, inputs);
+    refinement->high_order_weight = tvi_arena_allocate_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
+    refinement->high_order_sum = tvi_arena_allocate_doubles(arena, inputs);
     refinement->constants_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
 }
 
@@ -89,7 +89,7 @@ static const long double *sum_coefficients(const refinement_step *step, int whic
 static void set_start_values(const refinement_step *step)
 {
     const int n = step->system->n;
-    const tvi_origin *o = step->origin;
+    const tvi_step_origin *o = step->origin;
     const tvi_refinement *refinement = step->refinement;
     for (int i = 0; i < n; i++) {
         const long double p = o->p[i] + (long double)o->p_low[i];
@@ -147,7 +147,7 @@ static void split_into_two_doubles(long double x, double *high, double *low)
 }
 
 void tvi_compute_refined_increments(const tvi_refinement *refinement, const tvi_curve *curve, double h,
-                                    const tvi_origin *origin, const tvi_increments *increments)
+                                    const tvi_step_origin *origin, const tvi_increments *increments)
 {
     const tvi_system *system = curve->system;
     const refinement_step step = {refinement, curve, system, origin, h};

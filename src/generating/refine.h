@@ -33,6 +33,6 @@ bool tvi_needs_refinement(const tvi_system *system, double tolerance);
 
 /* Computes the increments of the curve's step of size h = tau from the origin. */
 void tvi_compute_refined_increments(const tvi_refinement *refinement, const tvi_curve *curve, double h,
-                                    const tvi_origin *origin, const tvi_increments *increments);
+                                    const tvi_step_origin *origin, const tvi_increments *increments);
 
 #endif

@@ -295,19 +295,19 @@ static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combi
 
 /* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k| of number i of all components: the terms of p' and q' at the
  * ends, in a unit of scaled time. */
-static inline tvi_tail_part curve_tail_part_of_component(const tvi_curve *curve, int i)
+static inline tvi_tail_component curve_tail_part_of_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
     const double momentum = curve->momentum_size[i], movement = curve->movement_size[i];
-    return (tvi_tail_part){.momentum = momentum,
-                           .movement = movement,
-                           .last_p = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
-                           .last_q =
-                               has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
-                           .position = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
-                           .per_momentum = 1 / momentum,
-                           .per_movement = 1 / movement};
+    return (tvi_tail_component){
+        .momentum_size = momentum,
+        .movement_size = movement,
+        .last_term_p = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
+        .last_term_q = has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
+        .position_size = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
+        .inverse_momentum = 1 / momentum,
+        .inverse_movement = 1 / movement};
 }
 
 static inline void curve_compute_size_sums(const tvi_curve *curve)
@@ -321,16 +321,17 @@ static inline double curve_tail_of_subsystem(const tvi_curve *curve, int first, 
 {
     const tvi_subsystems *parts = &curve->system->tail_parts;
     const bool has_masses = curve->system->compares_movements;
-    tvi_tail_survey survey = {0, 0, 0};
+    tvi_tail_maxima maxima = {0, 0, 0};
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
-        tvi_tail_look(&survey, &part, has_masses);
+        const tvi_tail_component component = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
+        tvi_tail_update_maxima(&maxima, &component, has_masses);
     }
-    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    if (tvi_tail_is_largest_ratio(&maxima)) return maxima.largest_ratio;
     double tail = 0;
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
-        tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
+        const tvi_tail_component component = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
+        tail = fmax(tail, tvi_tail_weigh_ratio(tvi_tail_component_ratio(&component),
+                                               tvi_tail_component_share(&component, has_masses), maxima.largest_share));
     }
     return tail;
 }
@@ -355,11 +356,11 @@ static inline void curve_compute_member_tails(const tvi_curve *curve, double tai
     for (int m = 0; m < width; m++) tail[m] = 0;
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_numbers(curve); at++) {
-        const tvi_tail_part part = curve_tail_part_of_component(curve, at);
-        share[at] = tvi_tail_share(&part, curve->system->compares_movements);
-        ratio[at] = tvi_tail_ratio(&part);
+        const tvi_tail_component component = curve_tail_part_of_component(curve, at);
+        share[at] = tvi_tail_component_share(&component, curve->system->compares_movements);
+        ratio[at] = tvi_tail_component_ratio(&component);
     }
-    tvi_tails_of_members(&curve->system->tail_parts, curve_dimension(curve), width, share, ratio, tail);
+    tvi_tail_compute_members(&curve->system->tail_parts, curve_dimension(curve), width, share, ratio, tail);
 }
 
 /* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:

@@ -11,7 +11,7 @@ const tvi_descriptor tvi_taylor = {
     .nodes = {[TVI_NODES_ON_CURVE] = {"taylor", 1, -1}},
     .least_degree = 2,
     .most_degree = TVI_MAX_DEGREE,
-    .serves = &tvi_serves_all,
+    .supports = &tvi_supports_all,
     .stepper = &tvi_stepper_taylor,
     .curve = {.span = {0, 1, 1}},
 };

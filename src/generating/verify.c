@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_origin *origin,
+bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
                                       const tvi_increments *increments)
 {
     const tvi_curve *curve = &work->closure.curve;
@@ -26,9 +26,9 @@ bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const
     }
     const double limit = work->q_degree * work->tolerance * scale;
     if (most <= limit || !isfinite(most)) return most <= limit;
-    (void)tvi_roundoff_estimate_of_field(&work->roundoff, system, work->field, 1, 1);
+    (void)tvi_roundoff_estimate_field(&work->roundoff, system, work->field, 1, 1);
     bool is_roundoff = true;
     for (int i = 0; i < curve->n; i++)
-        is_roundoff &= work->shift[i] <= limit + TVI_ROUNDOFF_UNITS * fabs(h) * work->roundoff.change[i];
+        is_roundoff &= work->shift[i] <= limit + TVI_ROUNDOFF_UNITS * fabs(h) * work->roundoff.field_change[i];
     return is_roundoff;
 }

@@ -1,6 +1,6 @@
 /* composed.c - Makes a step of a composition: half a step of a method, then half a step of its adjoint. The
- * composition is symmetric for every method (docs/method.md, section 7). It is a stepper for options with
- * compose_adjoint. */
+ * composition is symmetric for every method (docs/method.md, section 7). It is the stepper (stepper.h) for options
+ * with compose_adjoint. */
 #include "method/method.h"
 #include "method/stepper.h"
 
@@ -12,29 +12,29 @@ typedef struct {
     int n;
     tvi_options options[2]; /* Options of the method and of its adjoint. */
     const tvi_stepper *stepper[2];
-    void *work[2];
-    /* [n] The state between the halves, with its low-order parts. */
-    double *q, *q_low, *p, *p_low;
-    tvi_increments first_half; /* Increments of the first half. */
+    void *work[2]; /* The memory of the two steppers. */
+    /* [n] The state between the two halves, with its low-order parts. */
+    double *middle_q, *middle_q_low, *middle_p, *middle_p_low;
+    tvi_increments first_increments; /* The increments of the first half of the step. */
 } composed_stepper;
 
 static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     composed_stepper *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     composed_stepper composition = {.n = system->n, .options = {*options, tvi_adjoint_options(options)}};
-    double **const vectors[] = {&composition.q,
-                                &composition.q_low,
-                                &composition.p,
-                                &composition.p_low,
-                                &composition.first_half.dq,
-                                &composition.first_half.dp,
-                                &composition.first_half.dq_low,
-                                &composition.first_half.dp_low};
+    double **const vectors[] = {&composition.middle_q,
+                                &composition.middle_q_low,
+                                &composition.middle_p,
+                                &composition.middle_p_low,
+                                &composition.first_increments.dq,
+                                &composition.first_increments.dp,
+                                &composition.first_increments.dq_low,
+                                &composition.first_increments.dp_low};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
-        *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+        *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     for (int half = 0; half < 2; half++) {
         composition.options[half].compose_adjoint = false;
-        /* The halves keep pointers to their options. */
+        /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */
         if (allocated) allocated->options[half] = composition.options[half];
         composition.stepper[half] = tvi_choose_stepper(&composition.options[half]);
         composition.work[half] = composition.stepper[half]->take(
@@ -44,36 +44,41 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
     return allocated;
 }
 
-static void prepare_halves(void *work)
+static void set_tables_of_halves(void *work)
 {
     composed_stepper *composition = work;
-    for (int half = 0; half < 2; half++)
-        composition->stepper[half]->prepare(composition->work[half]); /* Prepares the tables of both halves. */
+    for (int half = 0; half < 2; half++) composition->stepper[half]->prepare(composition->work[half]);
 }
 
-/* Computes (sum, low) = (x, x_low) + (increment, increment_low), compensated. */
+/* Computes (sum, sum_low) = (x, x_low) + (increment, increment_low) by compensated summation. */
 static void add_increments_compensated(int n, const double x[], const double x_low[], const double increment[],
-                                       const double increment_low[], double sum[], double low[])
+                                       const double increment_low[], double sum[], double sum_low[])
 {
     for (int i = 0; i < n; i++) {
-        low[i] = x_low[i];
-        sum[i] = tvi_add_compensated(x[i], &low[i], increment[i], increment_low[i]);
+        sum_low[i] = x_low[i];
+        sum[i] = tvi_add_compensated(x[i], &sum_low[i], increment[i], increment_low[i]);
     }
 }
 
-static tvi_status step_both_halves(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
-                                   tvi_stats *stats)
+static tvi_status step_both_halves(void *work, double h, const tvi_step_origin *origin,
+                                   const tvi_increments *increments, tvi_stats *stats)
 {
     composed_stepper *composition = work;
-    const tvi_increments *half = &composition->first_half;
+    const tvi_increments *half = &composition->first_increments;
     const int n = composition->n;
     tvi_status status = composition->stepper[0]->step(composition->work[0], h / 2, origin, half, stats);
     if (status != TVI_OK) return status;
     const double first_tail = stats->tail;
-    add_increments_compensated(n, origin->q, origin->q_low, half->dq, half->dq_low, composition->q, composition->q_low);
-    add_increments_compensated(n, origin->p, origin->p_low, half->dp, half->dp_low, composition->p, composition->p_low);
-    tvi_origin middle = {origin->t,          origin->t_low,  composition->q,
-                         composition->q_low, composition->p, composition->p_low};
+    add_increments_compensated(n, origin->q, origin->q_low, half->dq, half->dq_low, composition->middle_q,
+                               composition->middle_q_low);
+    add_increments_compensated(n, origin->p, origin->p_low, half->dp, half->dp_low, composition->middle_p,
+                               composition->middle_p_low);
+    tvi_step_origin middle = {origin->t,
+                              origin->t_low,
+                              composition->middle_q,
+                              composition->middle_q_low,
+                              composition->middle_p,
+                              composition->middle_p_low};
     middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2, 0);
     status = composition->stepper[1]->step(composition->work[1], h / 2, &middle, increments, stats);
     stats->tail = fmax(stats->tail, first_tail);
@@ -84,15 +89,15 @@ static tvi_status step_both_halves(void *work, double h, const tvi_origin *origi
     return status;
 }
 
-static void evaluate_within_half(void *work, double theta, double dq[], double dp[])
+static void interpolate_within_half(void *work, double theta, double dq[], double dp[])
 {
     composed_stepper *composition = work;
     const int half = theta > 0.5;
     composition->stepper[half]->dense(composition->work[half], 2 * theta - half, dq, dp);
     if (half == 0) return;
     for (int i = 0; i < composition->n; i++) {
-        dq[i] += composition->first_half.dq[i];
-        dp[i] += composition->first_half.dp[i];
+        dq[i] += composition->first_increments.dq[i];
+        dp[i] += composition->first_increments.dp[i];
     }
 }
 
@@ -104,18 +109,19 @@ static tvi_used_tapes list_tapes_of_half(const tvi_system *system, const tvi_opt
     return tvi_choose_stepper(&half)->uses(system, &half);
 }
 
-static bool are_halves_sound(const void *work)
+static bool are_histories_valid(const void *work)
 {
     const composed_stepper *composition = work;
     for (int half = 0; half < 2; half++)
-        if (composition->stepper[half]->is_sound && !composition->stepper[half]->is_sound(composition->work[half]))
+        if (composition->stepper[half]->is_history_valid &&
+            !composition->stepper[half]->is_history_valid(composition->work[half]))
             return false;
     return true;
 }
 
 const tvi_stepper tvi_stepper_composed = {.take = allocate_composed_work,
-                                          .prepare = prepare_halves,
+                                          .prepare = set_tables_of_halves,
                                           .step = step_both_halves,
-                                          .dense = evaluate_within_half,
-                                          .is_sound = are_halves_sound,
+                                          .dense = interpolate_within_half,
+                                          .is_history_valid = are_histories_valid,
                                           .uses = list_tapes_of_half};

@@ -6,36 +6,37 @@
 #include "method/closing.h"
 #include "method/stepper.h"
 
-/* The forms of systems that a method can integrate. */
+/* The forms of systems, as bits: separable, with a Lagrangian, with a Hamiltonian whose H_pp is regular, with one
+ * whose H_pp is singular everywhere, and driven. */
 enum {
-    TVI_SERVES_SEPARABLE = 1,
-    TVI_SERVES_LAGRANGIAN = 2,
-    TVI_SERVES_REGULAR = 4,
-    TVI_SERVES_DEGENERATE = 8,
-    TVI_SERVES_DRIVEN = 16
+    TVI_SUPPORTS_SEPARABLE = 1,
+    TVI_SUPPORTS_LAGRANGIAN = 2,
+    TVI_SUPPORTS_REGULAR = 4,
+    TVI_SUPPORTS_DEGENERATE = 8,
+    TVI_SUPPORTS_DRIVEN = 16
 };
 /* The forms that a method can integrate, as a sum of the values above, and the text that refuses the others. */
 typedef struct {
     int forms;
     const char *refusal; /* NULL: no form is refused. */
-} tvi_served_forms;
+} tvi_supported_forms;
 
-/* The forms for methods that integrate every system; systems with a Lagrangian; systems with a Hamiltonian
- * (method.c). */
-extern const tvi_served_forms tvi_serves_all, tvi_serves_type1, tvi_serves_hamilton;
+/* All forms (tvi_supports_all), the forms of methods that need a Lagrangian (tvi_supports_type1), and the forms of
+ * methods that need a Hamiltonian (tvi_supports_hamilton). */
+extern const tvi_supported_forms tvi_supports_all, tvi_supports_type1, tvi_supports_hamilton;
 
-/* A node rule of a method. At degree N the order is slope N + offset, rounded up to an even number if the method is
- * symmetric or composed. slope = offset = 0: the method does not have this rule. */
+/* A node rule of a method. At degree N the order is order_slope N + order_offset, rounded up to an even number if the
+ * method is symmetric or composed. If both numbers are 0, the method does not have this rule. */
 typedef struct {
     const char *name; /* The name for tvi_options_named; NULL: it has none. */
-    int slope, offset;
+    int order_slope, order_offset;
 } tvi_node_rule;
 
-/* The quadratures with which a method works. */
+/* The choice of the quadrature of a method. */
 typedef enum {
-    TVI_NO_QUADRATURE,
-    TVI_ANY_QUADRATURE,
-    TVI_GAUSS_OF_DEGREE /* Gauss, with as many nodes as the degree. */
+    TVI_NO_QUADRATURE,   /* The method needs none. */
+    TVI_FREE_QUADRATURE, /* The user chooses it. */
+    TVI_GAUSS_OF_DEGREE  /* Gauss, with as many nodes as the degree. */
 } tvi_quadrature_use;
 
 /* The discrete action of a curve, with the nodes i and weights b_i of the quadrature. */
@@ -48,28 +49,29 @@ typedef enum {
 typedef struct {
     tvi_scaled_span span;
     tvi_action_kind action;
-    /* p is used up to degree N, as q is; otherwise only up to N - 1. */
-    bool has_top_momentum;
-    tvi_close_fn *close;   /* Computes the corrections; NULL: the curve is not corrected. */
-    tvi_mean_closing mean; /* Factors of the corrections, for tvi_close_by_mean_of_ends. */
+    /* true: p is used up to degree N, as q is; false: only up to degree N - 1. */
+    bool uses_top_momentum;
+    tvi_correct_ends_fn *correct_ends; /* Computes the corrections of the ends; NULL: they are not corrected. */
+    tvi_mean_factors mean_factors;     /* Factors of the corrections, if correct_ends is tvi_close_by_mean_of_ends. */
     /* The first pass reduces the residual much more than the later ones, and does not show how fast they converge. */
-    bool is_rough;
+    bool is_first_pass_rough;
 } tvi_curve_definition;
 
 typedef struct tvi_descriptor tvi_descriptor;
 struct tvi_descriptor {
     tvi_method method;
     tvi_expansion expansion;
-    const char *title;                            /* The title in messages. */
+    const char *title;                            /* The title of the method in error messages. */
     tvi_node_rule nodes[TVI_NODES_TRUNCATED + 1]; /* The node rules, indexed by tvi_nodes. */
     int least_degree, most_degree;
-    const tvi_served_forms *serves;
-    /* The adjoint (Phi_-h)^-1, with the mirrored quadrature. A symmetric method is its own adjoint. NULL: there is
-     * none, and no composition. */
+    const tvi_supported_forms *supports;
+    /* The adjoint (Phi_-h)^-1, with the mirrored quadrature. A symmetric method is its own adjoint. NULL: there is no
+     * adjoint, and the method cannot be composed. */
     const tvi_descriptor *adjoint;
     tvi_quadrature_use quadrature;
-    /* Momenta are conjugate to coordinates: the tangent map is that of the paired lift (docs/method.md, section 10). */
-    bool pairs_momenta;
+    /* The equations of the method need momenta that are conjugate to the coordinates. The tangent map is therefore
+     * computed by the lift with conjugate momenta (TVI_LIFT_PAIRED; docs/method.md, section 10). */
+    bool needs_conjugate_momenta;
     const tvi_stepper *stepper;
     const tvi_stepper *predictor; /* The stepper for TVI_PREDICT_ONLY; NULL: `stepper` itself. */
     tvi_curve_definition curve;   /* The curve, if the stepper is tvi_stepper_curve. */

@@ -7,7 +7,7 @@
 uint64_t tvi_system_fingerprint(const tvi_system *system)
 {
     const int numbers[] = {system->n, (int)system->form, system->inputs, system->uses_time, system->is_driven};
-    const jet_tape *const tapes[] = {system->field_series, system->field_values, system->bend_values,
+    const jet_tape *const tapes[] = {system->field_series, system->field_values, system->r_dot_Hp_values,
                                      system->hessian_values};
     uint64_t sum = jet_hash(JET_HASH_OF_NOTHING, numbers, sizeof numbers);
     for (size_t i = 0; i < COUNT(tapes); i++) sum = jet_tape_hash(sum, tapes[i]);
@@ -19,8 +19,9 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
     return jet_hash(sum, system->mass, has_masses ? (size_t)system->n * sizeof *system->mass : 0);
 }
 
-/* Lists the fields of the options in their order, since the structure has gaps between them. If a field is left out,
- * the compiler reports a missing initialiser. `compiled` is not part of the hash. */
+/* Lists the fields of the options one by one: the structure cannot be hashed as a whole, since it has gaps between
+ * fields. If a field is missing here, the compiler reports a missing initialiser. `compiled` is not part of the
+ * hash. */
 #define OPTION_FIELDS(field)                                                                                           \
     field(method) field(expansion) field(nodes) field(order) field(degree) field(compose_adjoint) field(quadrature)    \
         field(quadrature_points) field(tolerance) field(passes) field(max_passes) field(max_tail)

@@ -7,10 +7,12 @@
 
 #include <stdint.h>
 
-/* Returns a hash of the form, the masses, and all operations of the field's tapes. The energy is left out. */
+/* Returns a hash of the form, the masses, and all operations of the tapes of the field. The energy is left out, since
+ * steps do not depend on it. */
 uint64_t tvi_system_fingerprint(const tvi_system *system);
 
-/* Returns a hash of every field of the options except `compiled`. The options of an integrator are resolved. */
+/* Returns a hash of every field of the options except `compiled`. Options that are compared must be resolved, as
+ * those of an integrator are. */
 uint64_t tvi_options_fingerprint(const tvi_options *options);
 
 #endif

@@ -1,4 +1,4 @@
-/* method.c - Finds the method of given options, and completes the options (method.h). */
+/* method.c - Finds the method that given options name, and completes the options (method.h). */
 #include "method/method.h"
 #include "algebra/quadrature.h"
 #include "method/list.h"
@@ -8,15 +8,15 @@
 #include <string.h>
 
 enum {
-    TYPE1_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_LAGRANGIAN | TVI_SERVES_REGULAR,
-    HAMILTON_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_REGULAR | TVI_SERVES_DEGENERATE
+    TYPE1_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_LAGRANGIAN | TVI_SUPPORTS_REGULAR,
+    HAMILTON_SUPPORTS = TVI_SUPPORTS_SEPARABLE | TVI_SUPPORTS_REGULAR | TVI_SUPPORTS_DEGENERATE
 };
-const tvi_served_forms tvi_serves_all = {TYPE1_SERVES | HAMILTON_SERVES | TVI_SERVES_DRIVEN, NULL};
-const tvi_served_forms tvi_serves_type1 = {
-    TYPE1_SERVES,
+const tvi_supported_forms tvi_supports_all = {TYPE1_SUPPORTS | HAMILTON_SUPPORTS | TVI_SUPPORTS_DRIVEN, NULL};
+const tvi_supported_forms tvi_supports_type1 = {
+    TYPE1_SUPPORTS,
     "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare"};
-const tvi_served_forms tvi_serves_hamilton = {
-    HAMILTON_SERVES, "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian"};
+const tvi_supported_forms tvi_supports_hamilton = {
+    HAMILTON_SUPPORTS, "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian"};
 
 #define ONE(method)                   &method,
 #define WITH_ADJOINT(method, adjoint) &method, &adjoint,
@@ -24,6 +24,7 @@ const tvi_descriptor *const tvi_methods[] = {TVI_METHOD_LIST(ONE, WITH_ADJOINT) 
 static const tvi_preset *const presets[] = {&tvi_svhd};
 enum { PRESETS = sizeof presets / sizeof *presets };
 
+/* Sets *why, and returns the status. */
 static tvi_status set_reason(tvi_status status, const char *reason, const char **why)
 {
     *why = reason;
@@ -33,7 +34,7 @@ static tvi_status set_reason(tvi_status status, const char *reason, const char *
 static int order_of_degree(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
 {
     const tvi_node_rule *rule = &descriptor->nodes[options->nodes];
-    const int order = rule->slope * degree + rule->offset;
+    const int order = rule->order_slope * degree + rule->order_offset;
     return tvi_is_method_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
 }
 
@@ -47,7 +48,7 @@ static bool has_even_orders(const tvi_descriptor *descriptor, const tvi_options 
 
 static bool has_node_rule(const tvi_descriptor *descriptor, tvi_nodes nodes)
 {
-    return descriptor->nodes[nodes].slope != 0 || descriptor->nodes[nodes].offset != 0;
+    return descriptor->nodes[nodes].order_slope != 0 || descriptor->nodes[nodes].order_offset != 0;
 }
 
 const tvi_descriptor *tvi_find_method(const tvi_options *options)
@@ -90,17 +91,18 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
     return TVI_OK;
 }
 
-/* Returns the reason why the method cannot integrate the system, or NULL. */
-static const char *find_reason_not_served(const tvi_descriptor *descriptor, const tvi_system *system)
+/* Returns the reason why the method cannot integrate the system. Returns NULL if it can. */
+static const char *find_why_unsupported(const tvi_descriptor *descriptor, const tvi_system *system)
 {
-    const int forms = descriptor->serves->forms;
+    const int forms = descriptor->supports->forms;
     if (system->is_driven)
-        return forms & TVI_SERVES_DRIVEN ? NULL : "a driven system has no generating function: take galerkin or taylor";
-    const int form = system->form == TVI_SEPARABLE    ? TVI_SERVES_SEPARABLE
-                     : system->form == TVI_LAGRANGIAN ? TVI_SERVES_LAGRANGIAN
-                     : system->regular                ? TVI_SERVES_REGULAR
-                                                      : TVI_SERVES_DEGENERATE;
-    return forms & form ? NULL : descriptor->serves->refusal;
+        return forms & TVI_SUPPORTS_DRIVEN ? NULL
+                                           : "a driven system has no generating function: take galerkin or taylor";
+    const int form = system->form == TVI_SEPARABLE    ? TVI_SUPPORTS_SEPARABLE
+                     : system->form == TVI_LAGRANGIAN ? TVI_SUPPORTS_LAGRANGIAN
+                     : system->regular                ? TVI_SUPPORTS_REGULAR
+                                                      : TVI_SUPPORTS_DEGENERATE;
+    return forms & form ? NULL : descriptor->supports->refusal;
 }
 
 static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *descriptor, const char **why)
@@ -134,12 +136,12 @@ static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why
     return TVI_OK;
 }
 
-/* Sets the quadrature, and the resulting order, which is the smaller one of those of the curve and of the
+/* Sets the quadrature, and the resulting order, which is the smaller one of the orders of the curve and of the
  * quadrature. By default the quadrature has one point more than the order needs. */
-static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_asked, const char **why)
+static tvi_status resolve_free_quadrature(tvi_options *options, bool order_was_asked, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
-    const int fixed = tvi_quadrature_fixed_point_count(options->quadrature);
+    const int fixed = tvi_quadrature_only_point_count(options->quadrature);
     if (fixed && options->quadrature_points != 0 && options->quadrature_points != fixed)
         return set_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
     if (fixed) options->quadrature_points = fixed;
@@ -158,9 +160,9 @@ static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_as
     return TVI_OK;
 }
 
-/* Returns the default of max_tail. An automatic time scale does not resolve everything that an orbit meets; for it
- * the limit decreases with the order, down to 1/32 from order 16 on. With a smaller limit, good steps would be
- * refused (docs/adaptive.md). */
+/* Returns the default of max_tail. The steps of a system with an automatic time scale are less uniform, since the
+ * scale does not depend on all that limits a step. Their limit decreases with the order, down to 1/32 from order 16
+ * on. With a smaller limit, good steps would be refused (docs/adaptive.md). */
 static double default_max_tail(const tvi_options *options, const tvi_system *system)
 {
     if (!system || !system->is_automatic) return TVI_MAX_TAIL;
@@ -176,20 +178,20 @@ static tvi_status resolve_options(tvi_options *options, const tvi_system *system
         return set_reason(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
     if (options->compose_adjoint && !descriptor->adjoint)
         return set_reason(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
-    const char *reason = system ? find_reason_not_served(descriptor, system) : NULL;
+    const char *reason = system ? find_why_unsupported(descriptor, system) : NULL;
     if (reason) return set_reason(TVI_EUNSUPPORTED, reason, why);
     const bool order_was_asked = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;
     if (options->max_tail == 0) options->max_tail = default_max_tail(options, system);
     switch (descriptor->quadrature) {
-    case TVI_ANY_QUADRATURE: return resolve_any_quadrature(options, order_was_asked, why);
+    case TVI_FREE_QUADRATURE: return resolve_free_quadrature(options, order_was_asked, why);
     case TVI_GAUSS_OF_DEGREE: return resolve_gauss_of_degree(options, why);
     default: return TVI_OK;
     }
 }
 
-tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why)
+tvi_status tvi_options_resolve(tvi_options *options, const tvi_system *system, const char **why)
 {
     const tvi_options requested = *options;
     const char *reason;
@@ -229,13 +231,14 @@ static tvi_status refuse_order(const char *name, int least, int most, bool is_ev
     return jet_refuse(TVI_EINVAL, "%s has %sorders from %d to %d, not %d", name, even, least, most, order);
 }
 
-static tvi_status find_options_by_name(const tvi_descriptor *descriptor, tvi_nodes nodes, int order,
-                                       tvi_options *options)
+/* Sets the options of a method with this node rule and order, or refuses an order that the method does not have. */
+static tvi_status set_options_of_rule(const tvi_descriptor *descriptor, tvi_nodes nodes, int order,
+                                      tvi_options *options)
 {
     const tvi_options found = {
         .method = descriptor->method, .expansion = descriptor->expansion, .nodes = nodes, .order = order};
     tvi_options resolved = found;
-    if (tvi_method_resolve(&resolved, NULL, NULL) == TVI_OK) {
+    if (tvi_options_resolve(&resolved, NULL, NULL) == TVI_OK) {
         *options = found;
         return TVI_OK;
     }
@@ -244,7 +247,8 @@ static tvi_status find_options_by_name(const tvi_descriptor *descriptor, tvi_nod
     return refuse_order(descriptor->nodes[nodes].name, least, most, has_even_orders(descriptor, &found), order);
 }
 
-static bool is_same_name(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
+/* Tells whether a method of the list has this name. list_name NULL stands for a method without a name. */
+static bool is_same_name(const char *list_name, const char *name) { return list_name && strcmp(list_name, name) == 0; }
 
 /* Refuses a name that no method has, with a text that lists all names. */
 static tvi_status refuse_name(const char *name)
@@ -264,7 +268,7 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
             if (is_same_name((*d)->nodes[nodes].name, name))
-                return find_options_by_name(*d, (tvi_nodes)nodes, order, options);
+                return set_options_of_rule(*d, (tvi_nodes)nodes, order, options);
     for (int i = 0; i < PRESETS; i++) {
         if (!is_same_name(presets[i]->name, name)) continue;
         const int own = presets[i]->options.order;
@@ -275,7 +279,7 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     return refuse_name(name);
 }
 
-/* The order with the least cost in all scenes (docs/choosing.md). */
+/* This order has the least cost in all test problems (docs/choosing.md). */
 enum { DEFAULT_ORDER = 16 };
 
 tvi_options tvi_options_default(void)

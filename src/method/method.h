@@ -10,7 +10,7 @@ const tvi_descriptor *tvi_find_method(const tvi_options *options);
 
 /* Completes degree, order, quadrature and number of points of the options in place. If the options are refused, *why
  * becomes the reason. With system NULL it makes only those checks that hold for every system. */
-TVI_NODISCARD tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why);
+TVI_NODISCARD tvi_status tvi_options_resolve(tvi_options *options, const tvi_system *system, const char **why);
 
 /* Returns the stepper for resolved options. */
 const tvi_stepper *tvi_choose_stepper(const tvi_options *options);

@@ -1,5 +1,5 @@
-/* origin.h - Declares the state at the start of a step and the increments of a step, and adds increments by
- * compensated summation. All steppers and runs use it. */
+/* origin.h - Declares the origin of a step, which is the state at its start, and the increments of a step, and adds
+ * increments by compensated summation. All steppers and runs use it. */
 #ifndef TVI_SRC_METHOD_ORIGIN_H
 #define TVI_SRC_METHOD_ORIGIN_H
 
@@ -9,12 +9,12 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* The state at the start of a step, with the low-order parts of the compensated sums: the state is (t + t_low, q +
- * q_low, p + p_low). */
+/* The origin of a step: the state at its start, with the low-order parts of the compensated sums. The state is (t +
+ * t_low, q + q_low, p + p_low). */
 typedef struct {
     double t, t_low;
     const double *q, *q_low, *p, *p_low;
-} tvi_origin;
+} tvi_step_origin;
 
 /* A state between steps, for a stepped system with N degrees of freedom. q[N] is the independent variable of the
  * steps: the time, or s of a rescaled system. If the user's system has n < N degrees of freedom, it is rescaled;
@@ -32,35 +32,36 @@ typedef struct {
 
 /* Limits of the tail and of the number of passes. A step within both needs no check of its energy. */
 typedef struct {
-    double tail;
-    int passes;
+    double max_tail;
+    int max_passes;
 } tvi_unchecked_step_limits;
 
-/* The order to make several steps without checks between them: at most `steps` steps of size h, each within
- * `skip_limits`. `increments` gets the increments of the last step. In a rescaled system q[time_index] is the time,
- * which must move in the direction of h and stay before t_end; otherwise `time_index` is -1. */
+/* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
+ * `unchecked_limits`. `increments` gets the increments of the last step. In a rescaled system q[time_index] is the
+ * time, which must move in the direction of h and stay before t_end; otherwise `time_index` is -1. */
 typedef struct {
     double h;
-    long steps;
-    tvi_unchecked_step_limits skip_limits;
+    long max_steps;
+    tvi_unchecked_step_limits unchecked_limits;
     int time_index;
     double t_end;
     tvi_increments increments;
-} tvi_step_run;
+} tvi_run_request;
 
 /* Returns the least change of the time in a step, which is the roundoff of its low-order part. With smaller changes
  * a run would never end. */
 static inline double tvi_least_time_change(double t) { return DBL_EPSILON * DBL_EPSILON * fabs(t); }
 
 /* Tells whether the time moves in the direction of h in a step from q, and stays before t_end. */
-static inline bool tvi_step_ends_before_limit(const tvi_step_run *row, const double q[])
+static inline bool tvi_step_ends_before_t_end(const tvi_run_request *request, const double q[])
 {
-    if (row->time_index < 0) return true;
-    const double t = q[row->time_index], way = row->h > 0 ? 1 : -1, dt = way * row->increments.dq[row->time_index];
-    return dt > tvi_least_time_change(t) && dt < way * (row->t_end - t);
+    if (request->time_index < 0) return true;
+    const double t = q[request->time_index], way = request->h > 0 ? 1 : -1,
+                 dt = way * request->increments.dq[request->time_index];
+    return dt > tvi_least_time_change(t) && dt < way * (request->t_end - t);
 }
 
-/* Returns the rounded sum of a and b, and in *rest its rounding error, exactly (two-sum). */
+/* Returns the rounded sum of a and b, and sets *rest to its exact rounding error (two-sum). */
 static inline double tvi_two_sum(double a, double b, double *rest)
 {
     const double sum = a + b, part = sum - a;
@@ -68,44 +69,46 @@ static inline double tvi_two_sum(double a, double b, double *rest)
     return sum;
 }
 
-/* Adds (d, d_low) to (x, *low). Returns the new x, and updates *low. The error is of the size of the roundoff of
- * *low. */
-static inline double tvi_add_compensated(double x, double *low, double d, double d_low)
+/* Adds (increment, increment_low) to (x, *low). Returns the new x, and updates *low. The error is of the size of the
+ * roundoff of *low. */
+static inline double tvi_add_compensated(double x, double *low, double increment, double increment_low)
 {
     double rest;
-    const double small = tvi_two_sum(*low, d, &rest), sum = tvi_two_sum(x, small, low);
-    *low += rest + d_low;
+    const double small = tvi_two_sum(*low, increment, &rest), sum = tvi_two_sum(x, small, low);
+    *low += rest + increment_low;
     return sum;
 }
 
-/* Adds the increments of all components in this way. Returns 0 if and only if all sums are finite. */
+/* Adds the increments of all components by compensated summation, as tvi_add_compensated does. Returns 0 if all sums
+ * are finite, and otherwise another number. */
 static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
-                                               const double *restrict d, const double *restrict d_low)
+                                               const double *restrict increment, const double *restrict increment_low)
 {
     uint64_t any = 0;
     for (int i = 0; i < count; i++) {
-        const double sum = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
-        any |= tvi_nonfinite_bits(sum);
+        const double sum = tvi_add_compensated(x[i], &low[i], increment[i], increment_low[i]);
+        any |= tvi_nonzero_if_nonfinite(sum);
         x[i] = sum;
     }
     return any;
 }
 
-/* The states at the start of the steps of several members of an ensemble. Each member is a lane of the arrays
+/* The origins of the steps of several members of an ensemble. Each member is a lane of the arrays
  * [components][width]; t and t_low are [width]. */
 typedef struct {
     const double *t, *t_low;
     const double *q, *q_low, *p, *p_low;
 } tvi_batch_origin;
 
-/* The start of the step of one member. */
-static inline tvi_batch_origin tvi_origin_of_one(const tvi_origin *o)
+/* Returns the origin of the step of a single integrator as the origin of a batch with one member. */
+static inline tvi_batch_origin tvi_batch_origin_of_one(const tvi_step_origin *origin)
 {
-    return (tvi_batch_origin){&o->t, &o->t_low, o->q, o->q_low, o->p, o->p_low};
+    return (tvi_batch_origin){&origin->t, &origin->t_low, origin->q, origin->q_low, origin->p, origin->p_low};
 }
 
-/* The number of points at which a search for events samples a step: the ends of equal parts of the step. */
+/* The number of points at which a search for events samples a step. */
 enum { TVI_SAMPLES = 8 };
-extern const double tvi_sample_theta[TVI_SAMPLES]; /* dense.c */
+/* The positions theta of the points: t0 + theta h is the time (run/dense.c). */
+extern const double tvi_sample_theta[TVI_SAMPLES];
 
 #endif

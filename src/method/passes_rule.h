@@ -6,8 +6,8 @@
 #include "algebra/passes.h"
 #include "tvi.h"
 
-/* Returns the rule with the limits of passes from the options, and with a tolerance, if it is not 0, in the unit of
- * the corrections. */
+/* Returns the rule with the limits of passes from the options. A tolerance other than 0 replaces the goal of the
+ * corrections, and has their unit. */
 static inline tvi_passes_rule tvi_passes_rule_with_options(const tvi_passes_rule *rule, const tvi_options *options,
                                                            double tolerance)
 {
@@ -16,7 +16,7 @@ static inline tvi_passes_rule tvi_passes_rule_with_options(const tvi_passes_rule
     if (options->passes > 0) requested.max_passes = requested.exact_passes = options->passes;
     if (tolerance > 0) {
         requested.correction_goal = tolerance;
-        requested.max_contraction = 0;
+        requested.max_trusted_ratio = 0;
     }
     return requested;
 }

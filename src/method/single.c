@@ -4,26 +4,28 @@
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
                                  const tvi_system *system, const tvi_options *options, int width, int points)
 {
-    const tvi_block *const others = arena->blocks;
+    const tvi_block *const blocks_of_batch = arena->first_block;
     const int slots[] = {system->field_values->slots, system->field_series->slots};
     *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .width = width};
-    arena->blocks = NULL;
-    member_stepper->work = stepper->take(arena, system, options);
-    member_stepper->blocks = arena->blocks;
-    arena->blocks = others;
-    member_stepper->parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
+    arena->first_block = NULL;
+    member_stepper->stepper_work = stepper->take(arena, system, options);
+    member_stepper->first_block = arena->first_block;
+    arena->first_block = blocks_of_batch;
+    member_stepper->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(system));
     tvi_increments *increments = &member_stepper->increments;
-    double **const vectors[] = {&member_stepper->q, &member_stepper->q_low, &member_stepper->p,  &member_stepper->p_low,
-                                &increments->dq,    &increments->dp,        &increments->dq_low, &increments->dp_low};
-    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+    double **const vectors[] = {&member_stepper->member_q, &member_stepper->member_q_low,
+                                &member_stepper->member_p, &member_stepper->member_p_low,
+                                &increments->dq,           &increments->dp,
+                                &increments->dq_low,       &increments->dp_low};
+    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     member_stepper->member_block =
-        tvi_arena_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
+        tvi_arena_allocate_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
 }
 
-void tvi_member_stepper_prepare(tvi_member_stepper *member_stepper)
+void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper)
 {
-    tvi_system_prepare_blocks(member_stepper->system, member_stepper->blocks, NULL);
-    if (member_stepper->stepper->prepare) member_stepper->stepper->prepare(member_stepper->work);
+    tvi_system_prepare_blocks(member_stepper->system, member_stepper->first_block, NULL);
+    if (member_stepper->stepper->prepare) member_stepper->stepper->prepare(member_stepper->stepper_work);
 }
 
 void tvi_gather_member(int rows, int width, const double *from, int member, double to[])
@@ -36,30 +38,31 @@ void tvi_scatter_member(int rows, int width, const double from[], int member, do
     for (int i = 0; i < rows; i++) to[(size_t)i * (size_t)width + (size_t)member] = from[i];
 }
 
-bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *x,
-                                 int points, int member)
+bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape,
+                                 const double *batch_block, int points, int member)
 {
-    tvi_gather_member(tape->slots * points, member_stepper->width, x, member, member_stepper->member_block);
+    tvi_gather_member(tape->slots * points, member_stepper->width, batch_block, member, member_stepper->member_block);
     return tape->sweeps->values(tape, member_stepper->member_block, points);
 }
 
-bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *x, int points,
-                     double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
+bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *batch_block,
+                     int points, double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
                      tvi_stats *stats)
 {
     const int n = member_stepper->system->n, width = member_stepper->width;
-    const tvi_origin from = {origin->t[member],     origin->t_low[member], member_stepper->q,
-                             member_stepper->q_low, member_stepper->p,     member_stepper->p_low};
+    const tvi_step_origin from = {origin->t[member],        origin->t_low[member],
+                                  member_stepper->member_q, member_stepper->member_q_low,
+                                  member_stepper->member_p, member_stepper->member_p_low};
     const long passes = stats->passes;
-    tvi_gather_member(n, width, origin->q, member, member_stepper->q);
-    tvi_gather_member(n, width, origin->q_low, member, member_stepper->q_low);
-    tvi_gather_member(n, width, origin->p, member, member_stepper->p);
-    tvi_gather_member(n, width, origin->p_low, member, member_stepper->p_low);
-    jet_tape_read_parameters(tape, x, points * width, member, member_stepper->parameters);
-    tvi_blocks_set_parameters(member_stepper->blocks, tvi_system_parameters(member_stepper->system), 1,
+    tvi_gather_member(n, width, origin->q, member, member_stepper->member_q);
+    tvi_gather_member(n, width, origin->q_low, member, member_stepper->member_q_low);
+    tvi_gather_member(n, width, origin->p, member, member_stepper->member_p);
+    tvi_gather_member(n, width, origin->p_low, member, member_stepper->member_p_low);
+    jet_tape_read_parameters(tape, batch_block, points * width, member, member_stepper->parameters);
+    tvi_blocks_set_parameters(member_stepper->first_block, tvi_system_parameters(member_stepper->system), 1,
                               member_stepper->parameters);
     results->status[member] =
-        member_stepper->stepper->step(member_stepper->work, h, &from, &member_stepper->increments, stats);
+        member_stepper->stepper->step(member_stepper->stepper_work, h, &from, &member_stepper->increments, stats);
     if (results->status[member] != TVI_OK) return false;
     tvi_scatter_member(n, width, member_stepper->increments.dq, member, results->increments.dq);
     tvi_scatter_member(n, width, member_stepper->increments.dp, member, results->increments.dp);

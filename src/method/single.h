@@ -5,37 +5,40 @@
 
 #include "method/stepper.h"
 
+/* The memory in which the step of one member is made. */
 typedef struct tvi_member_stepper {
     const tvi_stepper *stepper;
     const tvi_system *system;
-    void *work;
-    /* Blocks of the stepper, which get the parameters of the member. */
-    const tvi_block *blocks;
-    int width; /* Number of members of the batch. */
-    double *parameters;
-    double *q, *q_low, *p, *p_low; /* [n] The member's state. */
-    tvi_increments increments;     /* Increments of the member's step. */
-    double *member_block;          /* [slots][points] A block of one member. */
+    void *stepper_work; /* The memory of `stepper`. */
+    /* The first block of the stepper's list of blocks, which get the parameters of the member. */
+    const tvi_block *first_block;
+    int width;          /* Number of members of the batch. */
+    double *parameters; /* The values of the member's parameters. */
+    double *member_q, *member_q_low, *member_p,
+        *member_p_low;         /* [n] The state of the member at the start of its step. */
+    tvi_increments increments; /* The increments of the member's step. */
+    double *member_block;      /* [slots][points] A copy of the member's lanes of a block of the batch. */
 } tvi_member_stepper;
 
-/* Allocates the memory. `points` is the number of points of one member in a sweep. In the batch's block, lane point
- * * width + member belongs to the member. */
+/* Allocates the memory. `points` is the number of points of one member in a sweep. In a block of the batch, lane
+ * point * width + member belongs to the member. */
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
                                  const tvi_system *system, const tvi_options *options, int width, int points);
-void tvi_member_stepper_prepare(tvi_member_stepper *member_stepper);
+/* Sets the constants of the blocks and the tables of the stepper, after the memory is obtained. */
+void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper);
 
-/* Copy a member's column from an array [rows][width] to an array [rows], and back. */
+/* Copy the numbers of one member from an array [rows][width] to an array [rows], and back. */
 void tvi_gather_member(int rows, int width, const double *from, int member, double to[]);
 void tvi_scatter_member(int rows, int width, const double from[], int member, double *to);
 
-/* Tells whether all operations of the tape are inside their domains for this member. x is the block of all members. */
-bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *x,
-                                 int points, int member);
+/* Tells whether all operations of the tape are inside their domains for this member of a block of the batch. */
+bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape,
+                                 const double *batch_block, int points, int member);
 
-/* Makes the step of the member, with its parameters from the block x. Returns false if the step fails; end->status
- * has the reason. */
-bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *x, int points,
-                     double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
+/* Makes the step of the member, with its parameters from a block of the batch. Returns false if the step fails; the
+ * reason is then in results->status[member]. */
+bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *batch_block,
+                     int points, double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
                      tvi_stats *stats);
 
 #endif

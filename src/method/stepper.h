@@ -15,16 +15,18 @@ typedef struct {
 /* The tapes of a system that steps run, and the parts of each that generated code is to contain (src/compiled/). A
  * tape with the name NULL is not used. */
 typedef struct {
-    jet_emission_request series, values, bend, hessian;
-    /* Writes the definition of tvi_loops after the sweeps of the tapes; `code_member` is the name of the pointer to
-     * it in tvi_code (compiled/code.h). NULL: the method has no such code. */
-    const char *code_member;
+    jet_emission_request series, values, r_dot_Hp, hessian; /* One request for each tape (jet_emission_request). */
+    /* The name of the field of tvi_code (compiled/code.h) that points to the generated loops of the method. NULL: the
+     * method has no generated loops. */
+    const char *loops_field;
+    /* Writes the definition of these loops, which is called tvi_loops, after the sweeps of the tapes. NULL: the
+     * method has no generated loops. */
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_used_tapes;
 
 /* The results of a step of several members. The stepper writes to nothing else except its own memory. */
 typedef struct {
-    tvi_increments increments; /* [components][width] each. */
+    tvi_increments increments; /* The increments of all members, arrays [components][width]. */
     /* [width] Only lanes with TVI_OK are stepped. Nothing is written for other lanes. */
     tvi_status *status;
     double *tail; /* [width] The tail of each member's step (tvi_stats.tail). */
@@ -32,10 +34,11 @@ typedef struct {
 } tvi_batch_results;
 
 /* The functions that step several members of an ensemble at once. Lanes are independent: the bits of a member's
- * results depend neither on its lane nor on other members. Up to roundoff they are those of the stepper for single
- * integrators. */
+ * results depend neither on its lane nor on other members. The results equal those of the stepper for single
+ * integrators up to roundoff. */
 typedef struct {
-    /* Returns the number of members of a batch, a power of two; 1: this system is stepped faster one by one. */
+    /* Returns the number of members of a batch, a power of two. 1: the members of this system are stepped faster one
+     * by one. */
     int (*width)(const tvi_system *system, const tvi_options *options);
     /* The next functions do what those of tvi_stepper with the same names do. The history is that of a batch, and
      * all zeros before a first step. */
@@ -44,14 +47,14 @@ typedef struct {
     /* Makes a step. Lanes that are not stepped contain a finite state, inside the domain as far as is known. The
      * statistics count all lanes together. */
     void (*step)(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats);
-    /* Copy the history of a lane to that of the memory `scalar` of a single stepper, which is all zeros, and back.
-     * NULL: steps leave no history. */
+    /* Copy the history of a lane to the memory `scalar` of a stepper for single integrators, whose history is all
+     * zeros before, and from there to a lane. NULL: steps leave no history. */
     void (*lane_to_scalar)(const void *work, int lane, void *scalar);
     void (*scalar_to_lane)(void *work, int lane, const void *scalar);
     /* Clears the history of a lane, as before a first step. NULL: steps leave no history. */
     void (*forget)(void *work, int lane);
-    /* Does what tvi_stepper.is_sound does, for the histories of all lanes. */
-    bool (*is_sound)(const void *work);
+    /* Does what tvi_stepper.is_history_valid does, for the histories of all lanes. */
+    bool (*is_history_valid)(const void *work);
     /* Computes tvi_stepper.most_change of each lane, [width]. NULL: the stepper has no such bound. */
     void (*most_change)(const void *work, double change[]);
 } tvi_batch_stepper;
@@ -62,27 +65,29 @@ typedef struct {
      * a step leaves to the next one is allocated in the arena's history. The history is restored after a step that
      * failed, and is all zeros before a step that continues no other. */
     void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
-    /* Sets the tables in memory that is allocated. NULL: there are no tables. */
+    /* Sets the tables in the stepper's memory, after the memory of the arena is obtained. NULL: there are no
+     * tables. */
     void (*prepare)(void *work);
     /* Computes the increments over the step h as sums of small quantities, never as the difference of the ends.
      * Their low-order parts are 0 beforehand. On failure the increments are undefined. */
-    tvi_status (*step)(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
+    tvi_status (*step)(void *work, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                        tvi_stats *stats);
-    /* Makes several steps from `state`, which it updates, each with the result of `step`. Returns the number of
-     * steps made; a step that needs a check is not begun. NULL: the stepper cannot do this. */
-    long (*run)(void *work, const tvi_step_run *row, const tvi_run_state *state, tvi_stats *stats);
+    /* Makes several steps from `state`, and updates it. Each step has the same result as `step`. Returns the number
+     * of steps that were made; it does not begin a step that needs a check. NULL: the stepper cannot do this. */
+    long (*run)(void *work, const tvi_run_request *request, const tvi_run_state *state, tvi_stats *stats);
     /* Computes dq, dp [n]: the state at t0 + theta h inside the last step, minus the state at its start. */
     void (*dense)(void *work, double theta, double dq[], double dp[]);
-    /* Computes the states at all tvi_sample_theta from the state at the start: q, p [n][TVI_SAMPLES], for the
-     * components used[0] of q and used[1] of p. NULL: `dense` is called for each point. */
+    /* Computes the states q, p [n][TVI_SAMPLES] at the TVI_SAMPLES times t0 + theta h of tvi_sample_theta (origin.h)
+     * from the state at the start, for the components used[0] of q and used[1] of p. NULL: `dense` is called for each
+     * time. */
     void (*sample)(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
                    double *q, double *p);
-    /* The error of the end of a step, and of its derivative by the step size, is of the size of the tail squared, if
-     * the degree is more than 1. */
+    /* If the degree is more than 1, the errors of the state at the end of a step, and of its derivative by the step
+     * size, are of the size of the squared tail. */
     bool is_superconvergent;
     /* Makes a step of at most *h that meets a relative tolerance, and sets *h to its size, also on failure. NULL:
      * the method has no such step. */
-    tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin,
+    tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_step_origin *origin,
                               const tvi_increments *increments, tvi_stats *stats);
     /* Returns a bound of the change of the energy in the last step. It holds if the forces are monotonic along the
      * step and the terms of the series decrease. If it is NULL, and in rescaled systems, the tail decides whether
@@ -90,7 +95,8 @@ typedef struct {
     double (*most_change)(const void *work);
     /* Tells whether all indices in the stepper's part of a loaded history are inside their arrays. NULL: the history
      * has no indices. */
-    bool (*is_sound)(const void *work);
+    bool (*is_history_valid)(const void *work);
+    /* Returns the tapes that steps run with these options. */
     tvi_used_tapes (*uses)(const tvi_system *system, const tvi_options *options);
     /* The functions for batches; NULL: members of an ensemble are stepped one by one. */
     const tvi_batch_stepper *batch;

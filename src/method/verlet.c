@@ -14,11 +14,11 @@ typedef struct {
     const tvi_system *system;
     tvi_member_stepper *single_stepper; /* Makes the steps that fail in a batch. */
     int width;
-    double h;                              /* Size of the last step. */
-    double *force_block;                   /* Block of the tape that computes the forces. */
-    double *force_at_start, *force_at_end; /* [n][width] Forces at the ends of the step. */
-    double *dq, *dp;                       /* [n][width] */
-    bool is_outside[MAX_WIDTH];
+    double h;                              /* The size of the last step. */
+    double *force_block;                   /* The block of the tape that computes the forces. */
+    double *force_at_start, *force_at_end; /* [n][width] The forces at the ends of the step. */
+    double *dq, *dp;                       /* [n][width] The increments of the step. */
+    bool is_outside_domain[MAX_WIDTH];
 } verlet_work;
 
 static void *allocate_members(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
@@ -33,30 +33,31 @@ static void *allocate_members(tvi_arena *arena, const tvi_system *system, const 
     }
     w.force_block = tvi_arena_allocate_block(arena, system->field_values, 1, width, 0);
     double **const vectors[] = {&w.force_at_start, &w.force_at_end, &w.dq, &w.dp};
-    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n * (size_t)width);
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n * (size_t)width);
     if (taken) *taken = w;
     return taken;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Computes out = F at the coordinates in the force block, at the time t + (t_low + later_by). Returns false if all
- * members are outside of the domain. */
-JET_INLINE bool compute_forces(verlet_work *w, int width, const tvi_batch_origin *origin, double later_by, double *out)
+/* Computes force = F at the coordinates in the force block, at the time t + (t_low + time_offset). Returns false if
+ * all members are outside of the domain. */
+JET_INLINE bool compute_forces(verlet_work *w, int width, const tvi_batch_origin *origin, double time_offset,
+                               double *force)
 {
     const jet_tape *tape = w->system->field_values;
     const int n = w->system->n;
     int left = width;
     for (int m = 0; w->system->uses_time && m < width; m++)
-        w->force_block[n * width + m] = origin->t[m] + (origin->t_low[m] + later_by);
+        w->force_block[n * width + m] = origin->t[m] + (origin->t_low[m] + time_offset);
     if (!tape->sweeps->values(tape, w->force_block, width))
         for (int m = 0; m < width; m++) {
-            w->is_outside[m] |=
+            w->is_outside_domain[m] |=
                 width == 1 || !tvi_is_member_inside_domain(w->single_stepper, tape, w->force_block, 1, m);
-            left -= w->is_outside[m];
+            left -= w->is_outside_domain[m];
         }
     for (int i = 0; i < n; i++)
-        memcpy(out + i * width, w->force_block + tape->output_slot[i] * width, (size_t)width * sizeof *out);
+        memcpy(force + i * width, w->force_block + tape->output_slot[i] * width, (size_t)width * sizeof *force);
     return left > 0;
 }
 
@@ -66,7 +67,7 @@ JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi
 {
     const int n = w->system->n;
     w->h = h;
-    memset(w->is_outside, 0, (size_t)width * sizeof *w->is_outside);
+    memset(w->is_outside_domain, 0, (size_t)width * sizeof *w->is_outside_domain);
     memcpy(w->force_block, origin->q, (size_t)(n * width) * sizeof *w->force_block);
     if (!compute_forces(w, width, origin, 0, w->force_at_start)) return 1;
     for (int i = 0; i < n; i++) {
@@ -81,15 +82,15 @@ JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi
     return 2;
 }
 
-/* Bounds the changes of the energies. The kinetic energy changes by (F0 + F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp. The
- * potential changes by -F . dq, with an F between F0 and F1. */
-JET_INLINE void bound_energy_changes(const verlet_work *w, int width, double change[])
+/* Computes bounds [width] of the changes of the members' energies. The kinetic energy changes by (F0 + F1)/2 . dq +
+ * h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F between F0 and F1. */
+JET_INLINE void bound_energy_changes(const verlet_work *w, int width, double bound[])
 {
-    for (int m = 0; m < width; m++) change[m] = 0;
+    for (int m = 0; m < width; m++) bound[m] = 0;
     for (int i = 0; i < w->system->n; i++) {
         const double factor = w->h / w->system->mass[i];
         for (int m = 0, at = i * width; m < width; m++, at++)
-            change[m] +=
+            bound[m] +=
                 fabs(w->force_at_end[at] - w->force_at_start[at]) * (fabs(w->dq[at]) + fabs(factor * w->dp[at])) / 2;
     }
 }
@@ -105,40 +106,39 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
     return width;
 }
 
-static void prepare_members(void *work) { tvi_member_stepper_prepare(((verlet_work *)work)->single_stepper); }
+static void set_member_tables(void *work) { tvi_member_stepper_set_tables(((verlet_work *)work)->single_stepper); }
 
-static void step_members(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end,
+static void step_members(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
                          tvi_stats *stats)
 {
     verlet_work *w = work;
     const jet_tape *tape = w->system->field_values;
     const int forces = compute_increments(w, w->width, h, origin);
     for (int m = 0; m < w->width; m++) {
-        if (end->status[m] != TVI_OK) continue;
-        if (w->is_outside[m]) {
-            (void)tvi_step_member(w->single_stepper, tape, w->force_block, 1, h, origin, end, m, stats);
+        if (results->status[m] != TVI_OK) continue;
+        if (w->is_outside_domain[m]) {
+            (void)tvi_step_member(w->single_stepper, tape, w->force_block, 1, h, origin, results, m, stats);
             continue;
         }
         for (int at = m; at < w->system->n * w->width; at += w->width) {
-            end->increments.dq[at] = w->dq[at];
-            end->increments.dp[at] = w->dp[at];
+            results->increments.dq[at] = w->dq[at];
+            results->increments.dp[at] = w->dp[at];
         }
-        end->tail[m] = 0;
-        end->passes[m] = 0;
+        results->tail[m] = 0;
+        results->passes[m] = 0;
         stats->force_evaluations += forces;
     }
 }
 
-static void bound_energy_changes_of_batch(const void *work, double change[])
+static void bound_energy_changes_of_batch(const void *work, double bound[])
 {
     const verlet_work *w = work;
-    bound_energy_changes(w, w->width, change);
+    bound_energy_changes(w, w->width, bound);
 }
 
-/* The functions for a batch, whose steps leave no history. */
 static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .take = allocate_members,
-                                                .prepare = prepare_members,
+                                                .prepare = set_member_tables,
                                                 .step = step_members,
                                                 .most_change = bound_energy_changes_of_batch};
 
@@ -149,14 +149,14 @@ static void *allocate_one_member(tvi_arena *arena, const tvi_system *system, con
     return allocate_members(arena, system, options, 1);
 }
 
-static tvi_status step_one_member(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
+static tvi_status step_one_member(void *work, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                                   tvi_stats *stats)
 {
     verlet_work *w = work;
-    const tvi_batch_origin of_one = {&origin->t, &origin->t_low, origin->q, origin->q_low, origin->p, origin->p_low};
+    const tvi_batch_origin batch_origin = tvi_batch_origin_of_one(origin);
     const size_t bytes = (size_t)w->system->n * sizeof(double);
-    stats->force_evaluations += compute_increments(w, 1, h, &of_one);
-    if (w->is_outside[0]) {
+    stats->force_evaluations += compute_increments(w, 1, h, &batch_origin);
+    if (w->is_outside_domain[0]) {
         (void)jet_explain_failed_sweep(w->system->field_values, w->force_block, 1);
         return TVI_EDOMAIN;
     }
@@ -165,7 +165,8 @@ static tvi_status step_one_member(void *work, double h, const tvi_origin *origin
     return TVI_OK;
 }
 
-/* Evaluates polynomials through the ends of the step. That of q has the accelerations of its momenta at both ends. */
+/* Evaluates the polynomials of q and p through the ends of the step: p' is linear, from F0 to F1, and q'' is
+ * constant, M^-1 F0. */
 static void interpolate_one_member(void *work, double theta, double dq[], double dp[])
 {
     const verlet_work *w = work;
@@ -195,8 +196,8 @@ static const tvi_stepper single_stepper_functions = {.take = allocate_one_member
                                                      .uses = list_used_tapes,
                                                      .batch = &batch_stepper};
 
-static const tvi_served_forms served_forms = {
-    TVI_SERVES_SEPARABLE, "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};
+static const tvi_supported_forms supported_forms = {
+    TVI_SUPPORTS_SEPARABLE, "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};
 
 const tvi_descriptor tvi_stormer_verlet = {
     .method = TVI_STORMER_VERLET,
@@ -205,6 +206,6 @@ const tvi_descriptor tvi_stormer_verlet = {
     .nodes = {[TVI_NODES_ON_CURVE] = {"stormer-verlet", 0, 2}},
     .least_degree = 1,
     .most_degree = 1,
-    .serves = &served_forms,
+    .supports = &supported_forms,
     .stepper = &single_stepper_functions,
 };

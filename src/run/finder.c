@@ -325,7 +325,7 @@ static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_ev
 static bool is_field_direction_accurate(const tvi_event_finder *finder)
 {
     const tvi_integrator *it = finder->search->integrator;
-    return finder->rates_evaluator.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent &&
+    return finder->rates_evaluator.field_block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent &&
            it->options.degree > 1;
 }
 

@@ -35,11 +35,11 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
     tvi_increments *increments = &integrator->increments;
     allocate_state_arrays(arena, tvi_arena_allocate, dimension, width,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    allocate_state_arrays(arena, tvi_arena_allocate_history, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate_in_history, dimension, width,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
-    integrator->continues = tvi_arena_allocate_history(arena, members * sizeof *integrator->continues);
-    integrator->run_start = tvi_arena_allocate_ring(arena, (2 * (size_t)n + 1) * row);
-    integrator->reference = tvi_arena_allocate_history(arena, members * sizeof *integrator->reference);
+    integrator->continues = tvi_arena_allocate_in_history(arena, members * sizeof *integrator->continues);
+    integrator->run_start = tvi_arena_allocate_in_rings(arena, (2 * (size_t)n + 1) * row);
+    integrator->reference = tvi_arena_allocate_in_history(arena, members * sizeof *integrator->reference);
     integrator->status = tvi_arena_allocate(arena, members * sizeof *integrator->status);
     integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
     integrator->passes = tvi_arena_allocate(arena, members * sizeof *integrator->passes);
@@ -49,10 +49,11 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_allocate(arena, row);
     end->q = tvi_arena_allocate(arena, ((size_t)dimension + 1) * row);
     end->p = tvi_arena_allocate(arena, (size_t)dimension * row);
-    member_state->q = tvi_arena_doubles(arena, (size_t)dimension + 1);
-    member_state->p = tvi_arena_doubles(arena, (size_t)dimension);
+    member_state->q = tvi_arena_allocate_doubles(arena, (size_t)dimension + 1);
+    member_state->p = tvi_arena_allocate_doubles(arena, (size_t)dimension);
     integrator->parameters = tvi_arena_allocate(arena, (size_t)tvi_system_parameters(integrator->system) * row);
-    integrator->one_lane_parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
+    integrator->one_lane_parameters =
+        tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
     integrator->stop = tvi_arena_allocate(arena, tvi_size_of_stop_in_bytes(n));
 }
 
@@ -66,8 +67,8 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
     if (tvi_is_rescaled(integrator))
         tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian, arena, integrator->stepped);
     integrator->field = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
-    integrator->one_lane_blocks = arena->blocks;
-    arena->blocks = NULL;
+    integrator->one_lane_blocks = arena->first_block;
+    arena->first_block = NULL;
     if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
         tvi_energy_batch_allocate(&integrator->energies, arena, system, integrator->width);
 }
@@ -80,17 +81,17 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     tvi_integrator *integrator = tvi_arena_allocate(arena, sizeof *integrator);
     const tvi_stepper *stepper = tvi_choose_stepper(options);
     tvi_integrator laid = {.width = width, .system = system, .options = *options, .stepper = stepper};
-    laid.stepped = tvi_compiled_attach_to_system(arena, system->stepped, options->compiled);
+    laid.stepped = tvi_compiled_attach_to_copy(arena, system->stepped, options->compiled);
     /* The stepper's work keeps a pointer to the options, so they must be those of the integrator. */
     if (integrator) integrator->options = *options, options = &integrator->options;
     allocate_member_arrays(&laid, arena);
     allocate_energy_memory(&laid, arena);
-    laid.state_bytes = arena->marked;
+    laid.state_bytes = arena->marked_bytes;
     laid.work = width > 1 ? stepper->batch->take(arena, laid.stepped, options, width)
                           : stepper->take(arena, laid.stepped, options);
-    laid.blocks = arena->blocks;
+    laid.blocks = arena->first_block;
     laid.history = arena->history;
-    laid.marked_bytes = width > 1 ? 0 : arena->marked;
+    laid.marked_bytes = width > 1 ? 0 : arena->marked_bytes;
     laid.history_bytes = tvi_arena_history_bytes(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
@@ -110,11 +111,11 @@ static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_sys
 {
     tvi_arena arena = {0};
     (void)lay_out_integrator(&arena, system, resolved_options, width);
-    if (!tvi_arena_allocate_memory(&arena)) return jet_explain_out_of_memory(TVI_ENOMEM);
+    if (!tvi_arena_obtain_memory(&arena)) return jet_explain_out_of_memory(TVI_ENOMEM);
     tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved_options, width);
     tvi_compiled_add_user(resolved_options->compiled);
-    tvi_blocks_prepare(it->one_lane_blocks);
-    tvi_blocks_prepare(it->blocks);
+    tvi_blocks_set_constants(it->one_lane_blocks);
+    tvi_blocks_set_constants(it->blocks);
     tvi_system_read_recorded_parameters(system, it->one_lane_parameters);
     tvi_integrator_load_parameters(it, it->one_lane_parameters, 1, 1);
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
@@ -134,9 +135,9 @@ int tvi_integrator_best_batch_width(const tvi_integrator *it)
  * system, it returns a failure and sets *why to the reason. */
 static tvi_status resolve_options(const tvi_system *system, tvi_options *options, const char **why)
 {
-    const tvi_status status = tvi_method_resolve(options, system->stepped, why);
+    const tvi_status status = tvi_options_resolve(options, system->stepped, why);
     const char *misfit =
-        status == TVI_OK ? tvi_compiled_reason_unusable(options->compiled, system->stepped, options) : NULL;
+        status == TVI_OK ? tvi_compiled_why_unusable(options->compiled, system->stepped, options) : NULL;
     if (!misfit) return status;
     if (why) *why = misfit;
     return jet_refuse(TVI_EINVAL, "%s", misfit);

@@ -52,10 +52,10 @@ tvi_status tvi_integrator_energy(const tvi_integrator *it, double t, const doubl
 
 tvi_status tvi_integrator_momentum(const tvi_integrator *it, double t, const double q[], const double v[], double p[])
 {
-    return it ? tvi_transform_velocities(it->system, it->parameters, t, q, v, p, true) : refuse_null_integrator();
+    return it ? tvi_apply_legendre_transform(it->system, it->parameters, t, q, v, p, true) : refuse_null_integrator();
 }
 
 tvi_status tvi_integrator_velocity(const tvi_integrator *it, double t, const double q[], const double p[], double v[])
 {
-    return it ? tvi_transform_velocities(it->system, it->parameters, t, q, p, v, false) : refuse_null_integrator();
+    return it ? tvi_apply_legendre_transform(it->system, it->parameters, t, q, p, v, false) : refuse_null_integrator();
 }

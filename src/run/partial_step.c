@@ -49,7 +49,8 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     if (partial_step->parameter_version == it->parameter_version) return TVI_OK;
     partial_step->parameter_version = it->parameter_version;
     partial_step->step_number = 0;
-    if (partial_step->rates_evaluator.block) tvi_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
+    if (partial_step->rates_evaluator.field_block)
+        tvi_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 

@@ -144,6 +144,6 @@ bool tvi_loaded_history_is_valid(const tvi_integrator *it)
     for (int m = 0; m < width; m++)
         is_sound = is_sound && isfinite(it->reference[m].zero) && isfinite(it->reference[m].scale) &&
                    (!it->reference[m].is_H_known || isfinite(it->reference[m].H));
-    bool (*const of_work)(const void *) = batch ? batch->is_sound : it->stepper->is_sound;
+    bool (*const of_work)(const void *) = batch ? batch->is_history_valid : it->stepper->is_history_valid;
     return is_sound && (!of_work || of_work(it->work));
 }

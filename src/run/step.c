@@ -42,8 +42,8 @@ static void compute_increments_of_one_member(tvi_integrator *it, double toleranc
     const int dimension = it->stepped->n;
     const long passes = it->stats.passes;
     const size_t bytes = (size_t)dimension * sizeof *increments->dq_low;
-    const tvi_origin origin = {state->q[dimension], state->q_low[dimension], state->q, state->q_low, state->p,
-                               state->p_low};
+    const tvi_step_origin origin = {state->q[dimension], state->q_low[dimension], state->q, state->q_low, state->p,
+                                    state->p_low};
     memset(increments->dq_low, 0, bytes);
     memset(increments->dp_low, 0, bytes);
     it->status[0] = tolerance > 0 ? stepper->step_within(it->work, tolerance, h, &origin, increments, &it->stats)
@@ -219,9 +219,9 @@ static long make_unchecked_steps(tvi_integrator *it, long steps, double h, doubl
 {
     const int n = it->system->n;
     const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
-    const bool may_skip = !it->reference->is_H_known && it->stats.tail <= limits.tail;
+    const bool may_skip = !it->reference->is_H_known && it->stats.tail <= limits.max_tail;
     if (!it->stepper->run || !may_skip || steps < 1) return 0;
-    const tvi_step_run run = {h, steps, limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
+    const tvi_run_request run = {h, steps, limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
     *it->continues |= made > 0;

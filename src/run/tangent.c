@@ -52,7 +52,7 @@ static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
     tangent->column = tangent->lifted_p + 2 * n;
     tangent->gradient = tangent->column + 2 * n + parameters;
     tangent->parameters_and_rates = tangent->gradient + 2 * n;
-    const tvi_lift lift = tvi_find_method(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
+    const tvi_lift lift = tvi_find_method(&it->options)->needs_conjugate_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
     tvi_status status = tvi_system_create_lift(&tangent->lifted_system, it->stepped, lift);
     if (status == TVI_OK && tvi_is_rescaled(it)) status = allocate_tape_blocks(it, tangent);
     if (status != TVI_OK) return status;

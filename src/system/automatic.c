@@ -1,23 +1,25 @@
-/* automatic.c - Records the automatic time scale g from the linear motion near a state (docs/adaptive.md). With G =
- * H_pp held constant, the linear motion is dq'' = C dq' + D dq, where
- *     A = H_pq,  C = A - G A^T G^-1 = G Omega,  D = -G (H_qq - A^T G^-1 A) = -G W,  Omega^T = -Omega,  W^T = W,
- * and g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes G = diag(d).
- * Then
+/* automatic.c - Records the automatic time scale g from the linear motion near a state (docs/adaptive.md). With H_pp
+ * held constant and A = H_pq, the linear motion is dq'' = C dq' + D dq, where
+ *     C = A - H_pp A^T H_pp^-1 = H_pp Omega,  Omega^T = -Omega,
+ *     D = -H_pp (H_qq - A^T H_pp^-1 A) = -H_pp W,  W^T = W,
+ * and g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes H_pp =
+ * diag(d). Then
  *     tr D^2 = sum_ij d_i d_j W_ij^2,  -tr C^2 = sum_ij d_i d_j Omega_ij^2,  Omega_ij = A_ij / d_i - A_ji / d_j.
- * No term is negative if G is definite. If G is singular everywhere, g^-4 = tr (J H'')^4 / 2. */
+ * No term is negative if H_pp is definite. If H_pp is singular everywhere, g^-4 = tr (J H'')^4 / 2. */
 #include "system/automatic.h"
 
 #include <stdlib.h>
 
-/* The matrices [n][n] of the linear motion near a state, as jets. W contains H_qq at first. */
+/* The matrices [n][n] of the linear motion near a state, as jets. W contains H_qq until the part of A is
+ * subtracted. */
 typedef struct {
     int n;
-    jet *G, *A, *W;
+    jet *H_pp, *A, *W;
 } linearised_motion;
 
 static bool is_zero(jet x) { return !x.node && x.number == 0; }
 
-/* Records *x + c y, and stores it in *x. */
+/* Records *x + c y, and stores it in *x. It records nothing if y is 0. */
 static void add_multiple(jet *x, jet c, jet y)
 {
     if (!is_zero(y)) *x = jet_add(*x, jet_mul(c, y));
@@ -25,65 +27,66 @@ static void add_multiple(jet *x, jet c, jet y)
 
 /* ---- H'' --------------------------------------------------------------------------------------------------------- */
 
-/* Records row[i] = d x / d z_i for z = (q, p). The inputs of the graph are q, t, p, e; `all` has room for the
- * derivatives by q, t and p. */
-static bool record_gradient_in_q_p(jet_graph *graph, jet x, int n, jet all[], jet row[])
+/* Records gradient[i] = d x / d z_i for z = (q, p). The inputs of the graph are q, t, p, e; `derivatives` [2n +
+ * 1] is scratch for those by q, t and p. */
+static bool record_gradient_in_q_p(jet_graph *graph, jet x, int n, jet derivatives[], jet gradient[])
 {
-    const bool derived = jet_record_gradient(graph, x, 2 * n + 1, all);
-    for (int i = 0; i < 2 * n; i++) row[i] = all[i < n ? i : i + 1];
+    const bool derived = jet_record_gradient(graph, x, 2 * n + 1, derivatives);
+    for (int i = 0; i < 2 * n; i++) gradient[i] = derivatives[i < n ? i : i + 1];
     return derived;
 }
 
-/* Records the second derivatives of H in the three matrices. first [2n], row [2n] and all [2n + 1] are scratch. */
-static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_motion *motion, jet first[], jet row[],
-                                      jet all[])
+/* Records the second derivatives of H in the three matrices. first_derivatives [2n], second_derivatives [2n] and
+ * derivatives [2n + 1] are scratch. */
+static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_motion *motion, jet first_derivatives[],
+                                      jet second_derivatives[], jet derivatives[])
 {
     const int n = motion->n;
-    if (!record_gradient_in_q_p(graph, H, n, all, first)) return false;
+    if (!record_gradient_in_q_p(graph, H, n, derivatives, first_derivatives)) return false;
     jet_graph_begin_derived_part(
         graph, "the automatic g, which has no value there (take a smaller step, or give a g of your own)");
     for (int i = 0; i < n; i++) {
-        if (!record_gradient_in_q_p(graph, first[i], n, all, row)) return false;
-        for (int j = 0; j < n; j++) motion->W[i * n + j] = row[j];
-        if (!record_gradient_in_q_p(graph, first[n + i], n, all, row)) return false;
-        for (int j = 0; j < n; j++) motion->A[i * n + j] = row[j];
-        for (int j = 0; j <= i; j++) motion->G[i * n + j] = motion->G[j * n + i] = row[n + j];
+        if (!record_gradient_in_q_p(graph, first_derivatives[i], n, derivatives, second_derivatives)) return false;
+        for (int j = 0; j < n; j++) motion->W[i * n + j] = second_derivatives[j];
+        if (!record_gradient_in_q_p(graph, first_derivatives[n + i], n, derivatives, second_derivatives)) return false;
+        for (int j = 0; j < n; j++) motion->A[i * n + j] = second_derivatives[j];
+        for (int j = 0; j <= i; j++) motion->H_pp[i * n + j] = motion->H_pp[j * n + i] = second_derivatives[n + j];
     }
     return true;
 }
 
-/* ---- Where G is regular ------------------------------------------------------------------------------------------ */
+/* ---- H_pp is regular --------------------------------------------------------------------------------------------- */
 
-/* Replaces coordinate i by q_i - l q_j. With the matrix E of this transformation, A becomes E A E^-1, and W becomes
- * E^-T W E^-1. */
-static void change_coordinate(const linearised_motion *motion, int i, int j, jet l)
+/* Replaces coordinate i by q_i - factor q_j. With the matrix E of this transformation, A becomes E A E^-1, and W
+ * becomes E^-T W E^-1. */
+static void subtract_coordinate(const linearised_motion *motion, int i, int j, jet factor)
 {
     const int n = motion->n;
-    const jet negative_l = jet_neg(l);
-    for (int k = 0; k < n; k++) add_multiple(&motion->A[i * n + k], negative_l, motion->A[j * n + k]);
-    for (int k = 0; k < n; k++) add_multiple(&motion->A[k * n + j], l, motion->A[k * n + i]);
-    for (int k = 0; k < n; k++) add_multiple(&motion->W[k * n + j], l, motion->W[k * n + i]);
-    for (int k = 0; k < n; k++) add_multiple(&motion->W[j * n + k], l, motion->W[i * n + k]);
+    const jet negative_factor = jet_neg(factor);
+    for (int k = 0; k < n; k++) add_multiple(&motion->A[i * n + k], negative_factor, motion->A[j * n + k]);
+    for (int k = 0; k < n; k++) add_multiple(&motion->A[k * n + j], factor, motion->A[k * n + i]);
+    for (int k = 0; k < n; k++) add_multiple(&motion->W[k * n + j], factor, motion->W[k * n + i]);
+    for (int k = 0; k < n; k++) add_multiple(&motion->W[j * n + k], factor, motion->W[i * n + k]);
 }
 
-/* Makes G = diag(d) by elimination below the diagonal, and transforms the other matrices. The entries above the
+/* Makes H_pp = diag(d) by elimination below the diagonal, and transforms the other matrices. The entries above the
  * diagonal are not used any more. */
-static void diagonalise_G(const linearised_motion *motion)
+static void diagonalise_H_pp(const linearised_motion *motion)
 {
     const int n = motion->n;
     for (int j = 0; j < n; j++)
         for (int i = j + 1; i < n; i++) {
-            jet *row = motion->G + i * n;
+            jet *row = motion->H_pp + i * n;
             if (is_zero(row[j])) continue;
-            const jet l = jet_div(row[j], motion->G[j * n + j]), negative_l = jet_neg(l);
-            for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->G[k * n + j]);
-            change_coordinate(motion, i, j, l);
+            const jet l = jet_div(row[j], motion->H_pp[j * n + j]), negative_l = jet_neg(l);
+            for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->H_pp[k * n + j]);
+            subtract_coordinate(motion, i, j, l);
         }
 }
 
-/* Computes W = H_qq - A^T G^-1 A, except for the terms A_ii^2 / d_i of the diagonal. stiffness_term adds them
- * without a division, which a system with one degree of freedom then does not need at all. */
-static void subtract_gyroscopic(const linearised_motion *motion)
+/* Computes W = H_qq - A^T H_pp^-1 A, except for the terms A_ii^2 / d_i of the diagonal. record_stiffness_term adds
+ * them without a division. A system with one degree of freedom then needs no division at all. */
+static void subtract_gyroscopic_part(const linearised_motion *motion)
 {
     const int n = motion->n;
     for (int k = 0; k < n; k++)
@@ -93,30 +96,32 @@ static void subtract_gyroscopic(const linearised_motion *motion)
             for (int j = 0; j <= i; j++)
                 if (!is_zero(row[j]) && (i != k || j != k))
                     motion->W[i * n + j] =
-                        jet_sub(motion->W[i * n + j], jet_div(jet_mul(row[i], row[j]), motion->G[k * n + k]));
+                        jet_sub(motion->W[i * n + j], jet_div(jet_mul(row[i], row[j]), motion->H_pp[k * n + k]));
         }
 }
 
 /* Records the term d_i d_j W_ij^2 of tr D^2. */
-static jet stiffness_term(const linearised_motion *motion, int i, int j)
+static jet record_stiffness_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
-    const jet d = motion->G[i * n + i], W = motion->W[i * n + j];
+    const jet d = motion->H_pp[i * n + i], W = motion->W[i * n + j];
     if (i == j) return jet_sqr(jet_sub(jet_mul(d, W), jet_sqr(motion->A[i * n + i])));
-    return jet_mul(jet_mul(d, motion->G[j * n + j]), jet_sqr(W));
+    return jet_mul(jet_mul(d, motion->H_pp[j * n + j]), jet_sqr(W));
 }
 
 /* Records the term d_i d_j Omega_ij^2 of -tr C^2. */
-static jet gyroscopic_term(const linearised_motion *motion, int i, int j)
+static jet record_gyroscopic_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
-    const jet A = motion->A[i * n + j], B = motion->A[j * n + i], d = motion->G[i * n + i], e = motion->G[j * n + j];
+    const jet A = motion->A[i * n + j], B = motion->A[j * n + i], d = motion->H_pp[i * n + i],
+              e = motion->H_pp[j * n + j];
     if (is_zero(A) && is_zero(B)) return A;
     return jet_mul(jet_mul(d, e), jet_sqr(jet_sub(jet_div(A, d), jet_div(B, e))));
 }
 
 /* Records the sum of term(i, j) over all i and j, for a term that is symmetric in i and j. terms [n^2] is scratch. */
-static jet sum_symmetric(const linearised_motion *motion, jet term(const linearised_motion *, int, int), jet terms[])
+static jet record_symmetric_sum(const linearised_motion *motion, jet term(const linearised_motion *, int, int),
+                                jet terms[])
 {
     int count = 0;
     for (int i = 0; i < motion->n; i++)
@@ -124,18 +129,18 @@ static jet sum_symmetric(const linearised_motion *motion, jet term(const lineari
     return jet_sum(terms, count);
 }
 
-static jet record_sum_for_regular_G(const linearised_motion *motion, jet terms[])
+static jet record_sum_for_regular_H_pp(const linearised_motion *motion, jet terms[])
 {
-    diagonalise_G(motion);
-    subtract_gyroscopic(motion);
-    const jet square = sum_symmetric(motion, stiffness_term, terms);
-    return jet_add(square, jet_mul(0.25, jet_sqr(sum_symmetric(motion, gyroscopic_term, terms))));
+    diagonalise_H_pp(motion);
+    subtract_gyroscopic_part(motion);
+    const jet square = record_symmetric_sum(motion, record_stiffness_term, terms);
+    return jet_add(square, jet_mul(0.25, jet_sqr(record_symmetric_sum(motion, record_gyroscopic_term, terms))));
 }
 
-/* ---- Where it is not --------------------------------------------------------------------------------------------- */
+/* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
 
 /* Records the entry (i, j) of the matrix product x y. */
-static jet product_entry(int n, const jet x[], const jet y[], int i, int j)
+static jet record_product_entry(int n, const jet x[], const jet y[], int i, int j)
 {
     jet sum = jet_const(0);
     for (int k = 0; k < n; k++) sum = jet_add(sum, jet_mul(x[i * n + k], y[k * n + j]));
@@ -143,15 +148,15 @@ static jet product_entry(int n, const jet x[], const jet y[], int i, int j)
 }
 
 /* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2. Here (J H'')^2 has the blocks P, Q; R, P^T with P =
- * A^2 - G W, Q = A G - (A G)^T, R = (W A)^T - W A. */
-static jet hessian_power_term(const linearised_motion *motion, int i, int j)
+ * A^2 - H_pp W, Q = A H_pp - (A H_pp)^T, R = (W A)^T - W A. */
+static jet record_hessian_power_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
-    const jet *A = motion->A, *G = motion->G, *W = motion->W;
-    const jet P = jet_sub(product_entry(n, A, A, i, j), product_entry(n, G, W, i, j));
-    const jet Pt = jet_sub(product_entry(n, A, A, j, i), product_entry(n, G, W, j, i));
-    const jet Q = jet_sub(product_entry(n, A, G, i, j), product_entry(n, A, G, j, i));
-    const jet R = jet_sub(product_entry(n, W, A, i, j), product_entry(n, W, A, j, i));
+    const jet *A = motion->A, *H_pp = motion->H_pp, *W = motion->W;
+    const jet P = jet_sub(record_product_entry(n, A, A, i, j), record_product_entry(n, H_pp, W, i, j));
+    const jet Pt = jet_sub(record_product_entry(n, A, A, j, i), record_product_entry(n, H_pp, W, j, i));
+    const jet Q = jet_sub(record_product_entry(n, A, H_pp, i, j), record_product_entry(n, A, H_pp, j, i));
+    const jet R = jet_sub(record_product_entry(n, W, A, i, j), record_product_entry(n, W, A, j, i));
     return jet_add(jet_mul(P, Pt), jet_mul(Q, R));
 }
 
@@ -166,11 +171,12 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     jet *jets = malloc((4 * n * n + 6 * n + 1) * sizeof *jets), sum = jet_make_poison(JET_NO_MEMORY);
     if (!jets) return sum;
     const linearised_motion motion = {base->n, jets, jets + n * n, jets + 2 * n * n};
-    jet *terms = jets + 3 * n * n, *first = terms + n * n, *row = first + 2 * n, *all = row + 2 * n;
-    if (!graph) sum = jet_const(0); /* H is a number. */
-    else if (record_second_derivatives(graph, H, &motion, first, row, all))
-        sum = base->regular ? record_sum_for_regular_G(&motion, terms)
-                            : sum_symmetric(&motion, hessian_power_term, terms);
+    jet *terms = jets + 3 * n * n, *first_derivatives = terms + n * n, *second_derivatives = first_derivatives + 2 * n,
+        *derivatives = second_derivatives + 2 * n;
+    if (!graph) sum = jet_const(0); /* All jets are plain numbers, and so is H: its derivatives are 0. */
+    else if (record_second_derivatives(graph, H, &motion, first_derivatives, second_derivatives, derivatives))
+        sum = base->regular ? record_sum_for_regular_H_pp(&motion, terms)
+                            : record_symmetric_sum(&motion, record_hessian_power_term, terms);
     free(jets);
     return jet_pow(sum, -0.25);
 }

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-tvi_status tvi_transform_velocities(const tvi_system *system, const double parameters[], double t, const double q[],
-                                    const double input[], double output[], bool to_momenta)
+tvi_status tvi_apply_legendre_transform(const tvi_system *system, const double parameters[], double t, const double q[],
+                                        const double input[], double output[], bool to_momenta)
 {
     const void *const given[] = {system, q, input, output};
     const char *const name[] = {"system", "q", to_momenta ? "v" : "p", to_momenta ? "p" : "v"};
@@ -34,12 +34,12 @@ tvi_status tvi_transform_velocities(const tvi_system *system, const double param
 
 tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[])
 {
-    return tvi_transform_velocities(system, NULL, t, q, v, p, true);
+    return tvi_apply_legendre_transform(system, NULL, t, q, v, p, true);
 }
 
 tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[])
 {
-    return tvi_transform_velocities(system, NULL, t, q, p, v, false);
+    return tvi_apply_legendre_transform(system, NULL, t, q, p, v, false);
 }
 
 /* ---- The energy -------------------------------------------------------------------------------------------------- */
@@ -50,7 +50,7 @@ void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_syst
     work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_allocate(&work->legendre, arena, system);
-    work->velocity = tvi_arena_doubles(arena, (size_t)system->n);
+    work->velocity = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
 void tvi_energy_prepare(tvi_energy_work *work)
@@ -159,10 +159,10 @@ static void *create_energy_work(tvi_energy_work *work, const tvi_system *system,
     tvi_arena arena = {0};
     *work = (tvi_energy_work){0};
     tvi_energy_allocate(work, &arena, system);
-    void *memory = tvi_arena_allocate_memory(&arena);
+    void *memory = tvi_arena_obtain_memory(&arena);
     if (!memory) return NULL;
     tvi_energy_allocate(work, &arena, system);
-    tvi_system_prepare_blocks(system, arena.blocks, parameters);
+    tvi_system_prepare_blocks(system, arena.first_block, parameters);
     tvi_energy_prepare(work);
     return memory;
 }

@@ -68,11 +68,11 @@ tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const doubl
 
 /* Records all events once more, in a graph of their own. Expressions that several events contain are then computed
  * once. */
-static tvi_status record_events_in_one_graph(const tvi_event *const events[], int count, jet_graph *graph, int inputs,
-                                             jet jets[])
+static tvi_status record_events_in_one_graph(const tvi_event *const events[], int count, jet_graph *graph,
+                                             int input_count, jet jets[])
 {
-    jet *input = jets, *zeros = jets + inputs, *value = zeros + inputs, rate;
-    for (int i = 0; i < inputs; i++) {
+    jet *input = jets, *zeros = jets + input_count, *value = zeros + input_count, rate;
+    for (int i = 0; i < input_count; i++) {
         input[i] = jet_graph_input(graph, i);
         zeros[i] = jet_const(0);
     }
@@ -86,19 +86,20 @@ static tvi_status record_events_in_one_graph(const tvi_event *const events[], in
 }
 
 /* Sets used[i] if one of the values depends on input i. */
-static tvi_status find_used_inputs(const jet_graph *graph, int inputs, int count, const jet value[], bool used[])
+static tvi_status find_used_inputs(const jet_graph *graph, int input_count, int value_count, const jet value[],
+                                   bool used[])
 {
     const int nodes = jet_graph_node_count(graph);
     bool *needed = calloc((size_t)nodes, sizeof *needed);
     if (!needed) return TVI_ENOMEM;
-    for (int i = 0; i < count; i++) needed[value[i].node->index] = true;
+    for (int i = 0; i < value_count; i++) needed[value[i].node->index] = true;
     for (int i = nodes - 1; i >= 0; i--) {
         const struct jet_node *z = jet_graph_node_at(graph, i);
         if (z->a) needed[z->a->index] |= needed[i];
         if (z->b) needed[z->b->index] |= needed[i];
         for (int term = 0; term < z->count; term++) needed[z->terms[term].node->index] |= needed[i];
     }
-    memcpy(used, needed, (size_t)inputs * sizeof *used);
+    memcpy(used, needed, (size_t)input_count * sizeof *used);
     free(needed);
     return TVI_OK;
 }

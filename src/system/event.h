@@ -6,16 +6,16 @@
 #include "tape.h"
 #include "tvi.h"
 
+/* An event function and its recording. */
 struct tvi_event {
     int n;
     tvi_direction direction;
     bool is_terminal;
-    jet_graph *graph; /* The closed recording of g. */
-    jet output;       /* g */
+    jet_graph *graph; /* The recording of g, to which nothing is added any more. */
+    jet output;       /* The value of g in the graph. */
     jet_tape *tape;   /* Computes g from q, p, t. */
-    /* Computes the Taylor series of g. */
-    jet_tape *series;
-    /* Hash of the tape. Equal functions have equal hashes, also if their events have different directions. */
+    jet_tape *series; /* Computes the Taylor series of g. */
+    /* The hash of the tape. Equal functions have equal hashes, also if their events have different directions. */
     uint64_t hash;
 };
 
@@ -27,7 +27,8 @@ static inline bool tvi_event_reports_sign_change(const tvi_event *event, int sig
 /* Tells whether the event leaves the roots of one direction unreported. */
 static inline bool tvi_event_skips_a_direction(const tvi_event *event) { return event->direction != TVI_EITHER; }
 
-/* Evaluates g at x [2n + 1] = (q, p, t), in a block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
+/* Computes g at x [2n + 1] = (q, p, t), in a block of the event's tape. Returns TVI_EDOMAIN or TVI_ENONFINITE if g
+ * has no finite value. */
 TVI_NODISCARD tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g);
 /* Creates one tape for several events with the same n. Its inputs are q, p, t, and its outputs the values g of the
  * events. Sets used [2n + 1], which tells whether an event depends on the input. */
@@ -39,18 +40,19 @@ typedef struct {
     double *series_block; /* [orders][slots] A block of the event's series. */
     double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] Tangents of the values. */
 } tvi_event_expansion;
+/* Allocates the memory. Returns TVI_ENOMEM if memory is lacking; the caller closes the expansion in this case, too. */
 TVI_NODISCARD tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event);
 void tvi_event_expansion_close(tvi_event_expansion *expansion); /* Frees the memory. Its pointers may be NULL. */
 
 /* Estimates the roundoff of g at the state x [2n + 1]: the effect of a unit of roundoff in each input, relative to
- * sizes [2n + 1], and in each operation. TVI_EDOMAIN. */
+ * sizes [2n + 1], and in each operation. Returns TVI_EDOMAIN if g has no value there. */
 TVI_NODISCARD tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_expansion *expansion,
                                                      const double x[], const double sizes[], double *roundoff);
 /* Computes the change g(x + displacement) - g(x) by the Taylor polynomial of g, without the cancellation of a
- * difference. *scale becomes the sum of the magnitudes of its first-order terms. *is_exact tells whether the rest of
- * the series is below roundoff. TVI_EDOMAIN. */
+ * difference. *term_sum becomes the sum of the magnitudes of its first-order terms. *is_exact tells whether the rest
+ * of the series is below roundoff. Returns TVI_EDOMAIN if g has no value at x. */
 TVI_NODISCARD tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expansion *expansion,
                                                   const double x[], const double displacement[], double *change,
-                                                  double *scale, bool *is_exact);
+                                                  double *term_sum, bool *is_exact);
 
 #endif

@@ -68,7 +68,7 @@ tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_e
 }
 
 tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expansion *expansion, const double x[],
-                                    const double displacement[], double *change, double *scale, bool *is_exact)
+                                    const double displacement[], double *change, double *term_sum, bool *is_exact)
 {
     const jet_tape *tape = event->series;
     const size_t inputs = 2 * (size_t)event->n + 1, slots = (size_t)tape->slots;
@@ -76,7 +76,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
     double last = 0;
     if (status != TVI_OK) return status;
     *change = 0;
-    *scale = sum_first_order_terms(event, expansion, displacement);
+    *term_sum = sum_first_order_terms(event, expansion, displacement);
     for (int k = 1; k <= ORDER; k++) {
         double *order = expansion->series_block + (size_t)k * slots;
         for (size_t i = 0; i < inputs; i++) order[i] = k == 1 ? displacement[i] : 0;

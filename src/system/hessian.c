@@ -3,11 +3,11 @@
 
 #include <stdlib.h>
 
-/* Limits for the second derivatives of K = g h, which serve the passes of large steps (galerkin/hamiltonian.c). They
- * are kept if the field with them has at most MOST_COST / 4 times as many operations as the field alone;
- * measurements show that otherwise more passes without them take as little time. All of K'' is recorded only if the
- * number of nodes times that of rows is at most MOST_OF_WHOLE, and the shorter form only if there are at most
- * MOST_NODES nodes. */
+/* Limits for the second derivatives of K = g f, which reduce the number of passes of large steps
+ * (galerkin/hamiltonian.c). They are kept if the field with them has at most MOST_COST / 4 times as many operations
+ * as the field alone; measurements show that otherwise more passes without them take as little time. The complete K''
+ * is recorded only if the number of nodes of the graph times the number of rows is at most MOST_OF_WHOLE, and K''
+ * without the term f g'' only if there are at most MOST_NODES nodes. */
 enum { MOST_COST = 13, MOST_OF_WHOLE = 4096, MOST_NODES = 800 };
 
 /* Makes room in *jets for the field, one more row of second derivatives, and the whole gradient that contains the
@@ -22,8 +22,9 @@ static bool grow_hessian_arrays(tvi_system *system, jet **jets)
     return more && hessian;
 }
 
-/* Records the gradient of x, in *jets after all entries so far. Returns NULL if memory is lacking. */
-static jet *record_gradient_after_entries(tvi_system *system, jet x, jet **jets)
+/* Records the gradient of x, and appends it to *jets, after the field and all entries so far. Returns NULL if memory
+ * is lacking. */
+static jet *append_gradient(tvi_system *system, jet x, jet **jets)
 {
     const int rows = 2 * system->n;
     if (!grow_hessian_arrays(system, jets)) return NULL;
@@ -44,7 +45,7 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
     const int rows = 2 * system->n;
     system->hessian_entries = 0;
     for (int row = 0; row < rows; row++) {
-        const jet *hessian_row = record_gradient_after_entries(system, system->field[row], jets);
+        const jet *hessian_row = append_gradient(system, system->field[row], jets);
         if (!hessian_row) return TVI_ENOMEM;
         (*jets)[row] = system->field[row];
         for (int column = 0; column <= row; column++) append_entry(system, *jets, row, column, hessian_row[column]);
@@ -52,34 +53,34 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
     return jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets);
 }
 
-/* Records a row of g h'' + g' h'^T + h' g'^T, and the component g h' + h g' of the field, which shares operations
- * with it. */
+/* Records a row of g f'' + g' f'^T + f' g'^T, and then the component g f' + f g' of the field, since the two share
+ * operations. */
 static tvi_status record_product_row(tvi_system *system, int row, const jet factor[2], const jet gradient_g[],
-                                     const jet gradient_h[], jet **jets)
+                                     const jet gradient_f[], jet **jets)
 {
-    const jet *hessian_row = record_gradient_after_entries(system, gradient_h[row], jets);
+    const jet *hessian_row = append_gradient(system, gradient_f[row], jets);
     if (!hessian_row) return TVI_ENOMEM;
-    (*jets)[row] = jet_add(jet_mul(factor[0], gradient_h[row]), jet_mul(factor[1], gradient_g[row]));
+    (*jets)[row] = jet_add(jet_mul(factor[0], gradient_f[row]), jet_mul(factor[1], gradient_g[row]));
     for (int column = 0; column <= row; column++) {
         const jet both =
-            jet_add(jet_mul(gradient_g[row], gradient_h[column]), jet_mul(gradient_h[row], gradient_g[column]));
+            jet_add(jet_mul(gradient_g[row], gradient_f[column]), jet_mul(gradient_f[row], gradient_g[column]));
         append_entry(system, *jets, row, column, jet_add(jet_mul(factor[0], hessian_row[column]), both));
     }
     return TVI_OK;
 }
 
-/* Records all rows of g h'' + g' h'^T + h' g'^T, which is K'' where h = 0. */
+/* Records all rows of g f'' + g' f'^T + f' g'^T, which is K'' at states with f = 0. */
 static tvi_status record_product_hessian(tvi_system *system, const jet factor[2], jet **jets)
 {
     const int rows = 2 * system->n;
-    jet *gradient_g = malloc(2 * (size_t)rows * sizeof *gradient_g), *gradient_h = gradient_g + rows;
+    jet *gradient_g = malloc(2 * (size_t)rows * sizeof *gradient_g), *gradient_f = gradient_g + rows;
     if (!gradient_g) return TVI_ENOMEM;
     const bool derived = jet_record_gradient(system->graph, factor[0], rows, gradient_g) &&
-                         jet_record_gradient(system->graph, factor[1], rows, gradient_h);
+                         jet_record_gradient(system->graph, factor[1], rows, gradient_f);
     tvi_status status = derived ? TVI_OK : TVI_ENOMEM;
     system->hessian_entries = 0;
     for (int row = 0; row < rows && status == TVI_OK; row++)
-        status = record_product_row(system, row, factor, gradient_g, gradient_h, jets);
+        status = record_product_row(system, row, factor, gradient_g, gradient_f, jets);
     free(gradient_g);
     return status == TVI_OK ? jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets) : status;
 }

@@ -14,11 +14,11 @@ void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_s
     const size_t slots = (size_t)system->field_series->slots, n = (size_t)system->n;
     legendre->system = system;
     legendre->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
-    legendre->tangents = tvi_arena_doubles(arena, slots * n);
-    legendre->correction = tvi_arena_doubles(arena, n);
-    legendre->moved = tvi_arena_doubles(arena, n);
-    legendre->value = tvi_arena_doubles(arena, n);
-    tvi_factor_allocate(&legendre->slope_factor, arena, system->n);
+    legendre->tangents = tvi_arena_allocate_doubles(arena, slots * n);
+    legendre->correction = tvi_arena_allocate_doubles(arena, n);
+    legendre->moved = tvi_arena_allocate_doubles(arena, n);
+    legendre->value = tvi_arena_allocate_doubles(arena, n);
+    tvi_factor_allocate(&legendre->jacobian_factor, arena, system->n);
     tvi_roundoff_allocate(&legendre->roundoff, arena, system);
 }
 
@@ -48,19 +48,20 @@ tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double 
     return TVI_OK;
 }
 
-/* Factors dy/dx at the point where the transform was evaluated last. */
-static tvi_status factor_slope_matrix(tvi_legendre *legendre)
+/* Computes and factors the Jacobian matrix dy/dx at the point where the transform was evaluated last. */
+static tvi_status factor_jacobian(tvi_legendre *legendre)
 {
     const jet_tape *tape = legendre->system->field_series;
     const int n = legendre->system->n;
     jet_sweep_tangents(tape, legendre->field_block, legendre->tangents, 0, n);
     for (int i = 0; i < n; i++)
-        memcpy(legendre->slope_factor.lu + (size_t)i * (size_t)n,
+        memcpy(legendre->jacobian_factor.lu + (size_t)i * (size_t)n,
                legendre->tangents + (size_t)tape->output_slot[n + i] * (size_t)n, (size_t)n * sizeof(double));
-    return tvi_factor_compute(&legendre->slope_factor);
+    return tvi_factor_compute(&legendre->jacobian_factor);
 }
 
-/* A solution has |y - f(x)| below this part of |y|. If the iteration runs off to infinity, the residual stays large. */
+/* A solution has |y - f(x)| below this part of |y|. If the iteration runs off to infinity, the residual stays
+ * large. */
 static const double SOLVED_RESIDUAL = 1e-6;
 enum { NEWTON_STEPS = 100, HALVINGS = 40, GROWTH_HALVINGS = 12 };
 
@@ -89,19 +90,20 @@ static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, cons
     return status;
 }
 
-/* Computes the Newton correction at x, with a new matrix dy/dx or with the last one. If the new matrix is singular,
- * as that of L = v^4 at rest, the correction is y - f(x) itself. */
-static tvi_status compute_newton_correction(tvi_legendre *legendre, const double y[], bool is_slope_new)
+/* Computes the Newton correction at x, with a new Jacobian matrix dy/dx or with the last one. If the new matrix is
+ * singular, as that of L = v^4 at rest, the correction is y - f(x) itself. */
+static tvi_status compute_newton_correction(tvi_legendre *legendre, const double y[], bool with_new_jacobian)
 {
     const int n = legendre->system->n;
     for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->value[i];
-    const tvi_status status = is_slope_new ? factor_slope_matrix(legendre) : TVI_OK;
-    if (status == TVI_OK) tvi_factor_solve(&legendre->slope_factor, legendre->correction);
+    const tvi_status status = with_new_jacobian ? factor_jacobian(legendre) : TVI_OK;
+    if (status == TVI_OK) tvi_factor_solve(&legendre->jacobian_factor, legendre->correction);
     return status;
 }
 
-/* The matrix dy/dx is used again if the residual is below this part of the residual for which it was computed. */
-static const double SLOPE_REUSE_LIMIT = 1e-3;
+/* The Jacobian matrix dy/dx is used again if the residual is below this part of the residual for which it was
+ * computed. */
+static const double JACOBIAN_REUSE_LIMIT = 1e-3;
 
 /* Corrections that no longer shrink are roundoff if they are below this part of x, or below TVI_ROUNDOFF_UNITS units
  * of the roundoff that y and f(x) cause in them. */
@@ -112,11 +114,11 @@ static double estimate_correction_roundoff(tvi_legendre *legendre, const double 
 {
     const tvi_system *system = legendre->system;
     tvi_roundoff *roundoff = &legendre->roundoff;
-    (void)tvi_roundoff_estimate_of_field(roundoff, system, legendre->field_block, 1, 1);
+    (void)tvi_roundoff_estimate_field(roundoff, system, legendre->field_block, 1, 1);
     for (int i = 0; i < system->n; i++)
         legendre->moved[i] =
-            tvi_roundoff_random_sign(roundoff, roundoff->change[system->n + i] + DBL_EPSILON * fabs(y[i]));
-    tvi_factor_solve(&legendre->slope_factor, legendre->moved);
+            tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[system->n + i] + DBL_EPSILON * fabs(y[i]));
+    tvi_factor_solve(&legendre->jacobian_factor, legendre->moved);
     return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(system->n, legendre->moved, 1);
 }
 
@@ -124,15 +126,13 @@ static double estimate_correction_roundoff(tvi_legendre *legendre, const double 
 static bool is_last_correction(tvi_legendre *legendre, const double x[], const double y[], tvi_passes *passes)
 {
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
-    const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                  .max_contraction = 0.5,
-                                  .stall_ratio = TVI_PASSES_ALL,
-                                  .stall_period = 1};
+    const tvi_passes_rule rule = {
+        .correction_goal = DBL_EPSILON * size, .max_trusted_ratio = 0.5, .stall_ratio = TVI_PASSES_ALL, .stall_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
     return largest <= STALLED_CORRECTION * size ||
-           tvi_passes_are_roundoff(passes, estimate_correction_roundoff(legendre, y));
+           tvi_passes_set_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
@@ -156,7 +156,7 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         const bool is_singular = status == TVI_ESINGULAR && !was_singular && residual > 0;
         if (status != TVI_OK && !is_singular) return status;
         was_singular |= is_singular;
-        reuse_limit = is_singular ? -1 : SLOPE_REUSE_LIMIT * residual;
+        reuse_limit = is_singular ? -1 : JACOBIAN_REUSE_LIMIT * residual;
         if (!is_singular && is_last_correction(legendre, x, y, &passes)) {
             for (int i = 0; i < n; i++) x[i] += legendre->correction[i];
             if (!tvi_all_finite(n, x)) return TVI_ENONFINITE;
@@ -167,8 +167,8 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
-tvi_status tvi_legendre_compute_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
-                                      const double q[], const double p[], double velocity[], double z[])
+tvi_status tvi_legendre_compute_start_data(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
+                                           const double q[], const double p[], double velocity[], double z[])
 {
     const int n = system->n;
     double *z_v = z + n;
@@ -198,10 +198,10 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
 {
     tvi_arena arena = {0};
     tvi_legendre_allocate(legendre, &arena, system);
-    *memory = tvi_arena_allocate_memory(&arena);
+    *memory = tvi_arena_obtain_memory(&arena);
     if (!*memory) return TVI_ENOMEM;
     tvi_legendre_allocate(legendre, &arena, system);
-    tvi_system_prepare_blocks(system, arena.blocks, parameters);
+    tvi_system_prepare_blocks(system, arena.first_block, parameters);
     if (system->form != TVI_SEPARABLE) tvi_legendre_prepare(legendre);
     return TVI_OK;
 }
@@ -232,8 +232,8 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
             if (tvi_legendre_evaluate(&legendre, 0.5, point, point + system->n, point + 2 * system->n) != TVI_OK)
                 continue;
             stated = true;
-            regular = factor_slope_matrix(&legendre) == TVI_OK &&
-                      tvi_factor_least_pivot(&legendre.slope_factor) > CLEARLY_REGULAR;
+            regular = factor_jacobian(&legendre) == TVI_OK &&
+                      tvi_factor_least_pivot(&legendre.jacobian_factor) > CLEARLY_REGULAR;
         }
         system->regular = regular || !stated;
     }

@@ -11,39 +11,40 @@
  * Hamiltonian with x = p, and p = M v of a separable system with x = v. */
 typedef struct {
     const tvi_system *system;
-    /* Block of the field at one point, with q and the argument x as inputs. */
+    /* The block of the field at one point, with q and the argument x as inputs. */
     double *field_block;
-    double *tangents;                   /* Tangents of the block, n directions. */
-    double *correction, *moved, *value; /* [n] scratch */
-    tvi_lu_factor slope_factor;         /* The factored matrix dy/dx = L_vv or H_pp. */
+    double *tangents;                   /* Tangents of the block in n directions, those of x. */
+    double *correction, *moved, *value; /* Scratch vectors with n components. */
+    tvi_lu_factor jacobian_factor;      /* The factored Jacobian matrix dy/dx = L_vv or H_pp. */
     tvi_roundoff roundoff;              /* Estimates the roundoff of the field. */
 } tvi_legendre;
 
 void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system);
+/* Sets the tangents, after the arena has obtained its memory. */
 void tvi_legendre_prepare(tvi_legendre *legendre);
 
-/* Computes y = f(x). TVI_EDOMAIN, TVI_ENONFINITE. */
+/* Computes y = f(x). Returns TVI_EDOMAIN or TVI_ENONFINITE if f has no finite value. */
 TVI_NODISCARD tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double q[], const double x[],
                                                double y[]);
 
-/* Solves f(x) = y for x by Newton's method, from the given x on. Also TVI_ESINGULAR and TVI_ENOCONV, with x
- * undefined. */
+/* Solves f(x) = y for x by Newton's method, which starts from the x that is passed in. Returns TVI_EDOMAIN,
+ * TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV if it fails; x is then undefined. */
 TVI_NODISCARD tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[],
                                             double x[]);
 
 /* Computes the data z [2n] of a curve that starts at (q, p): (q, tau v), or (q, p) of a Hamiltonian. velocity [n] is
  * the first iterate of Newton's method, and its result. Only Lagrangians use `legendre`. */
-TVI_NODISCARD tvi_status tvi_legendre_compute_start(tvi_legendre *legendre, const tvi_system *system, double tau,
-                                                    double t, const double q[], const double p[], double velocity[],
-                                                    double z[]);
+TVI_NODISCARD tvi_status tvi_legendre_compute_start_data(tvi_legendre *legendre, const tvi_system *system, double tau,
+                                                         double t, const double q[], const double p[],
+                                                         double velocity[], double z[]);
 
 /* Creates a transform outside of an integrator, with these values of the parameters; NULL stands for those in the
- * recording. The caller frees *memory. TVI_ENOMEM. */
+ * recording. The caller frees *memory. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
                                              const double parameters[], void **memory);
 
-/* Sets system->regular if dy/dx is regular at one of several points. TVI_ESINGULAR if a Lagrangian is singular at
- * all of them. */
+/* Sets system->regular if dy/dx is regular at one of several points. Returns TVI_ESINGULAR if L_vv of a Lagrangian is
+ * singular at all of them. */
 TVI_NODISCARD tvi_status tvi_legendre_test_regularity(tvi_system *system);
 
 #endif

@@ -8,16 +8,17 @@
 /* The memory in which the derivatives are computed. */
 typedef struct {
     const tvi_system *system;
-    /* Block of the field at one point; NULL for a Lagrangian, whose field is not a function of q and p. */
-    double *block;
+    /* The block of the field at one point. NULL for a Lagrangian, whose field is not a function of q and p. */
+    double *field_block;
 } tvi_rates;
 
-/* Allocates the memory, and sets the parameters. For a Lagrangian, `block` stays NULL. */
+/* Allocates the memory, and sets the parameters. For a Lagrangian, `field_block` stays NULL. */
 TVI_NODISCARD tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const double parameters[]);
 void tvi_rates_set_parameters(tvi_rates *rates, const double parameters[]);
 void tvi_rates_close(tvi_rates *rates);
 
-/* Computes rate [2n] = (q', p') at the state x [2n + 1] = (q, p, t). TVI_EDOMAIN. */
+/* Computes rate [2n] = (q', p') at the state x [2n + 1] = (q, p, t). Returns TVI_EDOMAIN if the field has no
+ * value there. */
 TVI_NODISCARD tvi_status tvi_rates_compute(tvi_rates *rates, const double x[], double rate[]);
 
 #endif

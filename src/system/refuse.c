@@ -10,7 +10,7 @@ tvi_status tvi_refuse_null_pointer(int count, const void *const pointer[], const
     return jet_refuse(TVI_EINVAL, "%s is NULL", name[i]);
 }
 
-tvi_status tvi_refuse_run_arguments(tvi_run_arguments arguments, const char *other)
+tvi_status tvi_refuse_run_arguments(tvi_run_arguments arguments, const char *other_reason)
 {
     const void *const pointer[] = {arguments.integrator, arguments.t, arguments.q, arguments.p};
     static const char *const name[] = {"integrator", "t", "q", "p"};
@@ -18,22 +18,23 @@ tvi_status tvi_refuse_run_arguments(tvi_run_arguments arguments, const char *oth
         if (!pointer[i]) return tvi_refuse_null_pointer(4, pointer, name);
     if (arguments.h == 0) return jet_refuse(TVI_EINVAL, "h is 0");
     if (!isfinite(arguments.h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", arguments.h);
-    return jet_refuse(TVI_EINVAL, "%s", other);
+    return jet_refuse(TVI_EINVAL, "%s", other_reason);
 }
 
-tvi_status tvi_refuse_nonfinite_state(int n, double t, const double q[], const char *name, const double other[])
+tvi_status tvi_refuse_nonfinite_state(int n, double t, const double q[], const char *vector_name, const double vector[])
 {
     if (!isfinite(t)) return jet_refuse(TVI_ENONFINITE, "t = %g is not finite", t);
     for (int i = 0; i < n; i++) {
         if (!isfinite(q[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] = %g is not finite", i, q[i]);
-        if (!isfinite(other[i])) return jet_refuse(TVI_ENONFINITE, "%s[%d] = %g is not finite", name, i, other[i]);
+        if (!isfinite(vector[i]))
+            return jet_refuse(TVI_ENONFINITE, "%s[%d] = %g is not finite", vector_name, i, vector[i]);
     }
     return TVI_OK;
 }
 
-tvi_status tvi_refuse_failed_evaluation(const char *what, tvi_status status)
+tvi_status tvi_refuse_failed_evaluation(const char *evaluated, tvi_status status)
 {
     if (status == TVI_OK) return status;
-    return jet_refuse(status, "%s: %s", what,
+    return jet_refuse(status, "%s: %s", evaluated,
                       status == TVI_EDOMAIN ? jet_last_refusal_text() : tvi_status_string(status));
 }

@@ -1,6 +1,6 @@
 /* rescaled.c - Creates a system in a rescaled time s, dt = g ds, whose steps adapt and stay symplectic
- * (docs/adaptive.md). It has n + 1 coordinates and the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) + e). With e
- * = -H at the start, K is 0 on the orbit, and
+ * (docs/adaptive.md). It has n + 1 coordinates and the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) + e). With
+ * e = -H at the start, K is 0 on the orbit, and
  *     dq/ds = g H_p + (H+e) g_p,  dt/ds = g,  dp/ds = -g H_q - (H+e) g_q,  de/ds = -g H_t - (H+e) g_t.
  * Equal steps in s are symplectic in (q, t, p, e). K and H are recorded from the recording of the system. */
 #include "system/system.h"
@@ -9,32 +9,33 @@
 
 #include <math.h>
 
-/* A system and the time scale with which it is rescaled. */
+/* A system, and the time scale with which it is rescaled. */
 typedef struct {
     const tvi_system *base;
-    tvi_rescale_fn *g; /* The user's time scale; NULL: it is automatic. */
+    tvi_rescale_fn *time_scale; /* The user's time scale g; NULL: it is automatic. */
     void *ctx;
 } rescaled_statement;
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
-/* Tells whether a node is positive wherever it exists. Only the last operations that compute it are examined. */
-static bool is_always_positive(const struct jet_node *z)
+/* Tells whether a node of a graph is positive wherever it has a value. Only the operations that compute it are
+ * examined. A parameter counts as not positive, since it may become negative. */
+static bool is_always_positive(const struct jet_node *node)
 {
-    switch (z->op) {
+    switch (node->op) {
     case OP_EXP:
     case OP_COSH:
     case OP_SQRT:
     case OP_HYPOT: return true;
-    case OP_POW: return z->number != rint(z->number) || is_always_positive(z->a);
-    case OP_SQR: return is_always_positive(z->a);
+    case OP_POW: return node->number != rint(node->number) || is_always_positive(node->a);
+    case OP_SQR: return is_always_positive(node->a);
     case OP_MUL:
-    case OP_DIV: return is_always_positive(z->a) && is_always_positive(z->b);
-    case OP_CONST: return z->number > 0; /* A parameter may become negative. */
+    case OP_DIV: return is_always_positive(node->a) && is_always_positive(node->b);
+    case OP_CONST: return node->number > 0;
     case OP_LINEAR: {
-        bool positive = z->number >= 0 && z->count > 0;
-        for (int i = 0; i < z->count; i++)
-            positive &= z->terms[i].coefficient > 0 && is_always_positive(z->terms[i].node);
+        bool positive = node->number >= 0 && node->count > 0;
+        for (int i = 0; i < node->count; i++)
+            positive &= node->terms[i].coefficient > 0 && is_always_positive(node->terms[i].node);
         return positive;
     }
     default: return false;
@@ -51,14 +52,14 @@ static jet require_positive_scale(jet g)
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
 
 /* Records the two factors of K: factor = {g, H + e}. */
-static void record_factors(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
+static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
     const rescaled_statement *statement = ctx;
     const int n = statement->base->n;
     (void)s;
     const jet H = tvi_record_stated_hamiltonian(q, p, q[n], (void *)statement->base);
-    const jet g =
-        statement->g ? statement->g(q, p, q[n], statement->ctx) : tvi_record_automatic_scale(statement->base, H);
+    const jet g = statement->time_scale ? statement->time_scale(q, p, q[n], statement->ctx)
+                                        : tvi_record_automatic_scale(statement->base, H);
     factor[0] = require_positive_scale(g);
     factor[1] = jet_add(H, p[n]);
 }
@@ -76,7 +77,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaled_statement statement = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_create_rescaled(&stepped, system->n + 1, record_factors, &statement);
+    tvi_status status = tvi_system_create_rescaled(&stepped, system->n + 1, record_factors_of_K, &statement);
     if (status == TVI_EDOMAIN && !g)
         return jet_refuse(status, "K = g (H + e): the automatic g has no value (give a g of your own): %s",
                           jet_last_refusal_text());
@@ -84,7 +85,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     stepped->regular = false; /* K_ee = 0 */
     stepped->is_automatic = !g;
     stepped->compares_movements = system->has_masses;
-    tvi_system_split_time_from_tail(stepped);
+    tvi_system_separate_time_in_tail(stepped);
     status = tvi_system_hamiltonian(&rescaled, system->n, tvi_record_stated_hamiltonian, (void *)system);
     if (status != TVI_OK) {
         tvi_system_free(stepped);

@@ -11,35 +11,35 @@ enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
 {
     const size_t slots = (size_t)system->field_series->slots;
-    roundoff->change = tvi_arena_doubles(arena, (size_t)tvi_system_output_count(system));
+    roundoff->field_change = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
     roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
-    roundoff->tangents = tvi_arena_doubles(arena, slots * SAMPLES);
+    roundoff->tangents = tvi_arena_allocate_doubles(arena, slots * SAMPLES);
 }
 
-double tvi_roundoff_random_sign(tvi_roundoff *roundoff, double size)
+double tvi_roundoff_sign_randomly(tvi_roundoff *roundoff, double size)
 {
-    roundoff->random = roundoff->random * 1664525u + 1013904223u;
-    return roundoff->random >> 31 ? -size : size;
+    roundoff->random_state = roundoff->random_state * 1664525u + 1013904223u;
+    return roundoff->random_state >> 31 ? -size : size;
 }
 
-/* Tells whether the operation only multiplies by a power of two, which is exact. */
-static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, int i)
+/* Tells whether an operation of a run only multiplies by a power of two, which is exact. */
+static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, int operation)
 {
     int exponent;
-    return run->op == OP_LINEAR && run->terms == 1 && tape->constant_terms[run->first_constant_term + i] == 0 &&
-           fabs(frexp(tape->term_coefficient[run->term + i], &exponent)) == 0.5;
+    return run->op == OP_LINEAR && run->terms == 1 && tape->constant_terms[run->first_constant_term + operation] == 0 &&
+           fabs(frexp(tape->term_coefficient[run->term + operation], &exponent)) == 0.5;
 }
 
-/* Returns the magnitude to which the roundoff of operation i of the run is relative: that of its result, or for a
- * sum that of its terms. */
-static double roundoff_scale(const jet_tape *tape, const jet_run *run, int i, const double *x)
+/* Returns the magnitude to which the roundoff of an operation of a run is relative: the magnitude of its result, or
+ * for a sum that of its terms. */
+static double roundoff_scale(const jet_tape *tape, const jet_run *run, int operation, const double *x)
 {
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
-    if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + i]);
-    if (is_multiplication_exact(tape, run, i)) return 0;
-    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant_term + i]) : 0;
+    if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + operation]);
+    if (is_multiplication_exact(tape, run, operation)) return 0;
+    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant_term + operation]) : 0;
     for (int term = 0; term < run->terms; term++) {
-        const int k = run->term + term + (is_linear ? i * run->terms : 0), at = is_linear ? 0 : i;
+        const int k = run->term + term + (is_linear ? operation * run->terms : 0), at = is_linear ? 0 : operation;
         const double a = x[tape->term_slot[k] + at];
         const double b = is_linear ? 1 : is_products ? x[tape->term_operand_b[k] + at] : a;
         sum += fabs(tape->term_coefficient[k] * a * b);
@@ -59,50 +59,52 @@ static void add_roundoff_unit(const double *x, double *dx, int slot, double size
         dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
 }
 
-void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double sizes[], const double *x, double *dx)
+void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double input_sizes[], const double *x, double *dx)
 {
     memset(dx, 0, (size_t)inputs * SAMPLES * sizeof *dx);
-    for (int i = 0; i < inputs; i++) add_roundoff_unit(x, dx, i, sizes ? sizes[i] : fabs(x[i]));
+    for (int i = 0; i < inputs; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->runs; r++) {
-        jet_tape one = *tape;
-        one.sweeps = tape->interpreter_sweeps; /* Generated code cannot run a part of a tape. */
-        one.run = tape->run + r;
-        one.runs = 1;
-        jet_sweep_tangents(&one, x, dx, 0, SAMPLES);
-        for (int i = 0; i < one.run->operation_count; i++)
-            add_roundoff_unit(x, dx, one.run->z + i, roundoff_scale(tape, one.run, i, x));
+        jet_tape one_run = *tape;
+        one_run.sweeps = tape->interpreter_sweeps; /* Generated code cannot run a part of a tape. */
+        one_run.run = tape->run + r;
+        one_run.runs = 1;
+        jet_sweep_tangents(&one_run, x, dx, 0, SAMPLES);
+        for (int i = 0; i < one_run.run->operation_count; i++)
+            add_roundoff_unit(x, dx, one_run.run->z + i, roundoff_scale(tape, one_run.run, i, x));
     }
 }
 
-int tvi_roundoff_estimate_of_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
-                                   int points)
+int tvi_roundoff_estimate_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
+                                int points)
 {
     const jet_tape *tape = system->field_series;
     const int outputs = tvi_system_output_count(system);
-    roundoff->random = 1;
-    memset(roundoff->change, 0, (size_t)outputs * sizeof *roundoff->change);
+    roundoff->random_state = 1;
+    memset(roundoff->field_change, 0, (size_t)outputs * sizeof *roundoff->field_change);
     for (int point = 0; point < points; point++) {
         for (int i = 0; i < system->inputs + system->uses_time; i++)
             roundoff->field_block[i] = inputs[i * lanes + point];
         if (!jet_sweep_values(tape, roundoff->field_block, 1)) continue;
         tvi_roundoff_sweep_tape(tape, system->inputs, NULL, roundoff->field_block, roundoff->tangents);
         for (int i = 0; i < outputs; i++)
-            roundoff->change[i] =
-                fmax(roundoff->change[i],
+            roundoff->field_change[i] =
+                fmax(roundoff->field_change[i],
                      tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output_slot[i] * SAMPLES, 1));
     }
     return points * (1 + SAMPLES);
 }
 
-static bool are_close_to_start(int n, double size, const double start[], const double *rows, int lanes, int points)
+/* Tells whether all points of the rows [n][lanes] differ from the start by at most this distance in each
+ * component. */
+static bool are_close_to_start(int n, double distance, const double start[], const double *rows, int lanes, int points)
 {
     for (int i = 0; i < n; i++)
         for (int point = 0; point < points; point++)
-            if (!(fabs(rows[i * lanes + point] - start[i]) <= size)) return false;
+            if (!(fabs(rows[i * lanes + point] - start[i]) <= distance)) return false;
     return true;
 }
 
-/* The motion counts as small even if it is up to this many times as fast as the velocity at the start. */
+/* The motion counts as small up to this multiple of |h v_start|. */
 enum { SPEED_GROWTH = 4 };
 
 bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],

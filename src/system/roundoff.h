@@ -1,52 +1,55 @@
-/* roundoff.h - Estimates the roundoff in the values of a field: the effect of a unit of roundoff in each input and
- * in each operation that computes it (docs/method.md, section 5). Iterations call it to learn whether corrections
- * that no longer shrink are roundoff. */
+/* roundoff.h - Estimates the roundoff in the values of a field: the effect of a unit of roundoff in each input, and
+ * in each operation that computes the values (docs/method.md, section 5). Iterations call it to learn whether
+ * corrections that no longer shrink are roundoff. */
 #ifndef TVI_SRC_SYSTEM_ROUNDOFF_H
 #define TVI_SRC_SYSTEM_ROUNDOFF_H
 
 #include "system/system.h"
 
-/* Corrections that no longer shrink count as roundoff if they are at most this many units of it. Near equilibria one
- * in a hundred was larger, which costs a pass or a Jacobian matrix. A correction below this limit does no harm even
- * if it is not roundoff. */
+/* Corrections that no longer shrink count as roundoff if they are at most this many times the estimate. Near
+ * equilibria, one in a hundred corrections by roundoff was larger than this, which costs a pass or a Jacobian matrix.
+ * A correction below this limit does no harm even if it is not roundoff. */
 static const double TVI_ROUNDOFF_UNITS = 32;
 
 /* The memory in which roundoff is estimated. */
 typedef struct {
-    double *change;      /* [outputs of the field] The estimate. */
-    double *field_block; /* Block of the field's series at one point. */
+    double *field_change; /* [outputs of the field] The estimate of the change of each output by roundoff. */
+    double *field_block;  /* The block of the field's series at one point. */
     /* Tangents of the block, one for each random choice of the signs of the rounding errors. */
     double *tangents;
-    /* State of a pseudo-random sequence. Each estimate restarts the sequence, so that no step depends on steps
-     * before. */
-    unsigned random;
+    /* The state of a pseudo-random sequence. Each estimate restarts the sequence, so that no step depends on earlier
+     * steps. */
+    unsigned random_state;
 } tvi_roundoff;
 
 /* The number of random choices of signs. With a single one the contributions to a sum might cancel. */
 enum { TVI_ROUNDOFF_SAMPLES = 4 };
 
-/* Computes dx [slots][TVI_ROUNDOFF_SAMPLES], the effect on every slot of a unit of roundoff in each input and in
- * each operation. The roundoff of an input is relative to sizes [inputs], or to the input itself if `sizes` is NULL.
- * x [slots] contains the values, in a block of a tape of series. The caller has set dx of the constants to 0. */
-void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double sizes[], const double *x, double *dx);
+/* Computes dx [slots][TVI_ROUNDOFF_SAMPLES], the effect on every slot of a unit of roundoff in each input and in each
+ * operation. The roundoff of an input is relative to input_sizes [inputs], or to the input itself if input_sizes is
+ * NULL. x [slots] contains the values, in a block of a tape of series. The caller has set dx of the constants to
+ * 0. */
+void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double input_sizes[], const double *x, double *dx);
 
+/* Allocates the memory in an arena. */
 void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system);
 
-/* Computes change[i]: the largest change of output i of the field at any of the points, if each coordinate,
+/* Computes field_change[i]: the largest change of output i of the field at any of the points, if each coordinate,
  * velocity, momentum and result of an operation changes by a unit of its own roundoff. Roundoff of the time is left
  * out, since the time is the same in all passes of a step. The roundoff of a sum is that of its terms. inputs[i *
  * lanes + point] are the inputs of the field, followed by the time if it is used. The change is 0 at points where
  * the field has no value. Returns the number of evaluations of the field. */
-int tvi_roundoff_estimate_of_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
-                                   int points);
+int tvi_roundoff_estimate_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
+                                int points);
 
-/* Returns `size` with the next random sign. tvi_roundoff_estimate_of_field has restarted the sequence. */
-double tvi_roundoff_random_sign(tvi_roundoff *roundoff, double size);
+/* Returns `size` with the next random sign. tvi_roundoff_estimate_field has restarted the sequence. */
+double tvi_roundoff_sign_randomly(tvi_roundoff *roundoff, double size);
 
-/* Tells whether the motion in a step is so small that the roundoff at its nodes may exceed it. It is, if q, rows
- * [n][lanes] with `points` columns, stays closer to the start than the distance of the start from the origin plus
- * the way that the initial velocity leads. It also is, if p stays closer to its start than that is to 0; p is not
- * used in a separable system. Passes that diverge to where the field is nothing but roundoff do not count. */
+/* Tells whether the motion in a step is so small that roundoff at the nodes may exceed it. This is the case if the
+ * coordinates, rows q [n][lanes] with `points` columns, stay closer to q_start than |q_start| plus a multiple of |h
+ * v_start|, or if the momenta p stay closer to p_start than |p_start|. The velocities of a system that is not
+ * separable count as 0, and the momenta of a separable system are not used. The caller needs this to exclude passes
+ * that have diverged to states at which the field is nothing but roundoff. */
 bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
                                   const double *q, const double *p, int lanes, int points);
 

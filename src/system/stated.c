@@ -3,14 +3,15 @@
 
 #include <stdlib.h>
 
-/* Records V, L or H, as the user stated it, at (q, v or p, t). NULL in the place of v or p stands for zeros. */
+/* Records V, L or H, as the user stated it, at (q, t) and the velocities v or momenta p. NULL stands for velocities
+ * or momenta that are 0: calloc makes each input the number 0. */
 static jet record_stated_function(const tvi_system *base, const jet q[], const jet velocities[], jet t)
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = base->energy_inputs;
     jet_graph *graph;
     const jet refused = jet_find_graph_or_poison(1, q, &graph);
     if (refused.node) return refused;
-    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* All are the number 0 at first. */
+    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate;
     if (!input) return jet_make_poison(JET_NO_MEMORY);
     for (int i = 0; i < n; i++) input[i] = q[i];
     for (int i = n; i < time_index && velocities; i++) input[i] = velocities[i - n];

@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The user's statement of a system. Exactly one of the first five functions is set, or `base`, the system to lift. */
+/* The user's statement of a system. Exactly one of `force`, `potential`, `lagrangian`, `hamiltonian`, `factors` and
+ * `base` is set. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
@@ -17,9 +18,9 @@ typedef struct {
     tvi_factors_fn *factors;
     const double *mass;
     void *ctx;
-    const tvi_system *base;
-    bool has_paired_momenta; /* The lift is not separable; its momenta are conjugate to its coordinates. */
-    tvi_drive_fn *drive;     /* Forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
+    const tvi_system *base;     /* The system to lift. */
+    bool has_conjugate_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
+    tvi_drive_fn *drive;        /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
 } system_statement;
 
@@ -28,10 +29,10 @@ typedef struct {
     tvi_system *system;
     /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
     jet *q, *v, *r, t;
-    jet scalar;           /* V, L or H. */
-    jet *field;           /* [2n] The field, which belongs to the system. */
-    jet *gradient_of_rHp; /* [2n] The gradient of r.H_p. */
-    jet *hessian;         /* [2n + hessian_entries] The field, then the second derivatives. */
+    jet stated;                /* V, L or H, as the user stated it. */
+    jet *field;                /* [2n] The field, which belongs to the system. */
+    jet *gradient_of_r_dot_Hp; /* [2n] The gradient of r.H_p. */
+    jet *field_and_hessian;    /* [2n + hessian_entries] The field, and then the second derivatives. */
 } system_recording;
 
 static tvi_status check_masses(int n, const double mass[])
@@ -55,7 +56,7 @@ static const char *statement_name(const system_statement *statement)
 static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
     const bool general =
-        statement->lagrangian || statement->hamiltonian || statement->factors || statement->has_paired_momenta;
+        statement->lagrangian || statement->hamiltonian || statement->factors || statement->has_conjugate_momenta;
     const size_t count = (size_t)n;
     tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -66,8 +67,8 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     recording->q = malloc(3 * count * sizeof *recording->q);
     recording->field = system->field = malloc(2 * count * sizeof *recording->field);
-    recording->gradient_of_rHp = malloc(2 * count * sizeof *recording->gradient_of_rHp);
-    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->gradient_of_rHp)
+    recording->gradient_of_r_dot_Hp = malloc(2 * count * sizeof *recording->gradient_of_r_dot_Hp);
+    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->gradient_of_r_dot_Hp)
         return TVI_ENOMEM;
     jet_graph_set_output_name(system->graph, statement_name(statement));
     recording->v = recording->q + n;
@@ -85,14 +86,15 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
 
 /* ---- From each statement to a form ------------------------------------------------------------------------------- */
 
-/* Records out [2n], the gradient of x by q and v, or by q and p. */
-static tvi_status record_full_gradient(const system_recording *recording, jet x, jet out[])
+/* Records gradient [2n], the gradient of *x by q and v, or by q and p. */
+static tvi_status record_full_gradient(const system_recording *recording, jet *x, jet gradient[])
 {
     tvi_system *system = recording->system;
-    if (!jet_record_gradient(system->graph, x, 2 * system->n, out)) return TVI_ENOMEM;
-    tvi_status status = TVI_OK;
+    tvi_status status = jet_graph_accept_outputs(system->graph, 1, x);
+    if (status != TVI_OK) return status;
+    if (!jet_record_gradient(system->graph, *x, 2 * system->n, gradient)) return TVI_ENOMEM;
     for (int i = 0; i < 2 * system->n && status == TVI_OK; i++) {
-        jet component = out[i]; /* Numbers in `out` stay numbers. */
+        jet component = gradient[i]; /* A component that is a number stays a number, and needs no node of the graph. */
         status = jet_graph_accept_outputs(system->graph, 1, &component);
     }
     return status;
@@ -102,19 +104,19 @@ static tvi_status record_full_gradient(const system_recording *recording, jet x,
 static tvi_status record_force(system_recording *recording)
 {
     tvi_system *system = recording->system;
-    return jet_record_gradient(system->graph, jet_neg(recording->scalar), system->n, recording->field) ? TVI_OK
+    return jet_record_gradient(system->graph, jet_neg(recording->stated), system->n, recording->field) ? TVI_OK
                                                                                                        : TVI_ENOMEM;
 }
 
 static tvi_status record_potential(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
-    recording->scalar = statement->potential(recording->q, recording->t, statement->ctx);
-    const tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
+    recording->stated = statement->potential(recording->q, recording->t, statement->ctx);
+    const tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->stated);
     return status == TVI_OK ? record_force(recording) : status;
 }
 
-/* Adds driving forces to dp/dt, which is `sign` times the first half of the field. The system is then not separable. */
+/* Adds driving forces to dp/dt, which is `sign` times the first half of the field. */
 static tvi_status add_driving_force(system_recording *recording, const system_statement *statement, const jet v[],
                                     double sign)
 {
@@ -137,10 +139,10 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
 static tvi_status find_masses(const system_recording *recording, const system_statement *statement, bool *separable)
 {
     tvi_system *system = recording->system;
-    const jet *linear = recording->field + system->n;
+    const jet *velocity_field = recording->field + system->n;
     tvi_status status = TVI_OK;
-    if (!statement->drive) status = tvi_system_find_separable(system, linear, recording->field, separable);
-    if (status == TVI_OK && !*separable) tvi_system_find_inertia(system, linear);
+    if (!statement->drive) status = tvi_system_test_separable(system, velocity_field, recording->field, separable);
+    if (status == TVI_OK && !*separable) tvi_system_find_masses(system, velocity_field);
     else system->has_masses = *separable;
     return status;
 }
@@ -150,27 +152,25 @@ static tvi_status find_masses(const system_recording *recording, const system_st
 static tvi_status record_lagrangian(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
-    recording->scalar = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
-    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
-    if (status == TVI_OK) status = record_full_gradient(recording, recording->scalar, recording->field);
+    recording->stated = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = record_full_gradient(recording, &recording->stated, recording->field);
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive) status = add_driving_force(recording, statement, recording->v, 1);
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
-    return tvi_hessian_record(system, &recording->hessian);
+    return tvi_hessian_record(system, &recording->field_and_hessian);
 }
 
 /* Records the gradient of r.H_p. */
-static tvi_status record_gradient_of_rHp(system_recording *recording)
+static tvi_status record_gradient_of_r_dot_Hp(system_recording *recording)
 {
     tvi_system *system = recording->system;
     const int n = system->n;
     jet along = jet_dot(recording->r, recording->field + n, n);
-    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &along);
-    if (status == TVI_OK) status = record_full_gradient(recording, along, recording->gradient_of_rHp);
-    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, 2 * n, recording->gradient_of_rHp) : status;
+    const tvi_status status = record_full_gradient(recording, &along, recording->gradient_of_r_dot_Hp);
+    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, 2 * n, recording->gradient_of_r_dot_Hp) : status;
 }
 
 static tvi_status record_factored_hamiltonian(system_recording *recording, const system_statement *statement)
@@ -178,12 +178,11 @@ static tvi_status record_factored_hamiltonian(system_recording *recording, const
     tvi_system *system = recording->system;
     jet factor[2];
     statement->factors(recording->q, recording->v, recording->t, statement->ctx, factor);
-    recording->scalar = jet_mul(factor[0], factor[1]);
+    recording->stated = jet_mul(factor[0], factor[1]);
     system->form = TVI_HAMILTONIAN;
-    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
-    if (status == TVI_OK) status = record_full_gradient(recording, recording->scalar, recording->field);
-    if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->hessian);
-    return status == TVI_OK ? record_gradient_of_rHp(recording) : status;
+    tvi_status status = record_full_gradient(recording, &recording->stated, recording->field);
+    if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->field_and_hessian);
+    return status == TVI_OK ? record_gradient_of_r_dot_Hp(recording) : status;
 }
 
 /* Records the field (H_q, H_p). The system is separable if H_p = M^-1 p and H_q does not depend on p; then F = -H_q
@@ -192,9 +191,8 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
 {
     tvi_system *system = recording->system;
     const int n = system->n;
-    recording->scalar = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
-    tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->scalar);
-    if (status == TVI_OK) status = record_full_gradient(recording, recording->scalar, recording->field);
+    recording->stated = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = record_full_gradient(recording, &recording->stated, recording->field);
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive)
@@ -203,7 +201,7 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
     for (int i = 0; i < n && system->has_masses; i++) system->mass[i] = 1 / system->mass[i];
     if (separable) return record_force(recording);
     system->form = TVI_HAMILTONIAN;
-    return record_gradient_of_rHp(recording);
+    return record_gradient_of_r_dot_Hp(recording);
 }
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
@@ -246,10 +244,10 @@ static void set_lift_field(system_recording *recording, const tvi_system *base, 
 }
 
 /* Records the parameters of the lift: the values of the base, then their rates, which are 0 unless they are set. */
-static void add_lift_parameters(const system_recording *recording, int parameters, jet parameter_direction[])
+static void add_lift_parameters(const system_recording *recording, int parameter_count, jet parameter_direction[])
 {
-    for (int i = 0; i < parameters; i++)
-        parameter_direction[i] = jet_graph_record_parameter(recording->system->graph, parameters + i, 0);
+    for (int i = 0; i < parameter_count; i++)
+        parameter_direction[i] = jet_graph_record_parameter(recording->system->graph, parameter_count + i, 0);
 }
 
 static tvi_status record_lift(system_recording *recording, const system_statement *statement)
@@ -258,8 +256,8 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     tvi_system *system = recording->system;
     const int parameters = jet_graph_parameter_count(base->graph);
     system->regular = base->regular;
-    system->has_masses = !statement->has_paired_momenta;
-    if (statement->has_paired_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
+    system->has_masses = !statement->has_conjugate_momenta;
+    if (!system->has_masses) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->inputs;
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
@@ -274,13 +272,13 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     /* The Hamiltonian of the lift is the derivative of H along the tangent vector. */
     if (lifted && base->form == TVI_HAMILTONIAN)
         lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction, 1,
-                                                &base->stated, value, &recording->scalar);
+                                                &base->stated, value, &recording->stated);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    if (base->form == TVI_HAMILTONIAN && jet_graph_accept_outputs(system->graph, 1, &recording->scalar) != TVI_OK)
+    if (base->form == TVI_HAMILTONIAN && jet_graph_accept_outputs(system->graph, 1, &recording->stated) != TVI_OK)
         return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN  ? record_gradient_of_rHp(recording)
-           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->hessian)
+    return system->form == TVI_HAMILTONIAN  ? record_gradient_of_r_dot_Hp(recording)
+           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
                                             : TVI_OK;
 }
 
@@ -311,19 +309,20 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     system->compares_movements = system->has_masses;
     system->uses_time = system->field_series->inputs > outputs;
     if (system->form == TVI_HAMILTONIAN) {
-        system->bend_values =
-            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->gradient_of_rHp, JET_TAPE_VALUES);
-        if (!system->bend_values) return TVI_ENOMEM;
+        system->r_dot_Hp_values =
+            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->gradient_of_r_dot_Hp, JET_TAPE_VALUES);
+        if (!system->r_dot_Hp_values) return TVI_ENOMEM;
     }
-    if (recording->hessian && tvi_hessian_create_tape(system, recording->hessian) != TVI_OK) return TVI_ENOMEM;
+    if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
     if (statement->force || (statement->base && statement->base->form != TVI_HAMILTONIAN)) return TVI_OK;
     system->energy_inputs = statement->potential ? n : 2 * n;
-    system->stated = recording->scalar;
-    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &recording->scalar, JET_TAPE_VALUES);
+    system->stated = recording->stated;
+    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &recording->stated, JET_TAPE_VALUES);
     return system->energy ? TVI_OK : TVI_ENOMEM;
 }
 
-static tvi_status record_system(tvi_system **out, int n, const system_statement *statement)
+/* Records a valid statement, and creates its tapes. */
+static tvi_status record_system_and_tapes(tvi_system **out, int n, const system_statement *statement)
 {
     *out = NULL;
     system_recording recording = {0};
@@ -332,14 +331,15 @@ static tvi_status record_system(tvi_system **out, int n, const system_statement 
     if (status == TVI_OK) status = create_tapes(&recording, statement);
     if (status == TVI_OK && !statement->base) status = tvi_legendre_test_regularity(recording.system);
     free(recording.q);
-    free(recording.gradient_of_rHp);
-    free(recording.hessian);
+    free(recording.gradient_of_r_dot_Hp);
+    free(recording.field_and_hessian);
     if (status == TVI_OK) *out = recording.system;
     else tvi_system_free(recording.system);
     return jet_explain_out_of_memory(status);
 }
 
-static tvi_status create_system(tvi_system **out, int n, const system_statement *statement)
+/* Creates a system after it has checked the statement. */
+static tvi_status create_system_from_statement(tvi_system **out, int n, const system_statement *statement)
 {
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
@@ -348,39 +348,39 @@ static tvi_status create_system(tvi_system **out, int n, const system_statement 
         !statement->factors)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
     const tvi_status status = check_masses(n, statement->mass);
-    return status == TVI_OK ? record_system(out, n, statement) : status;
+    return status == TVI_OK ? record_system_and_tapes(out, n, statement) : status;
 }
 
 tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
 {
-    const bool has_paired_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
-    return record_system(out, 2 * system->n,
-                         &(system_statement){.base = system, .has_paired_momenta = has_paired_momenta});
+    const bool has_conjugate_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
+    return record_system_and_tapes(out, 2 * system->n,
+                                   &(system_statement){.base = system, .has_conjugate_momenta = has_conjugate_momenta});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
 {
-    return create_system(out, n, &(system_statement){.force = force, .mass = mass, .ctx = ctx});
+    return create_system_from_statement(out, n, &(system_statement){.force = force, .mass = mass, .ctx = ctx});
 }
 
 tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential, void *ctx)
 {
-    return create_system(out, n, &(system_statement){.potential = potential, .mass = mass, .ctx = ctx});
+    return create_system_from_statement(out, n, &(system_statement){.potential = potential, .mass = mass, .ctx = ctx});
 }
 
 tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx)
 {
-    return create_system(out, n, &(system_statement){.lagrangian = lagrangian, .ctx = ctx});
+    return create_system_from_statement(out, n, &(system_statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
 tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
-    return create_system(out, n, &(system_statement){.factors = factors, .ctx = ctx});
+    return create_system_from_statement(out, n, &(system_statement){.factors = factors, .ctx = ctx});
 }
 
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
 {
-    return create_system(out, n, &(system_statement){.hamiltonian = hamiltonian, .ctx = ctx});
+    return create_system_from_statement(out, n, &(system_statement){.hamiltonian = hamiltonian, .ctx = ctx});
 }
 
 tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx)
@@ -396,5 +396,5 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
     system_statement statement = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
     if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_stated_lagrangian;
     else statement.hamiltonian = tvi_record_stated_hamiltonian;
-    return create_system(out, system->n, &statement);
+    return create_system_from_statement(out, system->n, &statement);
 }

@@ -13,11 +13,12 @@ static int find_set(int set_parent[], int slot)
     return slot;
 }
 
+/* Unites the sets of two slots. The first slot of the united set is the smaller one of the two. */
 static void unite_sets(int set_parent[], int a, int b)
 {
-    const int of_a = find_set(set_parent, a), of_b = find_set(set_parent, b);
-    if (of_a < of_b) set_parent[of_b] = of_a;
-    else set_parent[of_a] = of_b;
+    const int first_of_a = find_set(set_parent, a), first_of_b = find_set(set_parent, b);
+    if (first_of_a < first_of_b) set_parent[first_of_b] = first_of_a;
+    else set_parent[first_of_a] = first_of_b;
 }
 
 /* Unites the sets of each result and its operands. Operands that do not depend on the state (constants, functions of
@@ -41,14 +42,14 @@ static void unite_components(const tvi_system *system, const bool depends[], int
 }
 
 /* Lists the components of each set; the sets are ordered by their first components. counts [n] is scratch, all 0. */
-static void list_members(tvi_subsystems *subsystems, int n, int set_parent[], int counts[])
+static void list_components(tvi_subsystems *subsystems, int n, int set_parent[], int counts[])
 {
-    int members = 0;
+    int component_count = 0;
     for (int i = 0; i < n; i++) counts[find_set(set_parent, i)]++;
     for (int i = 0; i < n; i++) {
         if (counts[i] == 0) continue;
-        const int begin = members;
-        subsystems->end[subsystems->count++] = members += counts[i];
+        const int begin = component_count;
+        subsystems->end[subsystems->count++] = component_count += counts[i];
         counts[i] = begin;
     }
     for (int i = 0; i < n; i++) subsystems->component[counts[find_set(set_parent, i)]++] = i;
@@ -77,7 +78,7 @@ tvi_status tvi_system_find_subsystems(tvi_system *system)
         jet_tape_mark_dependents(tape, depends);
         unite_operations(tape, depends, set_parent);
         unite_components(system, depends, set_parent);
-        list_members(subsystems, system->n, set_parent, counts);
+        list_components(subsystems, system->n, set_parent, counts);
         memcpy(tail_parts->component, subsystems->component, n * sizeof *subsystems->component);
         memcpy(tail_parts->end, subsystems->end, n * sizeof *subsystems->end);
         tail_parts->count = subsystems->count;
@@ -88,7 +89,7 @@ tvi_status tvi_system_find_subsystems(tvi_system *system)
     return has_memory ? TVI_OK : TVI_ENOMEM;
 }
 
-void tvi_system_split_time_from_tail(tvi_system *system)
+void tvi_system_separate_time_in_tail(tvi_system *system)
 {
     tvi_subsystems *parts = &system->tail_parts;
     const int n = system->n;

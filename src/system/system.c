@@ -9,7 +9,7 @@ void tvi_system_free(tvi_system *system)
     if (system->stepped != system) tvi_system_free(system->stepped);
     jet_tape_free(system->field_series);
     jet_tape_free(system->field_values);
-    jet_tape_free(system->bend_values);
+    jet_tape_free(system->r_dot_Hp_values);
     jet_tape_free(system->hessian_values);
     free(system->hessian);
     jet_tape_free(system->energy);
@@ -33,7 +33,7 @@ int tvi_system_parameters(const tvi_system *system)
 
 void tvi_system_prepare_blocks(const tvi_system *system, const tvi_block *blocks, const double parameters[])
 {
-    tvi_blocks_prepare(blocks);
+    tvi_blocks_set_constants(blocks);
     if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), 1, parameters);
 }
 

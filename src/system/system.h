@@ -28,30 +28,33 @@ struct tvi_system {
      * rescaled (rescaled.c). */
     tvi_system *stepped;
     tvi_form form;
-    /* Number of the field's inputs without the time. If the time is used, it is the next input. */
+    /* The number of inputs of the field without the time. If the time is used, it is the next input. */
     int inputs;
     bool uses_time; /* The field depends on t. */
     bool is_driven; /* The field contains forces that do not come from the energy. */
-    /* [n] Masses of a separable system, and of others with has_masses. */
+    /* [n] The masses of a separable system, and of others with has_masses. */
     double *mass;
     /* p = M v + f(q, t) with M diagonal and constant, as in a rotating frame or in a driven system. */
     bool has_masses;
-    /* The parts of the tail are compared by the movements of the coordinates (algebra/tail.h). */
+    /* The shares of components in the tail are computed from movements and masses, without momenta
+     * (algebra/tail.h). */
     bool compares_movements;
-    tvi_subsystems parts;
-    /* The same for the tail, in which the time of a rescaled system is a part of its own. */
+    tvi_subsystems parts; /* The subsystems that do not interact. */
+    /* The subsystems for the tail: those of `parts`, except that the time of a rescaled system is a subsystem of its
+     * own. */
     tvi_subsystems tail_parts;
     /* L_vv of the Lagrangian, or H_pp of the Hamiltonian, is regular somewhere. */
     bool regular;
     bool is_automatic; /* The time scale in K is the automatic one (automatic.h). */
-    /* The closed recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
+    /* The finished recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
     jet_graph *graph;
-    /* [inputs] Outputs of the field in the graph. */
+    /* [inputs] The outputs of the field in the graph. */
     jet *field;
-    jet_tape *field_series;
-    jet_tape *field_values;
-    /* Hamiltonian: the gradient of r.H_p in q and p, for truncated nodes. The inputs are q, p, t, r. */
-    jet_tape *bend_values;
+    jet_tape *field_series; /* Computes the Taylor series of the field. */
+    jet_tape *field_values; /* Computes the values of the field. */
+    /* Computes the gradient of r.H_p by q and p, which truncated nodes of a Hamiltonian need. The inputs are q, p, t,
+     * r. */
+    jet_tape *r_dot_Hp_values;
     /* Computes the field and then second derivatives. Lagrangian: those of L in (q, v) that are not 0 everywhere,
      * one of each symmetric pair. Hamiltonian: those that hessian.h describes, or NULL. */
     jet_tape *hessian_values;
@@ -64,12 +67,13 @@ struct tvi_system {
     jet stated;
     /* -1 if a Lagrangian became separable, since the energy tape then gives -V; otherwise 1. */
     double energy_sign;
-    const struct tvi_code *code; /* Generated code that runs the tapes; NULL: they are interpreted. */
-    /* Number of inputs of the energy tape without t: n or 2n. To get V, v or p is set to 0. */
+    const struct tvi_code *code; /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
+    /* The number of inputs of the energy tape without t: n, or 2n. In a separable system with 2n inputs, V is the
+     * energy at v = 0 or p = 0, up to its sign. */
     int energy_inputs;
 };
 
-/* Creates a system with the Hamiltonian g h, factor = {g, h}, for solutions with h = 0. It has second derivatives if
+/* Creates a system with the Hamiltonian g f, factor = {g, f}, for solutions with f = 0. It has second derivatives if
  * they are cheap (hessian.h). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
 TVI_NODISCARD tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
@@ -82,31 +86,34 @@ TVI_NODISCARD tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi
 typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
 TVI_NODISCARD tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
 
-/* Prepares the blocks of the system's tapes, with these values of the parameters. NULL stands for those in the
+/* Sets the constants and parameters of the blocks of the system's tapes. parameters NULL stands for the values in the
  * recording. */
 void tvi_system_prepare_blocks(const tvi_system *system, const tvi_block *blocks, const double parameters[]);
-/* Reads the recorded values of all parameters. Elements of `value` for which no function has a parameter stay as
- * they are. */
+/* Reads the recorded values of all parameters. Elements of `value` that belong to no recorded parameter
+ * stay as they are. */
 void tvi_system_read_recorded_parameters(const tvi_system *system, double value[]);
 
-/* Record H, or L of a Lagrangian, of the system `ctx`, which has an energy. H of a separable system is sum p_i^2 /
- * (2 m_i) + V. */
+/* Record H, or L of a Lagrangian. `ctx` is the system (const tvi_system *), which must have an energy. H of a
+ * separable system is sum p_i^2 / (2 m_i) + V. */
 jet tvi_record_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
 jet tvi_record_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 
-/* Tells whether `linear` [n] = diag(d) v with d > 0, and no component of `other` [n] depends on v. v are the inputs
- * n .. 2n - 1 of the open recording. If so, it sets system->mass = d. TVI_ENOMEM. */
-TVI_NODISCARD tvi_status tvi_system_find_separable(tvi_system *system, const jet linear[], const jet other[],
-                                                   bool *separable);
+/* Sets *is_separable if velocity_field [n] = diag(d) v with d > 0, and no component of other_field [n] depends on v.
+ * Here v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Then it sets system->mass
+ * = d. */
+TVI_NODISCARD tvi_status tvi_system_test_separable(tvi_system *system, const jet velocity_field[],
+                                                   const jet other_field[], bool *is_separable);
 
-/* Finds out whether `linear` = diag(d) v + terms without v, in the open recording. If so, it sets has_masses, and
- * mass = d. */
-void tvi_system_find_inertia(tvi_system *system, const jet linear[]);
+/* Sets system->has_masses if velocity_field = diag(d) v + terms without v and d > 0. Then it sets system->mass =
+ * d. */
+void tvi_system_find_masses(tvi_system *system, const jet velocity_field[]);
 
-/* Finds the subsystems of the field, and sets system->parts and tail_parts. TVI_ENOMEM. */
+/* Finds the subsystems of the field, and sets system->parts and tail_parts. Returns TVI_ENOMEM if memory is
+ * lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system);
-/* Makes the time, the last coordinate of a rescaled system, a part of its own of the tail, which counts in full. */
-void tvi_system_split_time_from_tail(tvi_system *system);
+/* Makes the time, the last coordinate of a rescaled system, a subsystem of its own in tail_parts. Its share is then
+ * the largest share, so that its ratio is not reduced. */
+void tvi_system_separate_time_in_tail(tvi_system *system);
 
 /* Returns the number of outputs of the field. */
 static inline int tvi_system_output_count(const tvi_system *system)

@@ -114,8 +114,8 @@ START_TEST(rates_are_those_of_steps)
     x[2 * n] = r.x.t;
     tvi_rates rates;
     ck_assert_int_eq(tvi_rates_open(&rates, r.system, NULL), TVI_OK);
-    ck_assert(!rates.block == (r.system->form == TVI_LAGRANGIAN));
-    if (rates.block) {
+    ck_assert(!rates.field_block == (r.system->form == TVI_LAGRANGIAN));
+    if (rates.field_block) {
         ck_assert_int_eq(tvi_rates_compute(&rates, x, rate), TVI_OK);
         for (int side = -1; side <= 1; side += 2) {
             double t = x[2 * n], *q = side < 0 ? before : after;

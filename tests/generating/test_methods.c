@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static bool expands(const tvi_descriptor *d) { return d->curve.close != NULL; }
+static bool expands(const tvi_descriptor *d) { return d->curve.correct_ends != NULL; }
 
 /* A member that was forgotten is 0. */
 START_TEST(descriptors_are_whole)
@@ -15,12 +15,13 @@ START_TEST(descriptors_are_whole)
     for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         ck_assert_ptr_nonnull(d->title);
-        ck_assert_msg(d->serves && d->stepper && (d->nodes[0].slope || d->nodes[0].offset), "%s", d->title);
+        ck_assert_msg(d->supports && d->stepper && (d->nodes[0].order_slope || d->nodes[0].order_offset), "%s",
+                      d->title);
         ck_assert_msg(0 <= d->least_degree && d->least_degree <= d->most_degree, "%s", d->title);
         ck_assert_msg(!adjoint == (d->quadrature == TVI_NO_QUADRATURE), "%s", d->title);
         ck_assert_msg(!adjoint || adjoint->adjoint == d, "%s", d->title);
-        ck_assert_msg(d->quadrature != TVI_ANY_QUADRATURE || d->pairs_momenta, "%s", d->title);
-        ck_assert_msg(d->quadrature != TVI_ANY_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
+        ck_assert_msg(d->quadrature != TVI_FREE_QUADRATURE || d->needs_conjugate_momenta, "%s", d->title);
+        ck_assert_msg(d->quadrature != TVI_FREE_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
         ck_assert_msg(!expands(d) || (adjoint && d->curve.span.to > d->curve.span.from), "%s", d->title);
     }
 }
@@ -35,8 +36,8 @@ START_TEST(adjoints_are_mirrored)
         const tvi_scaled_span a = d->curve.span, b = adjoint->curve.span;
         ck_assert_msg(a.from == -b.to && a.to == -b.from && a.tau == b.tau, "%s", d->title);
         ck_assert_double_eq_tol((a.to - a.from) * a.tau, 1, 1e-15);
-        ck_assert_msg(d->curve.action == adjoint->curve.action && d->serves == adjoint->serves, "%s", d->title);
-        ck_assert_mem_eq(&d->nodes[0].slope, &adjoint->nodes[0].slope, 2 * sizeof(int));
+        ck_assert_msg(d->curve.action == adjoint->curve.action && d->supports == adjoint->supports, "%s", d->title);
+        ck_assert_mem_eq(&d->nodes[0].order_slope, &adjoint->nodes[0].order_slope, 2 * sizeof(int));
     }
 }
 END_TEST

@@ -21,8 +21,8 @@ static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
         x->piece[i] = tvi_arena_allocate(&x->arena, sizes[i]);
-        x->ring[i] = tvi_arena_allocate_ring(&x->arena, sizes[i]);
-        x->history[i] = tvi_arena_allocate_history(&x->arena, sizes[PIECES - 1 - i]);
+        x->ring[i] = tvi_arena_allocate_in_rings(&x->arena, sizes[i]);
+        x->history[i] = tvi_arena_allocate_in_history(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
 
@@ -32,10 +32,10 @@ static open_arena open_all(void)
     take_all(&x);
     for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.ring[i]);
     const tvi_arena measured = x.arena;
-    x.memory = tvi_arena_allocate_memory(&x.arena);
+    x.memory = tvi_arena_obtain_memory(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
     take_all(&x);
-    ck_assert(x.arena.used_bytes == measured.used_bytes && x.arena.marked == measured.marked);
+    ck_assert(x.arena.plain_bytes == measured.plain_bytes && x.arena.marked_bytes == measured.marked_bytes);
     ck_assert(x.arena.ring_bytes == measured.ring_bytes);
     return x;
 }
@@ -61,7 +61,7 @@ static void check_piece(char *piece, size_t bytes, size_t alignment, const char 
 START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
-    char *const end = x.memory + x.arena.used_bytes, *const end_of_marked = end + x.arena.marked,
+    char *const end = x.memory + x.arena.plain_bytes, *const end_of_marked = end + x.arena.marked_bytes,
                 *const end_of_rings = end + tvi_arena_history_bytes(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;

@@ -26,9 +26,9 @@ static open_factor open_of_size(int n)
     open_factor x = {0};
     tvi_arena arena = {0};
     tvi_factor_allocate(&x.factor, &arena, n);
-    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used_bytes);
+    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.plain_bytes);
     ck_assert_ptr_nonnull(x.memory);
-    arena.used_bytes = 0;
+    arena.plain_bytes = 0;
     tvi_factor_allocate(&x.factor, &arena, n);
     return x;
 }

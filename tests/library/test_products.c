@@ -35,10 +35,10 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     open_curve x = {0};
     tvi_arena arena = {0};
     lay_out(&x, &arena, system, jacobians);
-    x.memory = tvi_arena_allocate_memory(&arena);
+    x.memory = tvi_arena_obtain_memory(&arena);
     ck_assert_ptr_nonnull(x.memory);
     lay_out(&x, &arena, system, jacobians);
-    tvi_blocks_prepare(arena.blocks);
+    tvi_blocks_set_constants(arena.first_block);
     tvi_curve_fill_constant_tables(&x.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];

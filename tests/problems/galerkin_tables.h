@@ -24,7 +24,7 @@ static inline void galerkin_tables_open(galerkin_tables *tables, int points, int
     tvi_arena arena = {0};
     *tables = (galerkin_tables){0};
     galerkin_tables_take(tables, &arena, points, lanes);
-    tables->memory = tvi_arena_allocate_memory(&arena);
+    tables->memory = tvi_arena_obtain_memory(&arena);
     ck_assert_ptr_nonnull(tables->memory);
     galerkin_tables_take(tables, &arena, points, lanes);
     tvi_galerkin_compute_coefficients(&tables->of, &tables->dense, is_second_order);
