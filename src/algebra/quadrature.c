@@ -2,115 +2,81 @@
 #include "algebra/quadrature.h"
 
 #include <math.h>
+#include <stdbool.h>
 
-int tvi_quadrature_only_point_count(tvi_quadrature rule)
-{
-    switch (rule) {
-    case TVI_TRAPEZOID: return 2;
-    case TVI_RECTANGLE_START:
-    case TVI_RECTANGLE_END: return 1;
-    default: return 0;
-    }
-}
+/* The properties of a rule. With as many nodes as `points`, its order is order_slope points + order_offset. */
+static const struct {
+    int only_points; /* The number of nodes of a rule that has only one number of nodes, otherwise 0. */
+    int least_points, order_slope, order_offset;
+    tvi_quadrature mirror; /* The rule whose nodes have the opposite sign. */
+} rules[] = {
+    [TVI_GAUSS] = {0, 1, 2, 0, TVI_GAUSS},
+    [TVI_LOBATTO] = {0, 2, 2, -2, TVI_LOBATTO},
+    [TVI_TRAPEZOID] = {2, 2, 0, 2, TVI_TRAPEZOID},
+    [TVI_RECTANGLE_START] = {1, 1, 0, 1, TVI_RECTANGLE_END},
+    [TVI_RECTANGLE_END] = {1, 1, 0, 1, TVI_RECTANGLE_START},
+};
 
-int tvi_quadrature_least_point_count(tvi_quadrature rule)
-{
-    const int fixed = tvi_quadrature_only_point_count(rule);
-    return fixed ? fixed : rule == TVI_LOBATTO ? 2 : 1;
-}
+int tvi_quadrature_only_point_count(tvi_quadrature rule) { return rules[rule].only_points; }
+
+int tvi_quadrature_least_point_count(tvi_quadrature rule) { return rules[rule].least_points; }
 
 int tvi_quadrature_order(tvi_quadrature rule, int points)
 {
-    switch (rule) {
-    case TVI_LOBATTO: return 2 * points - 2;
-    case TVI_TRAPEZOID: return 2;
-    case TVI_RECTANGLE_START:
-    case TVI_RECTANGLE_END: return 1;
-    default: return 2 * points;
-    }
+    return rules[rule].order_slope * points + rules[rule].order_offset;
 }
 
-tvi_quadrature tvi_quadrature_mirror(tvi_quadrature rule)
-{
-    switch (rule) {
-    case TVI_RECTANGLE_START: return TVI_RECTANGLE_END;
-    case TVI_RECTANGLE_END: return TVI_RECTANGLE_START;
-    default: return rule;
-    }
-}
+tvi_quadrature tvi_quadrature_mirror(tvi_quadrature rule) { return rules[rule].mirror; }
 
-/* Computes P_n(x) and P_{n-1}(x) by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
-static void evaluate_legendre_polynomials(int n, long double x, long double *P, long double *P_before)
+/* Computes the Legendre polynomial P_n and its derivative P_n' at x by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1} and (1 -
+ * x^2) P_n' = n (P_{n-1} - x P_n). */
+static void evaluate_legendre_polynomial(int n, long double x, long double *P, long double *slope)
 {
-    long double now = 1, before = 0;
+    long double before = 0;
+    *P = 1;
     for (int k = 0; k < n; k++) {
-        const long double next = ((2 * k + 1) * x * now - k * before) / (k + 1);
-        before = now;
-        now = next;
+        const long double next = ((2 * k + 1) * x * *P - k * before) / (k + 1);
+        before = *P;
+        *P = next;
     }
-    *P = now;
-    *P_before = before;
+    *slope = n * (before - x * *P) / (1 - x * x);
 }
 
 enum { NEWTON_STEPS = 60 }; /* Never reached, since the iteration stops at roundoff. */
 
-/* Finds the root of P_n near x by Newton's method, with (1 - x^2) P_n' = n (P_{n-1} - x P_n). Its weight is 2 / ((1
- * - x^2) P_n'^2). */
-static long double refine_gauss_node(int n, long double x, long double *weight)
+/* Finds a node near x by Newton's method, and its weight. A Gauss node is a root of P_n, with the weight 2 / ((1 - x^2)
+ * P_n'^2). An inner Lobatto node is a root of P_n', with (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n and the weight 2 / (n
+ * (n+1) P_n^2). */
+static long double refine_node(bool is_lobatto, int n, long double x, long double *weight)
 {
-    long double P, before, slope = 1;
+    long double P, slope;
     for (int step = 0; step < NEWTON_STEPS; step++) {
-        evaluate_legendre_polynomials(n, x, &P, &before);
-        slope = n * (before - x * P) / (1 - x * x);
-        const long double correction = P / slope;
-        x -= correction;
-        if (fabsl(correction) <= 1e-18L) break;
-    }
-    evaluate_legendre_polynomials(n, x, &P, &before);
-    slope = n * (before - x * P) / (1 - x * x);
-    *weight = 2 / ((1 - x * x) * slope * slope);
-    return x;
-}
-
-/* Finds the root of P_n' near x, n = points - 1, by Newton's method, with (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n.
- * Its weight is 2 / (n (n+1) P_n^2). */
-static long double refine_lobatto_node(int n, long double x, long double *weight)
-{
-    long double P, before;
-    for (int step = 0; step < NEWTON_STEPS; step++) {
-        evaluate_legendre_polynomials(n, x, &P, &before);
-        const long double slope = n * (before - x * P) / (1 - x * x);
+        evaluate_legendre_polynomial(n, x, &P, &slope);
         const long double curvature = (2 * x * slope - n * (n + 1) * P) / (1 - x * x);
-        const long double correction = slope / curvature;
+        const long double correction = is_lobatto ? slope / curvature : P / slope;
         x -= correction;
         if (fabsl(correction) <= 1e-18L) break;
     }
-    evaluate_legendre_polynomials(n, x, &P, &before);
-    *weight = 2 / (n * (n + 1) * P * P);
+    evaluate_legendre_polynomial(n, x, &P, &slope);
+    *weight = is_lobatto ? 2 / (n * (n + 1) * P * P) : 2 / ((1 - x * x) * slope * slope);
     return x;
 }
 
-/* Computes one half of the nodes by Newton's method, and the other half by symmetry. */
-static void compute_symmetric_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
+/* Computes one half of the nodes by Newton's method, and the other half by symmetry. The end nodes of Lobatto are
+ * known. */
+static void compute_symmetric_nodes(bool is_lobatto, int points, long double node[], long double weight[])
 {
     const long double pi = 3.141592653589793238462643383279502884L;
     for (int i = 0; i < (points + 1) / 2; i++) {
         const int mirror = points - 1 - i;
-        long double x;
-        if (rule == TVI_LOBATTO && i == 0) {
-            x = -1;
+        const long double angle = is_lobatto ? pi * i / (points - 1) : pi * (i + 0.75L) / (points + 0.5L);
+        if (is_lobatto && i == 0) {
+            node[i] = -1;
             weight[i] = 2 / ((long double)points * (points - 1));
-        } else if (i == mirror) {
-            x = 0;
-            if (rule == TVI_LOBATTO) (void)refine_lobatto_node(points - 1, 0, &weight[i]);
-            else (void)refine_gauss_node(points, 0, &weight[i]);
-        } else if (rule == TVI_LOBATTO) {
-            x = refine_lobatto_node(points - 1, -cosl(pi * i / (points - 1)), &weight[i]);
         } else {
-            x = refine_gauss_node(points, -cosl(pi * (i + 0.75L) / (points + 0.5L)), &weight[i]);
+            node[i] = refine_node(is_lobatto, points - is_lobatto, i == mirror ? 0 : -cosl(angle), &weight[i]);
         }
-        node[i] = x;
-        node[mirror] = -x;
+        node[mirror] = -node[i];
         weight[mirror] = weight[i];
     }
 }
@@ -124,6 +90,6 @@ void tvi_quadrature_compute_nodes(tvi_quadrature rule, int points, long double n
         break;
     case TVI_RECTANGLE_START: node[0] = -1, weight[0] = 2; break;
     case TVI_RECTANGLE_END: node[0] = 1, weight[0] = 2; break;
-    default: compute_symmetric_nodes(rule, points, node, weight);
+    default: compute_symmetric_nodes(rule == TVI_LOBATTO, points, node, weight);
     }
 }
