@@ -138,12 +138,9 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
 /* Finds masses in the second half of the field, and tells whether the system is separable. A driven system is not. */
 static tvi_status find_masses(const system_recording *recording, const system_statement *statement, bool *separable)
 {
-    tvi_system *system = recording->system;
-    const jet *velocity_field = recording->field + system->n;
-    tvi_status status = TVI_OK;
-    if (!statement->drive) status = tvi_system_test_separable(system, velocity_field, recording->field, separable);
-    if (status == TVI_OK && !*separable) tvi_system_find_masses(system, velocity_field);
-    else system->has_masses = *separable;
+    const jet *field = recording->field;
+    const tvi_status status = tvi_system_find_masses(recording->system, field + recording->system->n, field, separable);
+    *separable &= !statement->drive;
     return status;
 }
 

@@ -4,27 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Tells whether x = sum_j coefficients_j v_j, with v_j the input first_input + j, and computes the coefficients by
- * one walk back through the graph. node_factors is scratch with one number for each node. */
-static bool extract_linear_form(const jet_graph *graph, jet x, int first_input, int n, double node_factors[],
-                                double coefficients[])
-{
-    for (int j = 0; j < n; j++) coefficients[j] = 0;
-    if (!x.node) return x.number == 0;
-    for (int i = 0; i <= x.node->index; i++) node_factors[i] = 0;
-    node_factors[x.node->index] = 1;
-    for (int i = x.node->index; i >= 0; i--) {
-        const struct jet_node *z = jet_graph_node_at(graph, i);
-        if (node_factors[i] == 0) continue;
-        if (z->op == OP_INPUT && i >= first_input && i < first_input + n)
-            coefficients[i - first_input] = node_factors[i];
-        else if (z->op != OP_LINEAR || z->number != 0) return false;
-        for (int term = 0; term < z->count; term++)
-            node_factors[z->terms[term].node->index] += node_factors[i] * z->terms[term].coefficient;
-    }
-    return true;
-}
-
 /* Marks the nodes that depend on one of the n inputs that begin with first_input. */
 static void mark_nodes_dependent_on_inputs(const jet_graph *graph, int first_input, int n)
 {
@@ -37,55 +16,44 @@ static void mark_nodes_dependent_on_inputs(const jet_graph *graph, int first_inp
     }
 }
 
-/* Tells whether row i of a matrix is positive on the diagonal, and 0 elsewhere. */
-static bool is_row_positive_diagonal(int n, const double coefficients[], int i)
+/* Tells whether x = coefficient v + other terms, with v the input velocity_input, coefficient > 0, and other terms that
+ * do not depend on velocities. Nodes that depend on velocities are marked. *has_other_terms is set if there are other
+ * terms. The coefficient is computed by one walk back through the graph. node_factors is scratch with one number for
+ * each node. */
+static bool find_velocity_coefficient(const jet_graph *graph, jet x, int velocity_input, double node_factors[],
+                                      double *coefficient, bool *has_other_terms)
 {
-    for (int j = 0; j < n; j++)
-        if (j != i && coefficients[j] != 0) return false;
-    return coefficients[i] > 0 && isfinite(1 / coefficients[i]);
-}
-
-tvi_status tvi_system_test_separable(tvi_system *system, const jet velocity_field[], const jet other_field[],
-                                     bool *is_separable)
-{
-    const int n = system->n;
-    double *coefficients = malloc(((size_t)n + (size_t)jet_graph_node_count(system->graph)) * sizeof *coefficients);
-    if (!coefficients) return TVI_ENOMEM;
-    *is_separable = true;
-    mark_nodes_dependent_on_inputs(system->graph, n, n);
-    for (int i = 0; i < n && *is_separable; i++) {
-        *is_separable = extract_linear_form(system->graph, velocity_field[i], n, n, coefficients + n, coefficients) &&
-                        is_row_positive_diagonal(n, coefficients, i) &&
-                        !(other_field[i].node && other_field[i].node->mark);
-        system->mass[i] = coefficients[i];
+    *coefficient = 0;
+    if (!x.node) return false;
+    for (int i = 0; i <= x.node->index; i++) node_factors[i] = 0;
+    node_factors[x.node->index] = 1;
+    for (int i = x.node->index; i >= 0; i--) {
+        const struct jet_node *z = jet_graph_node_at(graph, i);
+        if (node_factors[i] == 0) continue;
+        if (i == velocity_input) *coefficient = node_factors[i];
+        else if (z->mark && z->op != OP_LINEAR) return false;
+        else if (!z->mark || z->number != 0) *has_other_terms = true;
+        for (int term = 0; term < z->count && z->mark; term++)
+            node_factors[z->terms[term].node->index] += node_factors[i] * z->terms[term].coefficient;
     }
-    free(coefficients);
-    return TVI_OK;
+    return *coefficient > 0 && isfinite(1 / *coefficient);
 }
 
-/* Adds factor times the coefficient of one velocity in x to *mass. Returns false if x depends on the velocities in
- * any other way. Nodes that depend on velocities are marked. */
-static bool add_velocity_coefficient(const struct jet_node *x, int velocity_input, double factor, double *mass)
-{
-    if (!x->mark) return true;
-    if (x->op == OP_INPUT) *mass += factor;
-    if (x->op != OP_LINEAR) return x->op == OP_INPUT && x->index == velocity_input;
-    for (int term = 0; term < x->count; term++)
-        if (!add_velocity_coefficient(x->terms[term].node, velocity_input, factor * x->terms[term].coefficient, mass))
-            return false;
-    return true;
-}
-
-void tvi_system_find_masses(tvi_system *system, const jet velocity_field[])
+tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[], const jet other_field[],
+                                  bool *is_separable)
 {
     const int n = system->n;
+    double *node_factors = malloc((size_t)jet_graph_node_count(system->graph) * sizeof *node_factors);
+    if (!node_factors) return TVI_ENOMEM;
     mark_nodes_dependent_on_inputs(system->graph, n, n);
+    bool is_coupled = false;
     system->has_masses = true;
     for (int i = 0; i < n && system->has_masses; i++) {
-        double mass = 0;
-        system->has_masses = velocity_field[i].node &&
-                             add_velocity_coefficient(velocity_field[i].node, n + i, 1, &mass) && mass > 0 &&
-                             isfinite(1 / mass);
-        system->mass[i] = mass;
+        system->has_masses = find_velocity_coefficient(system->graph, velocity_field[i], n + i, node_factors,
+                                                       &system->mass[i], &is_coupled);
+        is_coupled |= other_field[i].node && other_field[i].node->mark;
     }
+    *is_separable = system->has_masses && !is_coupled;
+    free(node_factors);
+    return TVI_OK;
 }

@@ -98,15 +98,11 @@ void tvi_system_read_recorded_parameters(const tvi_system *system, double value[
 jet tvi_record_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
 jet tvi_record_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 
-/* Sets *is_separable if velocity_field [n] = diag(d) v with d > 0, and no component of other_field [n] depends on v.
- * Here v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Then it sets system->mass
- * = d. */
-TVI_NODISCARD tvi_status tvi_system_test_separable(tvi_system *system, const jet velocity_field[],
-                                                   const jet other_field[], bool *is_separable);
-
-/* Sets system->has_masses if velocity_field = diag(d) v + terms without v and d > 0. Then it sets system->mass =
- * d. */
-void tvi_system_find_masses(tvi_system *system, const jet velocity_field[]);
+/* Sets system->has_masses if velocity_field [n] = diag(d) v + terms without v and d > 0, and then system->mass = d. Here
+ * v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Sets *is_separable if there are no
+ * such terms, and no component of other_field [n] depends on v. Returns TVI_ENOMEM if memory is lacking. */
+TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[], const jet other_field[],
+                                                bool *is_separable);
 
 /* Finds the subsystems of the field, and sets system->parts and tail_parts. Returns TVI_ENOMEM if memory is
  * lacking. */
