@@ -71,7 +71,6 @@ static void prepare_lagrangian_field(galerkin_field *field)
 {
     lagrangian_work *work = field->form_work;
     tvi_galerkin_prepare_hessian_model(&work->hessian_model, field);
-    tvi_legendre_prepare(&work->legendre_transform);
     prepare_lagrangian_passes(&work->passes, field, &work->hessian_model);
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }

@@ -96,7 +96,6 @@ static void prepare_stepper(void *taken)
     }
     tvi_combination_set_weights(&w->q_unit, &w->a.curve, false, ones);
     tvi_combination_set_weights(&w->z_unit, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
-    if (w->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */

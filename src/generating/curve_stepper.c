@@ -132,7 +132,6 @@ void tvi_curve_workspace_fill_tables(void *taken)
     tvi_combination_set_power_weights(&c->p_sizes, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre_weights(w);
-    if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
     if (!w->corrects) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span, c->curve.top);
     /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */

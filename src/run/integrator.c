@@ -121,7 +121,6 @@ static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_sys
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     void (*prepare)(void *) = batch ? batch->prepare : it->stepper->prepare;
     if (prepare) prepare(it->work);
-    if (it->energy.tape_block) tvi_energy_prepare(&it->energy);
     return TVI_OK;
 }
 

@@ -53,11 +53,6 @@ void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_syst
     work->velocity = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
-void tvi_energy_prepare(tvi_energy_work *work)
-{
-    if (work->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&work->legendre);
-}
-
 /* Evaluates the energy tape at (q, velocities, t). If `velocities` is NULL, the tape uses those that its block
  * contains. */
 static tvi_status evaluate_energy_tape(tvi_energy_work *work, double t, const double q[], const double velocities[],
@@ -163,7 +158,6 @@ static void *create_energy_work(tvi_energy_work *work, const tvi_system *system,
     if (!memory) return NULL;
     tvi_energy_allocate(work, &arena, system);
     tvi_system_prepare_blocks(system, arena.first_block, parameters);
-    tvi_energy_prepare(work);
     return memory;
 }
 

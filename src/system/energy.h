@@ -18,8 +18,6 @@ typedef struct {
 
 /* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). */
 void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
-/* Sets the constant numbers in the memory, after the arena has obtained it. */
-void tvi_energy_prepare(tvi_energy_work *work);
 /* Does the same as tvi_energy, with these values of the parameters. parameters NULL stands for the values in the
  * recording. */
 TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, const double parameters[], double t,

@@ -22,12 +22,6 @@ void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_s
     tvi_roundoff_allocate(&legendre->roundoff, arena, system);
 }
 
-void tvi_legendre_prepare(tvi_legendre *legendre)
-{
-    const int n = legendre->system->n;
-    for (int i = 0; i < n; i++) legendre->tangents[(n + i) * n + i] = 1;
-}
-
 tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double q[], const double x[], double y[])
 {
     const tvi_system *system = legendre->system;
@@ -53,6 +47,7 @@ static tvi_status factor_jacobian(tvi_legendre *legendre)
 {
     const jet_tape *tape = legendre->system->field_series;
     const int n = legendre->system->n;
+    for (int i = 0; i < n; i++) legendre->tangents[(n + i) * n + i] = 1;
     jet_sweep_tangents(tape, legendre->field_block, legendre->tangents, 0, n);
     for (int i = 0; i < n; i++)
         memcpy(legendre->jacobian_factor.lu + (size_t)i * (size_t)n,
@@ -202,7 +197,6 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
     if (!*memory) return TVI_ENOMEM;
     tvi_legendre_allocate(legendre, &arena, system);
     tvi_system_prepare_blocks(system, arena.first_block, parameters);
-    if (system->form != TVI_SEPARABLE) tvi_legendre_prepare(legendre);
     return TVI_OK;
 }
 

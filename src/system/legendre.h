@@ -20,8 +20,6 @@ typedef struct {
 } tvi_legendre;
 
 void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system);
-/* Sets the tangents, after the arena has obtained its memory. */
-void tvi_legendre_prepare(tvi_legendre *legendre);
 
 /* Computes y = f(x). Returns TVI_EDOMAIN or TVI_ENONFINITE if f has no finite value. */
 TVI_NODISCARD tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double q[], const double x[],
