@@ -20,12 +20,7 @@ void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, 
  * depend on the number of threads. Others are factored by dgetf2, which always uses one thread. */
 enum { DGETRF_BELOW = 100 };
 
-void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n)
-{
-    tvi_factor_allocate_batch(factor, arena, n, 1);
-}
-
-void tvi_factor_allocate_batch(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
+void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
 {
     const size_t numbers = (size_t)n * (size_t)width;
     factor->n = n;

@@ -20,10 +20,9 @@ typedef struct {
     int *pivot;                       /* [n] The rows that were exchanged (P), as LAPACK has them. */
 } tvi_lu_factor;
 
-void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n);
-/* Allocates the factored matrices of `width` members of an ensemble: each entry is `width` numbers, one for each
- * member (linear_small.h). */
-void tvi_factor_allocate_batch(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
+/* Allocates the factored matrix in an arena. For the matrices of `width` members of an ensemble (linear_small.h), each
+ * entry is `width` numbers, one for each member. */
+void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int width);
 
 /* Factors the matrix in place. Returns TVI_ESINGULAR if a pivot is at the level of roundoff, and TVI_ENONFINITE if
  * the matrix is not finite. */

@@ -37,7 +37,7 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     x->G = tvi_arena_allocate_doubles(arena, n * 2 * n);
     x->multiplier = tvi_arena_allocate_doubles(arena, n);
     x->dz = tvi_arena_allocate_doubles(arena, 2 * n);
-    tvi_factor_allocate(&x->factor, arena, system->n);
+    tvi_factor_allocate(&x->factor, arena, system->n, 1);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)

@@ -58,7 +58,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
-        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n);
+        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
         curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
         curve->velocity_residual = tvi_arena_allocate_doubles(arena, n * tvi_curve_tangent_lanes(curve));
         curve->column = tvi_arena_allocate_doubles(arena, n);

@@ -17,8 +17,8 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
     m.distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
     if (width > 1) m.given = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
     m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    tvi_factor_allocate(&m.half_factor, arena, closure->n);
-    tvi_factor_allocate_batch(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
+    tvi_factor_allocate(&m.half_factor, arena, closure->n, 1);
+    tvi_factor_allocate(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
     if (taken) *taken = m;
     closure->solving = taken;
 }

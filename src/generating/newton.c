@@ -42,7 +42,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const
     newton->reach = tvi_arena_allocate_doubles(arena, count);
     newton->trial = tvi_arena_allocate_doubles(arena, count);
     newton->difference = tvi_arena_allocate_doubles(arena, count);
-    if (has_matrix) tvi_factor_allocate_batch(&newton->factor, arena, size, width);
+    if (has_matrix) tvi_factor_allocate(&newton->factor, arena, size, width);
     newton->history = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->history);
 }
 

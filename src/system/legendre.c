@@ -18,7 +18,7 @@ void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_s
     legendre->correction = tvi_arena_allocate_doubles(arena, n);
     legendre->moved = tvi_arena_allocate_doubles(arena, n);
     legendre->value = tvi_arena_allocate_doubles(arena, n);
-    tvi_factor_allocate(&legendre->jacobian_factor, arena, system->n);
+    tvi_factor_allocate(&legendre->jacobian_factor, arena, system->n, 1);
     tvi_roundoff_allocate(&legendre->roundoff, arena, system);
 }
 

@@ -25,11 +25,11 @@ static open_factor open_of_size(int n)
 {
     open_factor x = {0};
     tvi_arena arena = {0};
-    tvi_factor_allocate(&x.factor, &arena, n);
+    tvi_factor_allocate(&x.factor, &arena, n, 1);
     arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.plain_bytes);
     ck_assert_ptr_nonnull(x.memory);
     arena.plain_bytes = 0;
-    tvi_factor_allocate(&x.factor, &arena, n);
+    tvi_factor_allocate(&x.factor, &arena, n, 1);
     return x;
 }
 
