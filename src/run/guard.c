@@ -193,7 +193,7 @@ static void lower_reference_energy(tvi_integrator *it, int member)
 static void compute_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
     if (it->energies.tape_block) {
-        tvi_energy_batch_compute(&it->energies, q + it->system->n * it->width, q, p, H);
+        (void)tvi_energy_compute_lanes(&it->energies, q + it->system->n * it->width, q, p, H);
         return;
     }
     for (int m = 0; m < it->width; m++)

@@ -63,14 +63,14 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
     const bool uses_energy = system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0);
-    if (uses_energy) tvi_energy_allocate(&integrator->energy, arena, system);
+    if (uses_energy) tvi_energy_allocate(&integrator->energy, arena, system, 1);
     if (tvi_is_rescaled(integrator))
         tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian, arena, integrator->stepped);
     integrator->field = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
     integrator->one_lane_blocks = arena->first_block;
     arena->first_block = NULL;
     if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
-        tvi_energy_batch_allocate(&integrator->energies, arena, system, integrator->width);
+        tvi_energy_allocate(&integrator->energies, arena, system, integrator->width);
 }
 
 /* Lays out an integrator of `width` members with all its memory in the arena. It is called twice: first the arena only

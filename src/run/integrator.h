@@ -93,9 +93,9 @@ struct tvi_integrator {
     tvi_run_state member_state; /* the state of one member, without low-order parts */
     tvi_energy_work energy;     /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
     tvi_energy_work rescaled_hamiltonian; /* memory to compute the Hamiltonian K of a rescaled system */
-    tvi_energy_batch energies; /* memory to compute the energies of all members at once; tape_block = NULL if unused */
-    double *field;             /* memory to evaluate the forces, or the derivatives of L or H, at one point */
-    tvi_tangent *tangent;      /* memory for tangent vectors; NULL if they have not been used */
+    tvi_energy_work energies; /* memory to compute the energies of all members at once; tape_block = NULL if unused */
+    double *field;            /* memory to evaluate the forces, or the derivatives of L or H, at one point */
+    tvi_tangent *tangent;     /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
 };
 

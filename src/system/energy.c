@@ -44,41 +44,44 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
 
 /* ---- The energy -------------------------------------------------------------------------------------------------- */
 
-void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
+void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system, int lane_count)
 {
     work->system = system;
-    work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
+    work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, lane_count, 0);
+    work->lane_count = lane_count;
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_allocate(&work->legendre, arena, system);
     work->velocity = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
-/* Evaluates the energy tape at (q, velocities, t). If `velocities` is NULL, the tape uses those that its block
- * contains. */
-static tvi_status evaluate_energy_tape(tvi_energy_work *work, double t, const double q[], const double velocities[],
-                                       double *value)
+/* Computes the values of the energy tape, times `sign`, at (q, x, t) for x = v or p. If x is NULL, the tape uses the
+ * zeros that its block contains. Returns false if one of the values does not exist. */
+static bool evaluate_energy_tape(const tvi_energy_work *work, double sign, const double t[], const double q[],
+                                 const double x[], double value[])
 {
-    const tvi_system *system = work->system;
-    const size_t n = (size_t)system->n;
-    double *x = work->tape_block;
-    memcpy(x, q, n * sizeof *q);
-    if (velocities) memcpy(x + n, velocities, n * sizeof *q);
-    if (system->energy->inputs > system->energy_inputs) x[system->energy_inputs] = t;
-    const bool inside = jet_sweep_values(system->energy, x, 1);
-    *value = x[system->energy->output_slot[0]];
-    return inside ? TVI_OK : TVI_EDOMAIN;
+    const jet_tape *tape = work->system->energy;
+    const size_t width = (size_t)work->lane_count, numbers = (size_t)work->system->n * width;
+    double *block = work->tape_block;
+    memcpy(block, q, numbers * sizeof *q);
+    if (x) memcpy(block + numbers, x, numbers * sizeof *x);
+    const size_t inputs = (size_t)work->system->energy_inputs;
+    if ((size_t)tape->inputs > inputs) memcpy(block + inputs * width, t, width * sizeof *t);
+    const bool is_inside = jet_sweep_values(tape, block, work->lane_count);
+    for (size_t lane = 0; lane < width; lane++) value[lane] = sign * block[(size_t)tape->output_slot[0] * width + lane];
+    return is_inside;
 }
 
-/* Computes H = V + sum p_i^2 / (2 m_i). V is the value of the energy tape at v = 0 or p = 0, up to the sign. Its
- * block contains these zeros. */
-static tvi_status compute_separable_energy(tvi_energy_work *work, double t, const double q[], const double p[],
-                                           double *H)
+/* For a separable system, H = V + sum p_i^2 / (2 m_i). V is the value of the energy tape at v = 0 or p = 0, up to the
+ * sign. */
+bool tvi_energy_compute_lanes(const tvi_energy_work *work, const double t[], const double q[], const double p[],
+                              double H[])
 {
     const tvi_system *system = work->system;
-    const tvi_status status = evaluate_energy_tape(work, t, q, NULL, H);
-    *H *= system->energy_sign;
-    for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
-    return status;
+    if (system->form != TVI_SEPARABLE) return evaluate_energy_tape(work, 1, t, q, p, H);
+    const bool is_inside = evaluate_energy_tape(work, system->energy_sign, t, q, NULL, H);
+    for (int i = 0; i < system->n; i++)
+        for (int lane = 0; lane < work->lane_count; lane++, p++) H[lane] += *p * *p / (2 * system->mass[i]);
+    return is_inside;
 }
 
 /* Computes H = p.v - L(q, v), with the v that belongs to p. */
@@ -87,52 +90,24 @@ static tvi_status compute_lagrangian_energy(tvi_energy_work *work, double t, con
 {
     double *v = work->velocity;
     memset(v, 0, (size_t)work->system->n * sizeof *v); /* Newton's method starts at rest. */
-    tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
+    const tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
     if (status != TVI_OK) return status;
-    status = evaluate_energy_tape(work, t, q, v, H);
-    *H = -*H;
+    const bool is_inside = evaluate_energy_tape(work, -1, &t, q, v, H);
     for (int i = 0; i < work->system->n; i++) *H += p[i] * v[i];
-    return status;
+    return is_inside ? TVI_OK : TVI_EDOMAIN;
 }
 
 tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
     tvi_status status;
-    switch (work->system->form) {
-    case TVI_SEPARABLE: status = compute_separable_energy(work, t, q, p, H); break;
-    case TVI_LAGRANGIAN: status = compute_lagrangian_energy(work, t, q, p, H); break;
-    default: status = evaluate_energy_tape(work, t, q, p, H);
-    }
+    if (work->system->form == TVI_LAGRANGIAN) status = compute_lagrangian_energy(work, t, q, p, H);
+    else status = tvi_energy_compute_lanes(work, &t, q, p, H) ? TVI_OK : TVI_EDOMAIN;
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
-}
-
-void tvi_energy_batch_allocate(tvi_energy_batch *batch, tvi_arena *arena, const tvi_system *system, int lane_count)
-{
-    *batch = (tvi_energy_batch){system, tvi_arena_allocate_block(arena, system->energy, 1, lane_count, 0), lane_count};
-}
-
-void tvi_energy_batch_compute(const tvi_energy_batch *batch, const double t[], const double q[], const double p[],
-                              double H[])
-{
-    const tvi_system *system = batch->system;
-    const jet_tape *tape = system->energy;
-    const size_t width = (size_t)batch->lane_count, row = width * sizeof *q, n = (size_t)system->n;
-    const bool has_masses = system->form == TVI_SEPARABLE;
-    double *x = batch->tape_block;
-    memcpy(x, q, n * row);
-    if (!has_masses) memcpy(x + n * width, p, n * row);
-    if (tape->inputs > system->energy_inputs) memcpy(x + (size_t)system->energy_inputs * width, t, row);
-    (void)jet_sweep_values(tape, x, batch->lane_count);
-    const double *value = x + (size_t)tape->output_slot[0] * width, sign = has_masses ? system->energy_sign : 1;
-    for (size_t lane = 0; lane < width; lane++) H[lane] = sign * value[lane];
-    for (size_t i = 0; i < n && has_masses; i++)
-        for (size_t lane = 0; lane < width; lane++)
-            H[lane] += p[i * width + lane] * p[i * width + lane] / (2 * system->mass[i]);
 }
 
 void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
-    tvi_energy_allocate(work, arena, system);
+    tvi_energy_allocate(work, arena, system, 1);
     work->long_double_values =
         tvi_arena_allocate(arena, (size_t)system->energy->slots * sizeof *work->long_double_values);
 }
@@ -140,7 +115,7 @@ void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, co
 long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, const double q[], const double p[])
 {
     double H;
-    if (evaluate_energy_tape(work, t, q, p, &H) != TVI_OK) return NAN;
+    if (!tvi_energy_compute_lanes(work, &t, q, p, &H)) return NAN;
     const jet_tape *tape = work->system->energy;
     for (int i = 0; i < tape->inputs; i++) work->long_double_values[i] = work->tape_block[i];
     jet_sweep_long_double_values(tape, work->tape_block, work->long_double_values);
@@ -153,10 +128,10 @@ static void *create_energy_work(tvi_energy_work *work, const tvi_system *system,
 {
     tvi_arena arena = {0};
     *work = (tvi_energy_work){0};
-    tvi_energy_allocate(work, &arena, system);
+    tvi_energy_allocate(work, &arena, system, 1);
     void *memory = tvi_arena_obtain_memory(&arena);
     if (!memory) return NULL;
-    tvi_energy_allocate(work, &arena, system);
+    tvi_energy_allocate(work, &arena, system, 1);
     tvi_system_prepare_blocks(system, arena.first_block, parameters);
     return memory;
 }

@@ -5,10 +5,11 @@
 
 #include "system/legendre.h"
 
-/* The memory in which energies are computed, one state at a time. */
+/* The memory in which energies are computed, of one state or of several states at once. */
 typedef struct {
     const tvi_system *system;
-    double *tape_block;    /* The block of the energy's tape. */
+    double *tape_block;    /* The block of the energy's tape. Each state is a lane of it. */
+    int lane_count;        /* The number of states. */
     tvi_legendre legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
     /* [n] The velocities of a Lagrangian, which Newton's method finds from the momenta. */
     double *velocity;
@@ -16,8 +17,9 @@ typedef struct {
     long double *long_double_values;
 } tvi_energy_work;
 
-/* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). */
-void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
+/* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). For a Lagrangian that is not
+ * separable, lane_count must be 1. */
+void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system, int lane_count);
 /* Does the same as tvi_energy, with these values of the parameters. parameters NULL stands for the values in the
  * recording. */
 TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, const double parameters[], double t,
@@ -31,17 +33,10 @@ TVI_NODISCARD tvi_status tvi_apply_legendre_transform(const tvi_system *system, 
 TVI_NODISCARD tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[],
                                             double *H);
 
-/* The memory in which the energies of several states are computed at once. Each state is a lane of the block. The
- * system must not be a Lagrangian, unless it is separable. */
-typedef struct {
-    const tvi_system *system;
-    double *tape_block; /* The block of the energy's tape. */
-    int lane_count;
-} tvi_energy_batch;
-void tvi_energy_batch_allocate(tvi_energy_batch *batch, tvi_arena *arena, const tvi_system *system, int lane_count);
-/* Computes H [lane_count] of the states q, p [n][lane_count] at the times t [lane_count]. H is NaN or infinite at
- * states where the energy has no value. */
-void tvi_energy_batch_compute(const tvi_energy_batch *batch, const double t[], const double q[], const double p[],
+/* Computes H [lane_count] of the states q, p [n][lane_count] at the times t [lane_count], unless the system is a
+ * Lagrangian that is not separable. Returns false if the energy of one of them has no value; H is then NaN or infinite
+ * at that state. */
+bool tvi_energy_compute_lanes(const tvi_energy_work *work, const double t[], const double q[], const double p[],
                               double H[]);
 
 /* Allocates the memory for energies of a Hamiltonian in long double, in the same way as tvi_energy_allocate does. */
