@@ -31,12 +31,6 @@ typedef struct {
  * two factors, the limit corresponds to a hundredth of the motion. */
 #define TVI_TAIL_LEAST 1e-4
 
-/* The largest ratio of the components of a subsystem, the share of the component that has it, and the largest
- * share. */
-typedef struct {
-    double largest_ratio, share_of_largest_ratio, largest_share;
-} tvi_tail_maxima;
-
 static inline double tvi_tail_component_share(const tvi_tail_component *component, bool has_masses)
 {
     return (has_masses ? component->movement_size : component->momentum_size) * component->movement_size;
@@ -53,23 +47,6 @@ static inline double tvi_tail_component_ratio(const tvi_tail_component *componen
     const double roundoff = 32 * DBL_EPSILON * component->position_size * component->inverse_movement;
     const double rest = ratio - (component->position_size > 0 ? roundoff : 0);
     return rest > 0 ? rest : 0;
-}
-
-/* Takes one more component into account. */
-static inline void tvi_tail_update_maxima(tvi_tail_maxima *maxima, const tvi_tail_component *component, bool has_masses)
-{
-    const double share = tvi_tail_component_share(component, has_masses), ratio = tvi_tail_component_ratio(component);
-    if (share > maxima->largest_share) maxima->largest_share = share;
-    if (ratio <= maxima->largest_ratio) return;
-    maxima->largest_ratio = ratio;
-    maxima->share_of_largest_ratio = share;
-}
-
-/* Tells whether the largest ratio is the tail of the subsystem, since the share of its component is at least
- * TVI_TAIL_LEAST times the largest share. */
-static inline bool tvi_tail_is_largest_ratio(const tvi_tail_maxima *maxima)
-{
-    return maxima->share_of_largest_ratio >= TVI_TAIL_LEAST * maxima->largest_share;
 }
 
 /* Returns the ratio of a component, reduced if its share is below TVI_TAIL_LEAST times the largest share. */

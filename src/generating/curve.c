@@ -38,8 +38,8 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->kappa = tvi_arena_allocate_doubles(arena, n);
     curve->movement_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
-    curve->share = tvi_arena_allocate_doubles(arena, width > 1 ? numbers : 0);
-    curve->ratio = tvi_arena_allocate_doubles(arena, width > 1 ? numbers : 0);
+    curve->share = tvi_arena_allocate_doubles(arena, numbers);
+    curve->ratio = tvi_arena_allocate_doubles(arena, numbers);
     curve->q_size_weights = tvi_combination_allocate(curve, arena);
     curve->u_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal = tvi_arena_allocate_doubles(arena, orders + 1);

@@ -103,7 +103,7 @@ static inline void step_store_end_velocity(const tvi_curve_workspace *work)
 static inline void step_compute_tails(const tvi_curve *curve, double tail[])
 {
     if (curve_width(curve) == 1) tail[0] = CURVE_CALL(compute_tail, curve);
-    else curve_compute_member_tails(curve, tail);
+    else curve_compute_tails(curve, tail);
 }
 
 /* Computes the increments that the step returns from the curve, and the tails of the members. */

@@ -47,7 +47,7 @@ typedef struct {
     int q_degree, p_degree;           /* the degrees of the tail */
     tvi_combination q_size_weights, u_size_weights;
     double *movement_size, *momentum_size; /* [n] the sums with q_size_weights and u_size_weights */
-    double *share, *ratio;                 /* several members: [n] the shares and ratios of their tails */
+    double *share, *ratio;                 /* [n] the shares and ratios of the tails */
     tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
     bool is_hessian_inverted;              /* velocity_hessian.lu is its inverse */
     double *velocity_derivatives;          /* [slots][n] derivatives of all slots in the second input at the centre */
@@ -316,40 +316,8 @@ static inline void curve_compute_size_sums(const tvi_curve *curve)
     curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
 }
 
-/* Returns the tail of a subsystem of a single member, whose components are first .. end - 1 of the list. */
-static inline double curve_tail_of_subsystem(const tvi_curve *curve, int first, int end)
-{
-    const tvi_subsystems *parts = &curve->system->tail_parts;
-    const bool has_masses = curve->system->compares_movements;
-    tvi_tail_maxima maxima = {0, 0, 0};
-    for (int k = first; k < end; k++) {
-        const tvi_tail_component component = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
-        tvi_tail_update_maxima(&maxima, &component, has_masses);
-    }
-    if (tvi_tail_is_largest_ratio(&maxima)) return maxima.largest_ratio;
-    double tail = 0;
-    for (int k = first; k < end; k++) {
-        const tvi_tail_component component = curve_tail_part_of_component(curve, tvi_subsystems_component(parts, k));
-        tail = fmax(tail, tvi_tail_weigh_ratio(tvi_tail_component_ratio(&component),
-                                               tvi_tail_component_share(&component, has_masses), maxima.largest_share));
-    }
-    return tail;
-}
-
-static inline double curve_compute_tail(const tvi_curve *curve)
-{
-    const tvi_subsystems *parts = &curve->system->tail_parts;
-    double tail = 0;
-    if (curve_p_degree(curve) < 2) return 0;
-    for (int k = 0, first = 0, end; k < parts->count; k++, first = end) {
-        end = tvi_subsystems_end(parts, k, curve_dimension(curve));
-        tail = fmax(tail, curve_tail_of_subsystem(curve, first, end));
-    }
-    return tail;
-}
-
-/* Computes the tails of several members. */
-static inline void curve_compute_member_tails(const tvi_curve *curve, double tail[])
+/* Computes the tails of all members. */
+static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
 {
     const int width = curve_width(curve);
     double *share = curve->share, *ratio = curve->ratio;
@@ -361,6 +329,13 @@ static inline void curve_compute_member_tails(const tvi_curve *curve, double tai
         ratio[at] = tvi_tail_component_ratio(&component);
     }
     tvi_tail_compute_members(&curve->system->tail_parts, curve_dimension(curve), width, share, ratio, tail);
+}
+
+static inline double curve_compute_tail(const tvi_curve *curve)
+{
+    double tail;
+    curve_compute_tails(curve, &tail);
+    return tail;
 }
 
 /* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:
