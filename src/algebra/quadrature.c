@@ -28,8 +28,8 @@ int tvi_quadrature_order(tvi_quadrature rule, int points)
 
 tvi_quadrature tvi_quadrature_mirror(tvi_quadrature rule) { return rules[rule].mirror; }
 
-/* Computes the Legendre polynomial P_n and its derivative P_n' at x by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1} and (1 -
- * x^2) P_n' = n (P_{n-1} - x P_n). */
+/* Computes the Legendre polynomial P_n and its derivative P_n' at x by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1} and (1
+ * - x^2) P_n' = n (P_{n-1} - x P_n). */
 static void evaluate_legendre_polynomial(int n, long double x, long double *P, long double *slope)
 {
     long double before = 0;

@@ -21,13 +21,6 @@ const tvi_system *tvi_compiled_attach_to_copy(tvi_arena *arena, const tvi_system
 void tvi_compiled_add_user(const tvi_compiled *compiled);
 void tvi_compiled_remove_user(const tvi_compiled *compiled);
 
-/* Returns the reason why the generated function cannot have this name. NULL: it can. */
-const char *tvi_compiled_why_name_refused(const char *name);
-
-/* Writes the C text that defines the function `const tvi_compiled *function_name(void)`. */
-void tvi_compiled_write_text(jet_text *text, const tvi_system *stepped_system, const tvi_options *resolved_options,
-                             const char *function_name);
-
 /* Returns a hash of all texts of the library that generated code contains. */
 uint64_t tvi_compiled_hash_library_text(void);
 
