@@ -1,5 +1,5 @@
 /* hamiltonian.c - Evaluates the field of a Hamiltonian K = g h, with h = 0 on the solution, whose second derivatives
- * cost little beside it, as those of a rescaled system do (system/hessian.h). It uses Newton's method (docs/method.md
+ * cost little beside it, as those of a rescaled system do (system/hessian.c). It uses Newton's method (docs/method.md
  * section 5).
  *
  * A pass evaluates the gradient (K_q, K_p) at x = (Q, P), and its derivatives, too. The movement of an ordinary pass is

@@ -5,8 +5,9 @@
  * and g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes H_pp =
  * diag(d). Then
  *     tr D^2 = sum_ij d_i d_j W_ij^2,  -tr C^2 = sum_ij d_i d_j Omega_ij^2,  Omega_ij = A_ij / d_i - A_ji / d_j.
- * No term is negative if H_pp is definite. If H_pp is singular everywhere, g^-4 = tr (J H'')^4 / 2. */
-#include "system/automatic.h"
+ * No term is negative if H_pp is definite. If H_pp is singular everywhere, g^-4 = tr (J H'')^4 / 2. rescaled.c
+ * calls the file for systems whose user gives no time scale. */
+#include "system/system.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,6 @@
-/* hessian.c - Records the second derivatives of a Lagrangian and of a rescaled Hamiltonian (hessian.h). */
-#include "system/hessian.h"
+/* hessian.c - Records the second derivatives of a Lagrangian, and those of a rescaled Hamiltonian K = g f if they are
+ * cheap (system.h). statement.c calls it. */
+#include "system/system.h"
 
 #include <stdlib.h>
 

@@ -2,12 +2,55 @@
  * (docs/adaptive.md). It has n + 1 coordinates and the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) + e). With
  * e = -H at the start, K is 0 on the orbit, and
  *     dq/ds = g H_p + (H+e) g_p,  dt/ds = g,  dp/ds = -g H_q - (H+e) g_q,  de/ds = -g H_t - (H+e) g_t.
- * Equal steps in s are symplectic in (q, t, p, e). K and H are recorded from the recording of the system. */
+ * Equal steps in s are symplectic in (q, t, p, e). K and H are recorded from the recording of the system.
+ *
+ * The file also records the function that the user stated once more, for rescaled and for driven systems. */
 #include "system/system.h"
-#include "system/automatic.h"
 #include "system/refuse.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+/* ---- The stated function ----------------------------------------------------------------------------------------- */
+
+/* Records V, L or H, as the user stated it, at (q, t) and the velocities v or momenta p. NULL stands for velocities
+ * or momenta that are 0: calloc makes each input the number 0. */
+static jet record_stated_function(const tvi_system *base, const jet q[], const jet velocities[], jet t)
+{
+    const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = base->energy_inputs;
+    jet_graph *graph;
+    const jet refused = jet_find_common_graph(1, q, &graph);
+    if (refused.node) return refused;
+    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate;
+    if (!input) return jet_make_poison(JET_NO_MEMORY);
+    for (int i = 0; i < n; i++) input[i] = q[i];
+    for (int i = n; i < time_index && velocities; i++) input[i] = velocities[i - n];
+    input[time_index] = t;
+    const bool lifted = jet_record_forward_derivatives(base->graph, graph, input, input + inputs, NULL, 1,
+                                                       &base->stated, &value, &rate);
+    free(input);
+    return lifted ? value : jet_make_poison(JET_NO_MEMORY);
+}
+
+/* Records H. For a separable system H is sum p_i^2 / (2 m_i) + V, and V is the stated function at p = 0 or v = 0, up
+ * to the sign. */
+jet tvi_record_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const tvi_system *base = ctx;
+    if (base->form == TVI_HAMILTONIAN) return record_stated_function(base, q, p, t);
+    jet *terms = malloc(((size_t)base->n + 1) * sizeof *terms);
+    if (!terms) return jet_make_poison(JET_NO_MEMORY);
+    terms[0] = jet_mul(base->energy_sign, record_stated_function(base, q, NULL, t));
+    for (int i = 0; i < base->n; i++) terms[1 + i] = jet_div(jet_sqr(p[i]), 2 * base->mass[i]);
+    const jet H = jet_sum(terms, base->n + 1);
+    free(terms);
+    return H;
+}
+
+jet tvi_record_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
+{
+    return record_stated_function(ctx, q, v, t);
+}
 
 /* A system, and the time scale with which it is rescaled. */
 typedef struct {

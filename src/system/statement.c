@@ -2,7 +2,6 @@
  * (tvi_form), and lowers it to the tapes that the steppers run. */
 #include "system/system.h"
 #include "system/legendre.h"
-#include "system/hessian.h"
 #include "system/refuse.h"
 
 #include <math.h>

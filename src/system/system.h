@@ -45,7 +45,7 @@ struct tvi_system {
     tvi_subsystems tail_parts;
     /* L_vv of the Lagrangian, or H_pp of the Hamiltonian, is regular somewhere. */
     bool regular;
-    bool is_automatic; /* The time scale in K is the automatic one (automatic.h). */
+    bool is_automatic; /* The time scale in K is the automatic one (automatic.c). */
     /* The finished recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
     jet_graph *graph;
     /* [inputs] The outputs of the field in the graph. */
@@ -56,7 +56,8 @@ struct tvi_system {
      * r. */
     jet_tape *r_dot_Hp_values;
     /* Computes the field and then second derivatives. Lagrangian: those of L in (q, v) that are not 0 everywhere,
-     * one of each symmetric pair. Hamiltonian: those that hessian.h describes, or NULL. */
+     * one of each symmetric pair. Hamiltonian: those that tvi_hessian_record_of_product describes, or
+     * NULL. */
     jet_tape *hessian_values;
     tvi_hessian_entry *hessian; /* [hessian_entries] Rows and columns of the second derivatives. */
     int hessian_entries;
@@ -74,7 +75,7 @@ struct tvi_system {
 };
 
 /* Creates a system with the Hamiltonian g f, factor = {g, f}, for solutions with f = 0. It has second derivatives if
- * they are cheap (hessian.h). */
+ * they are cheap (tvi_hessian_record_of_product). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
 TVI_NODISCARD tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
 
@@ -97,6 +98,22 @@ void tvi_system_read_recorded_parameters(const tvi_system *system, double value[
  * separable system is sum p_i^2 / (2 m_i) + V. */
 jet tvi_record_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
 jet tvi_record_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
+
+/* Records the automatic time scale g from H, in the graph of the rescaled Hamiltonian K, whose inputs are q, t, p and
+ * e = -H (automatic.c). The result is a jet that makes the recording fail if g exists nowhere. */
+jet tvi_record_automatic_scale(const tvi_system *base, jet H);
+
+/* Records the second derivatives into the system's open graph. *jets [2n + hessian_entries] becomes the field,
+ * followed by the derivatives. The caller frees it, whatever the status. */
+TVI_NODISCARD tvi_status tvi_hessian_record(tvi_system *system, jet **jets);
+
+/* Records the second derivatives of K = g f, factor = {g, f}, for solutions with f = 0. If the complete K'' is too
+ * expensive, it records g f'' + g' f'^T + f' g'^T, which leaves out f g''. If that is too expensive, it records
+ * none. */
+TVI_NODISCARD tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets);
+
+/* Creates the tape of the second derivatives if there are any. The recording must be finished (jet_graph_close). */
+TVI_NODISCARD tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[]);
 
 /* Sets system->has_masses if velocity_field [n] = diag(d) v + terms without v and d > 0, and then system->mass = d. Here
  * v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Sets *is_separable if there are no
