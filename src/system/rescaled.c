@@ -128,7 +128,6 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     stepped->regular = false; /* K_ee = 0 */
     stepped->is_automatic = !g;
     stepped->compares_movements = system->has_masses;
-    tvi_system_separate_time_in_tail(stepped);
     status = tvi_system_hamiltonian(&rescaled, system->n, tvi_record_stated_hamiltonian, (void *)system);
     if (status != TVI_OK) {
         tvi_system_free(stepped);

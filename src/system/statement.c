@@ -301,7 +301,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
     system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
-    if (tvi_system_find_subsystems(system) != TVI_OK) return TVI_ENOMEM;
+    if (tvi_system_find_subsystems(system, statement->factors != NULL) != TVI_OK) return TVI_ENOMEM;
     system->compares_movements = system->has_masses;
     system->uses_time = system->field_series->inputs > outputs;
     if (system->form == TVI_HAMILTONIAN) {

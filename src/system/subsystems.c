@@ -41,18 +41,20 @@ static void unite_components(const tvi_system *system, const bool depends[], int
     }
 }
 
-/* Lists the components of each set; the sets are ordered by their first components. counts [n] is scratch, all 0. */
-static void list_components(tvi_subsystems *subsystems, int n, int set_parent[], int counts[])
+/* Lists the components of each set; the sets are ordered by their first components. The component `single` becomes a
+ * subsystem of its own; -1: none does. counts [n] is scratch. */
+static void list_components(tvi_subsystems *subsystems, int n, int set_parent[], int single, int counts[])
 {
     int component_count = 0;
-    for (int i = 0; i < n; i++) counts[find_set(set_parent, i)]++;
+    memset(counts, 0, (size_t)n * sizeof *counts);
+    for (int i = 0; i < n; i++) counts[i == single ? i : find_set(set_parent, i)]++;
     for (int i = 0; i < n; i++) {
         if (counts[i] == 0) continue;
         const int begin = component_count;
         subsystems->end[subsystems->count++] = component_count += counts[i];
         counts[i] = begin;
     }
-    for (int i = 0; i < n; i++) subsystems->component[counts[find_set(set_parent, i)]++] = i;
+    for (int i = 0; i < n; i++) subsystems->component[counts[i == single ? i : find_set(set_parent, i)]++] = i;
 }
 
 static bool allocate_lists(tvi_subsystems *subsystems, size_t n)
@@ -62,12 +64,11 @@ static bool allocate_lists(tvi_subsystems *subsystems, size_t n)
     return subsystems->component && subsystems->end;
 }
 
-tvi_status tvi_system_find_subsystems(tvi_system *system)
+tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate)
 {
     const jet_tape *tape = system->field_values;
     const size_t n = (size_t)system->n, slots = (size_t)tape->slots;
-    tvi_subsystems *subsystems = &system->parts, *tail_parts = &system->tail_parts;
-    const bool has_lists = allocate_lists(subsystems, n) && allocate_lists(tail_parts, n);
+    const bool has_lists = allocate_lists(&system->parts, n) && allocate_lists(&system->tail_parts, n);
     int *set_parent = calloc(slots, sizeof *set_parent);
     bool *depends = calloc(slots, sizeof *depends);
     int *counts = calloc(n, sizeof *counts);
@@ -78,28 +79,11 @@ tvi_status tvi_system_find_subsystems(tvi_system *system)
         jet_tape_mark_dependents(tape, depends);
         unite_operations(tape, depends, set_parent);
         unite_components(system, depends, set_parent);
-        list_components(subsystems, system->n, set_parent, counts);
-        memcpy(tail_parts->component, subsystems->component, n * sizeof *subsystems->component);
-        memcpy(tail_parts->end, subsystems->end, n * sizeof *subsystems->end);
-        tail_parts->count = subsystems->count;
+        list_components(&system->parts, system->n, set_parent, -1, counts);
+        list_components(&system->tail_parts, system->n, set_parent, has_time_coordinate ? system->n - 1 : -1, counts);
     }
     free(set_parent);
     free(depends);
     free(counts);
     return has_memory ? TVI_OK : TVI_ENOMEM;
-}
-
-void tvi_system_separate_time_in_tail(tvi_system *system)
-{
-    tvi_subsystems *parts = &system->tail_parts;
-    const int n = system->n;
-    int kept = 0, k = 0;
-    for (int part = 0, at = 0; part < parts->count; part++) {
-        for (; at < parts->end[part]; at++)
-            if (parts->component[at] != n - 1) parts->component[k++] = parts->component[at];
-        if (k > (kept ? parts->end[kept - 1] : 0)) parts->end[kept++] = k;
-    }
-    parts->component[k] = n - 1;
-    parts->end[kept++] = n;
-    parts->count = kept;
 }

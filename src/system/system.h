@@ -115,18 +115,16 @@ TVI_NODISCARD tvi_status tvi_hessian_record_of_product(tvi_system *system, const
 /* Creates the tape of the second derivatives if there are any. The recording must be finished (jet_graph_close). */
 TVI_NODISCARD tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[]);
 
-/* Sets system->has_masses if velocity_field [n] = diag(d) v + terms without v and d > 0, and then system->mass = d. Here
- * v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Sets *is_separable if there are no
- * such terms, and no component of other_field [n] depends on v. Returns TVI_ENOMEM if memory is lacking. */
+/* Sets system->has_masses if velocity_field [n] = diag(d) v + terms without v and d > 0, and then system->mass = d.
+ * Here v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Sets *is_separable if there
+ * are no such terms, and no component of other_field [n] depends on v. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[], const jet other_field[],
                                                 bool *is_separable);
 
-/* Finds the subsystems of the field, and sets system->parts and tail_parts. Returns TVI_ENOMEM if memory is
- * lacking. */
-TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system);
-/* Makes the time, the last coordinate of a rescaled system, a subsystem of its own in tail_parts. Its share is then
- * the largest share, so that its ratio is not reduced. */
-void tvi_system_separate_time_in_tail(tvi_system *system);
+/* Finds the subsystems of the field, and sets system->parts and tail_parts. If the last coordinate is the time, as in a
+ * rescaled system, it becomes a subsystem of its own in tail_parts: its share is then the largest one, so that its
+ * ratio is not reduced. Returns TVI_ENOMEM if memory is lacking. */
+TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate);
 
 /* Returns the number of outputs of the field. */
 static inline int tvi_system_output_count(const tvi_system *system)
