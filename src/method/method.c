@@ -21,8 +21,6 @@ const tvi_supported_forms tvi_supports_hamilton = {
 #define ONE(method)                   &method,
 #define WITH_ADJOINT(method, adjoint) &method, &adjoint,
 const tvi_descriptor *const tvi_methods[] = {TVI_METHOD_LIST(ONE, WITH_ADJOINT) NULL};
-static const tvi_preset *const presets[] = {&tvi_svhd};
-enum { PRESETS = sizeof presets / sizeof *presets };
 
 /* Sets *why, and returns the status. */
 static tvi_status set_reason(tvi_status status, const char *reason, const char **why)
@@ -258,8 +256,7 @@ static tvi_status refuse_name(const char *name)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
             if ((*d)->nodes[nodes].name)
                 status = jet_refuse(status, "%s %s,", jet_last_refusal_text(), (*d)->nodes[nodes].name);
-    for (int i = 0; i < PRESETS; i++) status = jet_refuse(status, "%s %s", jet_last_refusal_text(), presets[i]->name);
-    return status;
+    return jet_refuse(status, "%s %s", jet_last_refusal_text(), tvi_svhd.name);
 }
 
 tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
@@ -269,14 +266,11 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
             if (is_same_name((*d)->nodes[nodes].name, name))
                 return set_options_of_rule(*d, (tvi_nodes)nodes, order, options);
-    for (int i = 0; i < PRESETS; i++) {
-        if (!is_same_name(presets[i]->name, name)) continue;
-        const int own = presets[i]->options.order;
-        if (order != own) return refuse_order(name, own, own, true, order);
-        *options = presets[i]->options;
-        return TVI_OK;
-    }
-    return refuse_name(name);
+    if (strcmp(name, tvi_svhd.name) != 0) return refuse_name(name);
+    const int own = tvi_svhd.options.order;
+    if (order != own) return refuse_order(name, own, own, true, order);
+    *options = tvi_svhd.options;
+    return TVI_OK;
 }
 
 /* This order has the least cost in all test problems (docs/choosing.md). */
