@@ -2,7 +2,7 @@
  * pass, below which movements cannot fall. For a small motion about a position of size 1 this roundoff exceeds that
  * of the momenta, since they have no more digits than the force at this position. */
 #include "galerkin/probe.h"
-#include "method/passes_rule.h"
+#include "method/stepper.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,7 +2,7 @@
  * are roundoff (newton.h). The steppers curve_stepper.c and both_ends.c call it. */
 #include "generating/newton.h"
 #include "algebra/sizes.h"
-#include "method/passes_rule.h"
+#include "method/stepper.h"
 #include "system/roundoff.h"
 
 #include <float.h>

@@ -1,6 +1,6 @@
 /* test_passes.c - Tests the rule that ends the passes of every iteration, number by number: what it says of corrections
  * of made-up sizes. */
-#include "method/passes_rule.h"
+#include "method/stepper.h"
 #include "suites.h"
 
 #include <string.h>
