@@ -28,30 +28,21 @@ static void add_multiple(jet *x, jet c, jet y)
 
 /* ---- H'' --------------------------------------------------------------------------------------------------------- */
 
-/* Records gradient[i] = d x / d z_i for z = (q, p). The inputs of the graph are q, t, p, e; `derivatives` [2n +
- * 1] is scratch for those by q, t and p. */
-static bool record_gradient_in_q_p(jet_graph *graph, jet x, int n, jet derivatives[], jet gradient[])
+/* Records the second derivatives of H in the three matrices. The inputs of the graph are q, t, p, e. gradient and row
+ * [2n + 1] are scratch. */
+static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_motion *motion, jet gradient[],
+                                      jet row[])
 {
-    const bool derived = jet_record_gradient(graph, x, 2 * n + 1, derivatives);
-    for (int i = 0; i < 2 * n; i++) gradient[i] = derivatives[i < n ? i : i + 1];
-    return derived;
-}
-
-/* Records the second derivatives of H in the three matrices. first_derivatives [2n], second_derivatives [2n] and
- * derivatives [2n + 1] are scratch. */
-static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_motion *motion, jet first_derivatives[],
-                                      jet second_derivatives[], jet derivatives[])
-{
-    const int n = motion->n;
-    if (!record_gradient_in_q_p(graph, H, n, derivatives, first_derivatives)) return false;
+    const int n = motion->n, first_p = n + 1, inputs = 2 * n + 1;
+    if (!jet_record_gradient(graph, H, inputs, gradient)) return false;
     jet_graph_begin_derived_part(
         graph, "the automatic g, which has no value there (take a smaller step, or give a g of your own)");
     for (int i = 0; i < n; i++) {
-        if (!record_gradient_in_q_p(graph, first_derivatives[i], n, derivatives, second_derivatives)) return false;
-        for (int j = 0; j < n; j++) motion->W[i * n + j] = second_derivatives[j];
-        if (!record_gradient_in_q_p(graph, first_derivatives[n + i], n, derivatives, second_derivatives)) return false;
-        for (int j = 0; j < n; j++) motion->A[i * n + j] = second_derivatives[j];
-        for (int j = 0; j <= i; j++) motion->H_pp[i * n + j] = motion->H_pp[j * n + i] = second_derivatives[n + j];
+        if (!jet_record_gradient(graph, gradient[i], inputs, row)) return false;
+        for (int j = 0; j < n; j++) motion->W[i * n + j] = row[j];
+        if (!jet_record_gradient(graph, gradient[first_p + i], inputs, row)) return false;
+        for (int j = 0; j < n; j++) motion->A[i * n + j] = row[j];
+        for (int j = 0; j <= i; j++) motion->H_pp[i * n + j] = motion->H_pp[j * n + i] = row[first_p + j];
     }
     return true;
 }
@@ -169,13 +160,12 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     jet_graph *graph;
     const jet refused = jet_find_graph_or_poison(1, &H, &graph);
     if (refused.node) return refused;
-    jet *jets = malloc((4 * n * n + 6 * n + 1) * sizeof *jets), sum = jet_make_poison(JET_NO_MEMORY);
+    jet *jets = malloc((4 * n * n + 4 * n + 2) * sizeof *jets), sum = jet_make_poison(JET_NO_MEMORY);
     if (!jets) return sum;
     const linearised_motion motion = {base->n, jets, jets + n * n, jets + 2 * n * n};
-    jet *terms = jets + 3 * n * n, *first_derivatives = terms + n * n, *second_derivatives = first_derivatives + 2 * n,
-        *derivatives = second_derivatives + 2 * n;
+    jet *terms = jets + 3 * n * n, *gradient = terms + n * n, *row = gradient + 2 * n + 1;
     if (!graph) sum = jet_const(0); /* All jets are plain numbers, and so is H: its derivatives are 0. */
-    else if (record_second_derivatives(graph, H, &motion, first_derivatives, second_derivatives, derivatives))
+    else if (record_second_derivatives(graph, H, &motion, gradient, row))
         sum = base->regular ? record_sum_for_regular_H_pp(&motion, terms)
                             : record_symmetric_sum(&motion, record_hessian_power_term, terms);
     free(jets);
