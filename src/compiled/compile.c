@@ -244,7 +244,7 @@ tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *optio
     if (status != TVI_OK) return status;
     jet_text text = {0};
     write_text(&text, system->stepped, &resolved_options, function_name);
-    const bool failed = text.is_incomplete, is_written = !failed && tvi_file_write(path, text.data, text.length);
+    const bool failed = text.is_incomplete, is_written = !failed && tvi_file_write(path, false, text.data, text.length);
     free(text.data);
     if (!failed && !is_written) return jet_refuse(TVI_ECOMPILE, "%s cannot be written", path);
     return failed ? jet_explain_out_of_memory(TVI_ENOMEM) : TVI_OK;

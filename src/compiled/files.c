@@ -34,22 +34,12 @@ static bool write_all(int file, const char *data, size_t byte_count)
     return true;
 }
 
-static bool write_with_flags(const char *path, int flags, const void *data, size_t byte_count)
+bool tvi_file_write(const char *path, bool appends, const void *data, size_t byte_count)
 {
-    const int file = open(path, O_WRONLY | O_CLOEXEC | flags, 0644);
+    const int file = open(path, O_WRONLY | O_CLOEXEC | (appends ? O_APPEND : O_CREAT | O_TRUNC), 0644);
     if (file < 0) return false;
     const bool is_written = write_all(file, data, byte_count);
     return close(file) == 0 && is_written;
-}
-
-bool tvi_file_write(const char *path, const void *data, size_t byte_count)
-{
-    return write_with_flags(path, O_CREAT | O_TRUNC, data, byte_count);
-}
-
-bool tvi_file_append(const char *path, const void *data, size_t byte_count)
-{
-    return write_with_flags(path, O_APPEND, data, byte_count);
 }
 
 /* Tells whether the file belongs to the user, and no other user may write to it. */

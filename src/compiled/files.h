@@ -7,9 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Write a new file, or append to an existing one. Return whether all bytes are written. */
-bool tvi_file_write(const char *path, const void *data, size_t byte_count);
-bool tvi_file_append(const char *path, const void *data, size_t byte_count);
+/* Writes a new file, or appends to an existing one. Returns whether all bytes are written. */
+bool tvi_file_write(const char *path, bool appends, const void *data, size_t byte_count);
 /* Reads a whole file, and adds a 0 at its end. The file must belong to the user and must not be a link. The caller
  * frees the text. Returns NULL if there is no such file. */
 char *tvi_file_read(const char *path, size_t *byte_count);

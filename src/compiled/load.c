@@ -166,7 +166,7 @@ static bool append_seal(const char *path, const compilation_key *key)
     const bool serves = data && is_library_complete(data, byte_count);
     const cache_seal s = compute_seal(key, data, serves ? byte_count : 0);
     free(data);
-    return serves && tvi_file_append(path, &s, sizeof s);
+    return serves && tvi_file_write(path, true, &s, sizeof s);
 }
 
 /* ---- The compiler ------------------------------------------------------------------------------------------------ */
@@ -222,7 +222,7 @@ static tvi_status run_compiler(const compilation_request *request, const compila
 static tvi_status compile_library(const compilation_request *request, const compilation_files *files,
                                   const jet_text *text)
 {
-    if (!tvi_file_write(files->source.data, text->data, text->length))
+    if (!tvi_file_write(files->source.data, false, text->data, text->length))
         return jet_refuse(TVI_ECOMPILE, "%s cannot be written", files->source.data);
     const tvi_status status = run_compiler(request, files);
     if (status != TVI_OK || append_seal(files->library.data, &request->key)) return status;
