@@ -84,8 +84,10 @@ JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi
 
 /* Computes bounds [width] of the changes of the members' energies. The kinetic energy changes by (F0 + F1)/2 . dq +
  * h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F between F0 and F1. */
-JET_INLINE void bound_energy_changes(const verlet_work *w, int width, double bound[])
+static void bound_energy_changes(const void *work, double bound[])
 {
+    const verlet_work *w = work;
+    const int width = w->width;
     for (int m = 0; m < width; m++) bound[m] = 0;
     for (int i = 0; i < w->system->n; i++) {
         const double factor = w->h / w->system->mass[i];
@@ -130,17 +132,11 @@ static void step_members(void *work, double h, const tvi_batch_origin *origin, c
     }
 }
 
-static void bound_energy_changes_of_batch(const void *work, double bound[])
-{
-    const verlet_work *w = work;
-    bound_energy_changes(w, w->width, bound);
-}
-
 static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .take = allocate_members,
                                                 .prepare = set_member_tables,
                                                 .step = step_members,
-                                                .most_change = bound_energy_changes_of_batch};
+                                                .most_change = bound_energy_changes};
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
@@ -180,7 +176,7 @@ static void interpolate_one_member(void *work, double theta, double dq[], double
 static double bound_energy_change(const void *work)
 {
     double change;
-    bound_energy_changes(work, 1, &change);
+    bound_energy_changes(work, &change);
     return change;
 }
 
