@@ -187,11 +187,6 @@ JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool
     }
 }
 
-JET_INLINE void linear_add_refinement(int n, const tvi_lu_factor *factor, double x[])
-{
-    for (int i = 0; i < n; i++) x[i] += factor->residual[i];
-}
-
 /* The type of a function that computes x <- (R A C)^-1 x, or with the transpose. */
 typedef void linear_factored_solver(int n, const tvi_lu_factor *factor, bool transposed, double x[]);
 
@@ -205,7 +200,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
     if (factor->refines_solutions) {
         linear_compute_residual(n, factor, transposed, x);
         solve_factored(n, factor, transposed, factor->residual);
-        linear_add_refinement(n, factor, x);
+        for (int i = 0; i < n; i++) x[i] += factor->residual[i];
     }
     linear_scale_components(n, transposed ? factor->row_scale : factor->column_scale, x);
 }
