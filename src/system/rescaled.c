@@ -61,35 +61,12 @@ typedef struct {
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
-/* Tells whether a node of a graph is positive wherever it has a value. Only the operations that compute it are
- * examined. A parameter counts as not positive, since it may become negative. */
-static bool is_always_positive(const struct jet_node *node)
-{
-    switch (node->op) {
-    case OP_EXP:
-    case OP_COSH:
-    case OP_SQRT:
-    case OP_HYPOT: return true;
-    case OP_POW: return node->number != rint(node->number) || is_always_positive(node->a);
-    case OP_SQR: return is_always_positive(node->a);
-    case OP_MUL:
-    case OP_DIV: return is_always_positive(node->a) && is_always_positive(node->b);
-    case OP_CONST: return node->number > 0;
-    case OP_LINEAR: {
-        bool positive = node->number >= 0 && node->count > 0;
-        for (int i = 0; i < node->count; i++)
-            positive &= node->terms[i].coefficient > 0 && is_always_positive(node->terms[i].node);
-        return positive;
-    }
-    default: return false;
-    }
-}
-
-/* Returns g as a jet whose sweep fails with TVI_EDOMAIN at states where g is not positive. */
-static jet require_positive_scale(jet g)
+/* Returns g as a jet whose sweep fails with TVI_EDOMAIN at states where g is not positive. The automatic g, a power, is
+ * positive wherever it has a value. */
+static jet require_positive_scale(jet g, bool is_automatic)
 {
     if (!g.node) return g.number > 0 ? g : jet_make_poison(isnan(g.number) ? JET_NOT_FINITE : JET_NOT_POSITIVE);
-    return jet_is_poison(g) || is_always_positive(g.node) ? g : jet_sqr(jet_sqrt(g));
+    return is_automatic || jet_is_poison(g) ? g : jet_sqr(jet_sqrt(g));
 }
 
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
@@ -103,7 +80,7 @@ static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, 
     const jet H = tvi_record_stated_hamiltonian(q, p, q[n], (void *)statement->base);
     const jet g = statement->time_scale ? statement->time_scale(q, p, q[n], statement->ctx)
                                         : tvi_record_automatic_scale(statement->base, H);
-    factor[0] = require_positive_scale(g);
+    factor[0] = require_positive_scale(g, !statement->time_scale);
     factor[1] = jet_add(H, p[n]);
 }
 
