@@ -36,11 +36,7 @@ void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int wid
 tvi_status tvi_factor_compute(tvi_lu_factor *factor)
 {
     const int n = factor->n;
-    if (n <= LINEAR_SMALL) {
-#define CALL(n) return linear_small_equilibrate_and_factor(n, factor)
-        LINEAR_BY_SIZE(n, CALL)
-#undef CALL
-    }
+    if (n <= LINEAR_SMALL) return linear_small_equilibrate_and_factor(n, factor);
     int info = 0;
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate(n, factor);
@@ -62,13 +58,8 @@ static void solve_factored_by_lapack(int n, const tvi_lu_factor *factor, bool tr
 static void solve_with_factor(const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int n = factor->n;
-    if (n <= LINEAR_SMALL) {
-#define CALL(n) linear_solve_scaled(n, factor, transposed, linear_small_solve_factored, x)
-        LINEAR_BY_SIZE(n, CALL)
-#undef CALL
-    } else {
-        linear_solve_scaled(n, factor, transposed, solve_factored_by_lapack, x);
-    }
+    if (n <= LINEAR_SMALL) linear_solve_scaled(n, factor, transposed, linear_small_solve_factored, x);
+    else linear_solve_scaled(n, factor, transposed, solve_factored_by_lapack, x);
 }
 
 void tvi_factor_solve(const tvi_lu_factor *factor, double x[]) { solve_with_factor(factor, false, x); }

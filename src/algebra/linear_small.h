@@ -20,16 +20,6 @@
  * 12 rows. Few curves have larger matrices (generating/products.h). */
 enum { LINEAR_SMALL = 16 };
 
-/* Calls call(n), with a constant argument if n is small, so that the compiler knows n. */
-#define LINEAR_BY_SIZE(n, call)                                                                                        \
-    switch (n) {                                                                                                       \
-    case 1: call(1); break;                                                                                            \
-    case 2: call(2); break;                                                                                            \
-    case 3: call(3); break;                                                                                            \
-    case 4: call(4); break;                                                                                            \
-    default: call(n);                                                                                                  \
-    }
-
 JET_INLINE void linear_swap(double *x, double *y)
 {
     const double kept = *x;
