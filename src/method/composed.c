@@ -2,7 +2,7 @@
  * composition is symmetric for every method (docs/method.md, section 7). It is the stepper (stepper.h) for options
  * with compose_adjoint. */
 #include "method/method.h"
-#include "method/stepper.h"
+#include "method/single.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,9 +12,8 @@ typedef struct {
     int n;
     tvi_options options[2]; /* Options of the method and of its adjoint. */
     const tvi_stepper *stepper[2];
-    void *work[2]; /* The memory of the two steppers. */
-    /* [n] The state between the two halves, with its low-order parts. */
-    double *middle_q, *middle_q_low, *middle_p, *middle_p_low;
+    void *work[2];                   /* The memory of the two steppers. */
+    tvi_run_state middle_state;      /* The state between the two halves. */
     tvi_increments first_increments; /* The increments of the first half of the step. */
 } composed_stepper;
 
@@ -22,16 +21,7 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
 {
     composed_stepper *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     composed_stepper composition = {.n = system->n, .options = {*options, tvi_adjoint_options(options)}};
-    double **const vectors[] = {&composition.middle_q,
-                                &composition.middle_q_low,
-                                &composition.middle_p,
-                                &composition.middle_p_low,
-                                &composition.first_increments.dq,
-                                &composition.first_increments.dp,
-                                &composition.first_increments.dq_low,
-                                &composition.first_increments.dp_low};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
-        *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    tvi_allocate_state_and_increments(arena, system->n, &composition.middle_state, &composition.first_increments);
     for (int half = 0; half < 2; half++) {
         composition.options[half].compose_adjoint = false;
         /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */
@@ -65,22 +55,16 @@ static tvi_status step_both_halves(void *work, double h, const tvi_step_origin *
 {
     composed_stepper *composition = work;
     const tvi_increments *half = &composition->first_increments;
+    const tvi_run_state *middle = &composition->middle_state;
     const int n = composition->n;
     tvi_status status = composition->stepper[0]->step(composition->work[0], h / 2, origin, half, stats);
     if (status != TVI_OK) return status;
     const double first_tail = stats->tail;
-    add_increments_compensated(n, origin->q, origin->q_low, half->dq, half->dq_low, composition->middle_q,
-                               composition->middle_q_low);
-    add_increments_compensated(n, origin->p, origin->p_low, half->dp, half->dp_low, composition->middle_p,
-                               composition->middle_p_low);
-    tvi_step_origin middle = {origin->t,
-                              origin->t_low,
-                              composition->middle_q,
-                              composition->middle_q_low,
-                              composition->middle_p,
-                              composition->middle_p_low};
-    middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2, 0);
-    status = composition->stepper[1]->step(composition->work[1], h / 2, &middle, increments, stats);
+    add_increments_compensated(n, origin->q, origin->q_low, half->dq, half->dq_low, middle->q, middle->q_low);
+    add_increments_compensated(n, origin->p, origin->p_low, half->dp, half->dp_low, middle->p, middle->p_low);
+    tvi_step_origin second_origin = {origin->t, origin->t_low, middle->q, middle->q_low, middle->p, middle->p_low};
+    second_origin.t = tvi_add_compensated(origin->t, &second_origin.t_low, h / 2, 0);
+    status = composition->stepper[1]->step(composition->work[1], h / 2, &second_origin, increments, stats);
     stats->tail = fmax(stats->tail, first_tail);
     add_increments_compensated(n, increments->dq, increments->dq_low, half->dq, half->dq_low, increments->dq,
                                increments->dq_low);

@@ -1,6 +1,13 @@
 /* single.c - Makes the step of one member of a batch by the stepper for single integrators (single.h). */
 #include "method/single.h"
 
+void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments)
+{
+    double **const vectors[] = {&state->q,       &state->q_low,   &state->p,           &state->p_low,
+                                &increments->dq, &increments->dp, &increments->dq_low, &increments->dp_low};
+    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)n);
+}
+
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
                                  const tvi_system *system, const tvi_options *options, int width, int points)
 {
@@ -12,12 +19,7 @@ void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *
     member_stepper->first_block = arena->first_block;
     arena->first_block = blocks_of_batch;
     member_stepper->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(system));
-    tvi_increments *increments = &member_stepper->increments;
-    double **const vectors[] = {&member_stepper->member_q, &member_stepper->member_q_low,
-                                &member_stepper->member_p, &member_stepper->member_p_low,
-                                &increments->dq,           &increments->dp,
-                                &increments->dq_low,       &increments->dp_low};
-    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    tvi_allocate_state_and_increments(arena, system->n, &member_stepper->start_state, &member_stepper->increments);
     member_stepper->member_block =
         tvi_arena_allocate_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
 }
@@ -50,14 +52,14 @@ bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *t
                      tvi_stats *stats)
 {
     const int n = member_stepper->system->n, width = member_stepper->width;
-    const tvi_step_origin from = {origin->t[member],        origin->t_low[member],
-                                  member_stepper->member_q, member_stepper->member_q_low,
-                                  member_stepper->member_p, member_stepper->member_p_low};
+    const tvi_run_state *state = &member_stepper->start_state;
+    const tvi_step_origin from = {origin->t[member], origin->t_low[member], state->q, state->q_low,
+                                  state->p,          state->p_low};
     const long passes = stats->passes;
-    tvi_gather_member(n, width, origin->q, member, member_stepper->member_q);
-    tvi_gather_member(n, width, origin->q_low, member, member_stepper->member_q_low);
-    tvi_gather_member(n, width, origin->p, member, member_stepper->member_p);
-    tvi_gather_member(n, width, origin->p_low, member, member_stepper->member_p_low);
+    tvi_gather_member(n, width, origin->q, member, state->q);
+    tvi_gather_member(n, width, origin->q_low, member, state->q_low);
+    tvi_gather_member(n, width, origin->p, member, state->p);
+    tvi_gather_member(n, width, origin->p_low, member, state->p_low);
     jet_tape_read_parameters(tape, batch_block, points * width, member, member_stepper->parameters);
     tvi_blocks_set_parameters(member_stepper->first_block, tvi_system_parameters(member_stepper->system), 1,
                               member_stepper->parameters);

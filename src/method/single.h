@@ -12,13 +12,15 @@ typedef struct tvi_member_stepper {
     void *stepper_work; /* The memory of `stepper`. */
     /* The first block of the stepper's list of blocks, which get the parameters of the member. */
     const tvi_block *first_block;
-    int width;          /* Number of members of the batch. */
-    double *parameters; /* The values of the member's parameters. */
-    double *member_q, *member_q_low, *member_p,
-        *member_p_low;         /* [n] The state of the member at the start of its step. */
+    int width;                 /* Number of members of the batch. */
+    double *parameters;        /* The values of the member's parameters. */
+    tvi_run_state start_state; /* The state of the member at the start of its step. */
     tvi_increments increments; /* The increments of the member's step. */
     double *member_block;      /* [slots][points] A copy of the member's lanes of a block of the batch. */
 } tvi_member_stepper;
+
+/* Allocates the vectors of a state and of the increments of a step, with n components each. */
+void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments);
 
 /* Allocates the memory. `points` is the number of points of one member in a sweep. In a block of the batch, lane
  * point * width + member belongs to the member. */
