@@ -194,7 +194,7 @@ $(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h width.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
-                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h reach.h advance.h tangents.h orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
+                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h advance.h tangents.h orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
@@ -214,7 +214,7 @@ SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/batch.o generating/reach.o generating/action.o generating/choose.o run/step.o)): \
+$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/batch.o generating/step_size.o generating/action.o generating/choose.o run/step.o)): \
     BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects

@@ -46,10 +46,10 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
     if (status != TVI_OK) return status;
     seeds_copy_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
     if (!separable) {
-        memcpy(action->bend_block, action->field_block,
+        memcpy(action->second_derivative_block, action->field_block,
                (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
-        memcpy(action->bend_block + (2 * n + 1) * points, action->node_momentum, panel);
-        if (!jet_sweep_values(system->r_dot_Hp_values, action->bend_block, points)) return TVI_EDOMAIN;
+        memcpy(action->second_derivative_block + (2 * n + 1) * points, action->node_momentum, panel);
+        if (!jet_sweep_values(system->r_dot_Hp_values, action->second_derivative_block, points)) return TVI_EDOMAIN;
     }
     for (int i = 0; i < n; i++)
         for (int node = 0; node < points; node++) {
@@ -58,9 +58,11 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
                 action->gradient_by_p[place] = curve->tau * action->node_momentum[place] / system->mass[i];
             } else {
                 action->gradient_by_q[place] +=
-                    curve->tau * seeds_field_output_row(action, system->r_dot_Hp_values, action->bend_block, i)[node];
-                action->gradient_by_p[place] = curve->tau * seeds_field_output_row(action, system->r_dot_Hp_values,
-                                                                                   action->bend_block, n + i)[node];
+                    curve->tau *
+                    seeds_field_output_row(action, system->r_dot_Hp_values, action->second_derivative_block, i)[node];
+                action->gradient_by_p[place] =
+                    curve->tau * seeds_field_output_row(action, system->r_dot_Hp_values,
+                                                        action->second_derivative_block, n + i)[node];
             }
             action->gradient_by_v[place] = -action->node_momentum[place];
         }
@@ -69,14 +71,15 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     if (seeds_need_only_field(action)) {
-        if (!curve->generated_code || !curve->generated_code->seed)
-            return tvi_choose_seeds(action)(action, curve, seed_Q, seed_U);
-        const tvi_status status = curve->generated_code->seed(action, curve, seed_Q, seed_U);
-        /* The library solves for the momenta again if the iteration is stuck, and measures whether that is roundoff. */
-        if (status == TVI_ENOCONV) return tvi_choose_seeds(action)(action, curve, seed_Q, seed_U);
+        if (!curve->generated_code || !curve->generated_code->compute_seeds)
+            return tvi_choose_seeds_function(action)(action, curve, seed_Q, seed_U);
+        const tvi_status status = curve->generated_code->compute_seeds(action, curve, seed_Q, seed_U);
+        /* Generated code does not know the roundoff of momenta. If its iteration for the momenta is stuck, the library
+         * solves for them again, and measures whether their last corrections are roundoff. */
+        if (status == TVI_ENOCONV) return tvi_choose_seeds_function(action)(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
             (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;
@@ -91,7 +94,7 @@ tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double
 {
     const int seeds = (curve->top + 1) * curve->n;
     const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const tvi_status status = compute_seeds(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_unchecked_seeds(action, curve, seed_Q, seed_U);
     if (status != TVI_OK) return status;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }

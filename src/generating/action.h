@@ -9,35 +9,37 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Returns an action of which only the sizes are set, for the curve of one step. Generated code has these sizes as
- * constants. */
+/* Returns an action of one member in which only the sizes are set. They are those of the method that the options
+ * choose; generated code has them as constants. */
 tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options);
-/* Returns the tape of the field at the nodes of the action. */
-const jet_tape *tvi_select_node_field(const tvi_system *system, tvi_action_kind kind);
-/* Allocates an action. q_degree and p_degree are the degrees of the curve that the action uses; all options are
- * resolved. mirrors: the span is symmetric, and nodes may be there twice (nodes.h). width: that of the curve. */
+/* Returns the tape that evaluates the field at the nodes. */
+const jet_tape *tvi_select_node_tape(const tvi_system *system, tvi_action_kind kind);
+/* Allocates an action. q_degree and p_degree are the degrees to which it sums the curve's q and p; all options are
+ * resolved. has_mirrored_nodes says that the span is symmetric about the centre, so that nodes may mirror each other
+ * (nodes.h). width is the number of members, as in tvi_curve. */
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width);
+                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool has_mirrored_nodes, int width);
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top);
 
 /* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns
- * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV (the velocities of a Hamiltonian). */
+ * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong to a Hamiltonian's velocities
+ * were not found. */
 TVI_NODISCARD tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
                                                   double seed_U[]);
 
-/* These functions are seeds_compute_from_field of seeds.h, compiled for one instruction set each. */
+/* The type of the variants of seeds_compute_from_field (seeds.h), each of which is compiled for one instruction set. */
 typedef tvi_status tvi_seeds_fn(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 tvi_seeds_fn tvi_seeds_from_field_base, tvi_seeds_from_field_avx2, tvi_seeds_from_field_avx512;
-tvi_seeds_fn *tvi_choose_seeds(const tvi_action *action);
+tvi_seeds_fn *tvi_choose_seeds_function(const tvi_action *action);
 
 /* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities
  * v and momenta p, [n][points] each, it computes gradient_by_q = tau L_q and gradient_by_v = L_v - p. */
 TVI_NODISCARD tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[],
                                                           const double v[], const double p[]);
 
-/* Estimates the roundoff of q and p at the ends of a step of size h from (q, p), [n] each. It comes from the field at
- * the nodes of the gradient last formed, and from p itself; it is 0 if the motion is larger than q and p. Returns how
- * many values of the field this cost. */
+/* Estimates the roundoff of q and p at the ends of a step of size h from (q, p), [n] each: the roundoff of the field,
+ * as last evaluated at the nodes, and that of p itself. All of it is 0 if the increments of the step are larger than q
+ * and p. Returns the number of force evaluations that it made. */
 int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
                               double q_roundoff[], double p_roundoff[]);
 

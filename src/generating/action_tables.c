@@ -9,9 +9,9 @@ static bool is_integration_by_parts_exact(const tvi_action *action, const tvi_op
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
 }
 
-/* Returns the length of half of the rows of nodes: whole vectors, if the field at the nodes needs no more of the tape's
- * vectors for that. */
-static int choose_half_row_length(const tvi_system *system, int points, int width)
+/* Returns the number of nodes in a mirrored half, padded to whole vectors, unless the tape would then process more
+ * vectors. */
+static int choose_half_node_row_length(const tvi_system *system, int points, int width)
 {
     if (width > 1) return (points + 1) / 2;
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2,
@@ -20,7 +20,7 @@ static int choose_half_row_length(const tvi_system *system, int points, int widt
 }
 
 static tvi_action choose_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind,
-                                      int q_degree, int p_degree, int top, bool mirrors, int width)
+                                      int q_degree, int p_degree, int top, bool has_mirrored_nodes, int width)
 {
     const int points = options->quadrature_points;
     const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
@@ -33,8 +33,9 @@ static tvi_action choose_action_shape(const tvi_system *system, const tvi_option
                         .points = points,
                         .orders = top + 1,
                         .width = width};
-    if (mirrors && seeds_need_only_field(&shape) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        shape.half_points = choose_half_row_length(system, points, width);
+    if (has_mirrored_nodes && seeds_need_only_field(&shape) &&
+        tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
+        shape.half_points = choose_half_node_row_length(system, points, width);
         shape.points = 2 * shape.half_points;
     }
     return shape;
@@ -42,14 +43,14 @@ static tvi_action choose_action_shape(const tvi_system *system, const tvi_option
 
 tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const int degree = options->degree, p_degree = expanded->uses_top_momentum ? degree : degree - 1;
-    const bool one_more = expanded->uses_top_momentum && system->form == TVI_SEPARABLE;
-    return choose_action_shape(system, options, expanded->action, degree, p_degree, degree + one_more,
-                               expanded->span.from == -expanded->span.to, 1);
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const int degree = options->degree, p_degree = definition->uses_top_momentum ? degree : degree - 1;
+    const bool one_more = definition->uses_top_momentum && system->form == TVI_SEPARABLE;
+    return choose_action_shape(system, options, definition->action, degree, p_degree, degree + one_more,
+                               definition->span.from == -definition->span.to, 1);
 }
 
-const jet_tape *tvi_select_node_field(const tvi_system *system, tvi_action_kind kind)
+const jet_tape *tvi_select_node_tape(const tvi_system *system, tvi_action_kind kind)
 {
     return system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_LAGRANGE ? system->field_series : system->field_values;
 }
@@ -64,17 +65,17 @@ static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, size_t 
 }
 
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width)
+                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool has_mirrored_nodes, int width)
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n * (size_t)width;
-    *action = choose_action_shape(system, options, kind, q_degree, p_degree, top, mirrors, width);
+    *action = choose_action_shape(system, options, kind, q_degree, p_degree, top, has_mirrored_nodes, width);
     const size_t points = (size_t)action->points;
-    action->field_tape = tvi_select_node_field(system, kind);
+    action->field_tape = tvi_select_node_tape(system, kind);
     action->sweeps = action->field_tape->sweeps;
     action->node_s = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
     tvi_node_table *const at_nodes[] = {&action->power_table, &action->slope_table, &action->second_slope_table,
-                                        &action->node_power_table};
+                                        &action->node_rule_power_table};
     for (int i = 0; i < 4; i++)
         allocate_node_table(at_nodes[i], arena, orders, points, (orders + 1) / 2, action->half_points);
     allocate_node_table(&action->weighted_power_table, arena, points, orders, (size_t)action->half_points,
@@ -86,7 +87,8 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
         action->by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->has_truncated_nodes)
-        action->bend_block = tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
+        action->second_derivative_block =
+            tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
     action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);
     double **const panels[] = {&action->node_momentum, &action->node_force, &action->gradient_by_q,
                                &action->gradient_by_v, &action->gradient_by_p};
@@ -100,13 +102,13 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     tvi_roundoff_allocate(&action->field_roundoff, arena, system);
 }
 
-/* Returns the error of the quadrature for s^r on the span; it is exactly 0 below the order of the quadrature. */
-static double compute_quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
-                                       tvi_scaled_span span)
+/* Returns the error of the quadrature for s^power on the span; it is exactly 0 below the order of the quadrature. */
+static double compute_quadrature_error(int order, int points, const long double s[], const long double weight[],
+                                       int power, tvi_scaled_span span)
 {
-    if (r < order) return 0;
-    long double error = -(powl(span.to, r + 1) - powl(span.from, r + 1)) / (r + 1);
-    for (int i = 0; i < points; i++) error += weight[i] * powl(s[i], r);
+    if (power < order) return 0;
+    long double error = -(powl(span.to, power + 1) - powl(span.from, power + 1)) / (power + 1);
+    for (int i = 0; i < points; i++) error += weight[i] * powl(s[i], power);
     return (double)error;
 }
 
@@ -120,17 +122,19 @@ static void set_power_tables(tvi_action *action, int node, long double s, bool a
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
         action->power_table.all_orders[place] = power;
         action->slope_table.all_orders[place] = slope;
-        action->node_power_table.all_orders[place] = left_out ? 0 : power;
+        action->node_rule_power_table.all_orders[place] = left_out ? 0 : power;
         action->weighted_power_table.all_orders[weighted] = action->node_weight[node] * power;
         action->weighted_slope_table.all_orders[weighted] = action->node_weight[node] * slope;
     }
 }
 
-/* Copies the even and the odd orders of a table at the first half of the nodes to the table's halves. */
-static void set_even_and_odd_orders(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirrored)
+/* Copies the rows of even and of odd orders at the first half of the nodes from all_orders to even_orders and
+ * odd_orders. */
+static void set_even_and_odd_orders(const tvi_action *action, tvi_node_table *table, bool is_weighted,
+                                    double mirror_sign)
 {
     const int half = action->half_points, orders = action->orders, width = seeds_round_up_to_vectors((orders + 1) / 2);
-    table->mirror_sign = mirrored;
+    table->mirror_sign = mirror_sign;
     for (int k = 0; k < orders; k++)
         for (int node = 0; node < half; node++) {
             double *rows = k % 2 == 0 ? table->even_orders : table->odd_orders;
@@ -139,14 +143,14 @@ static void set_even_and_odd_orders(const tvi_action *action, tvi_node_table *ta
         }
 }
 
-/* Returns the node of the quadrature rule to which a point of the action belongs, and sets *part to the point's part
- * of the node's weight. */
-static int find_rule_node(const tvi_action *action, int count, int point, double *part)
+/* Returns the node of the quadrature rule at which this point of the action lies, and sets *weight_fraction to the
+ * point's fraction of the node's weight. */
+static int find_rule_node(const tvi_action *action, int rule_points, int point, double *weight_fraction)
 {
     const int half = action->half_points, at = half > 0 ? point % half : point,
-              node = at < (count + 1) / 2 || half == 0 ? at : 0;
-    *part = node != at ? 0 : half > 0 && 2 * at + 1 == count ? 0.5 : 1;
-    return half > 0 && point >= half ? count - 1 - node : node;
+              node = at < (rule_points + 1) / 2 || half == 0 ? at : 0;
+    *weight_fraction = node != at ? 0 : half > 0 && 2 * at + 1 == rule_points ? 0.5 : 1;
+    return half > 0 && point >= half ? rule_points - 1 - node : node;
 }
 
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top)
@@ -155,13 +159,13 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
     tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
     for (int point = 0; point < action->points; point++) {
-        double part;
-        const int i = find_rule_node(action, count, point, &part);
+        double weight_fraction;
+        const int i = find_rule_node(action, count, point, &weight_fraction);
         const bool at_end = s[i] == -1 || s[i] == 1;
         /* Maps [-1, 1] to the span. */
         const long double place = span.from + (span.to - span.from) * (1 + s[i]) / 2;
         action->node_s[point] = (double)place;
-        action->node_weight[point] = part * (double)(weight[i] * (span.to - span.from) / 2);
+        action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.to - span.from) / 2);
         set_power_tables(action, point, place, at_end);
     }
     for (int i = 0; i < count; i++) {
@@ -171,7 +175,7 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     set_even_and_odd_orders(action, &action->power_table, false, 1);
     set_even_and_odd_orders(action, &action->slope_table, false, -1);
     set_even_and_odd_orders(action, &action->second_slope_table, false, 1);
-    set_even_and_odd_orders(action, &action->node_power_table, false, 1);
+    set_even_and_odd_orders(action, &action->node_rule_power_table, false, 1);
     set_even_and_odd_orders(action, &action->weighted_power_table, true, 1);
     set_even_and_odd_orders(action, &action->weighted_slope_table, true, -1);
     if (!action->by_parts_error) return;

@@ -7,16 +7,16 @@
 
 typedef struct {
     int n, width;
-    size_t order_stride;   /* the distance of orders in the block */
-    const int *field_slot; /* the slots of the field */
-    double *series_block;  /* the block of the series */
+    size_t order_stride;   /* the distance from one order to the next in the block */
+    const int *field_slot; /* the slots of the field's outputs */
+    double *series_block;  /* the block of the series, or of its tangents */
     const double *kappa;
     double tau;
 } tvi_series_recurrence;
 
-/* Computes out = x / divisor, which the following orders wait for. It multiplies by the reciprocal in two parts, which
- * is known before x. The result is rounded as the quotient is, except for ties. This needs one operation that rounds
- * the product and the sum. */
+/* Computes out = x / divisor, by a multiplication with the reciprocal of the divisor. The reciprocal is kept in two
+ * parts, and is known before x is; thus the following orders wait for x only. Rounding is that of a division, except
+ * for ties. It needs a fused multiply-add. */
 #ifdef __FMA__
 #define TVI_QUOTIENT(V, out, x, divisor)                                                                               \
     {                                                                                                                  \
@@ -28,20 +28,21 @@ typedef struct {
 #define TVI_QUOTIENT(V, out, x, divisor) out = (x) / (divisor);
 #endif
 
-/* These write vectors, since the orders that follow read vectors: a vector loaded from several numbers just stored
- * waits until they are in the cache. */
+/* TVI_ADVANCE_SEPARABLE and TVI_ADVANCE_HAMILTONIAN store whole vectors, since the next orders load whole vectors: a
+ * load that covers several short stores has to wait for the cache. */
 #define TVI_ADVANCE_SEPARABLE(V, S)                                                                                    \
     TVI_QUOTIENT(V, JET_AT(V, next, 0),                                                                                \
                  JET_OF(V, recurrence->kappa, 0) * JET_GATHER(V, field, recurrence->field_slot + here) *               \
                      recurrence->tau,                                                                                  \
                  divisor)
-/* Advances component i of several members. */
-#define TVI_ADVANCE_EACH(V, S) TVI_QUOTIENT(V, JET_AT(V, next, i), kappa *JET_OF(V, field, slot) * tau, divisor)
-static inline void tvi_advance_each(const tvi_series_recurrence *recurrence, double kappa, double tau, double divisor,
-                                    const double *field, int slot, double *next, int i)
+/* Advances component i of all members. */
+#define TVI_ADVANCE_COMPONENT_OF_MEMBERS(V, S)                                                                         \
+    TVI_QUOTIENT(V, JET_AT(V, next, i), kappa *JET_OF(V, field, slot) * tau, divisor)
+static inline void tvi_advance_component_of_members(const tvi_series_recurrence *recurrence, double kappa, double tau,
+                                                    double divisor, const double *field, int slot, double *next, int i)
 {
     const size_t stride = (size_t)recurrence->width;
-    JET_BLOCKS(recurrence->width, TVI_ADVANCE_EACH, );
+    JET_BLOCKS(recurrence->width, TVI_ADVANCE_COMPONENT_OF_MEMBERS, );
 }
 #define TVI_ADVANCE_HAMILTONIAN(V, S)                                                                                  \
     {                                                                                                                  \
@@ -50,8 +51,8 @@ static inline void tvi_advance_each(const tvi_series_recurrence *recurrence, dou
         TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, recurrence->field_slot + here) * -tau, divisor)          \
     }
 
-/* The quotients by k are taken of the coefficients and not of tau: the roundoff of tau / k would be the same in all
- * steps, and the energy would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
+/* The coefficients are divided by k, and not tau: tau / k would have the same roundoff in every step, and the energy
+ * would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
 static inline void tvi_advance_separable(const tvi_series_recurrence *recurrence, int k)
 {
     enum { stride = 0 };
@@ -59,8 +60,8 @@ static inline void tvi_advance_separable(const tvi_series_recurrence *recurrence
     double *next = recurrence->series_block + (size_t)(k + 2) * recurrence->order_stride;
     if (recurrence->width == 1) JET_BLOCKS(recurrence->n, TVI_ADVANCE_SEPARABLE, );
     for (int i = 0; recurrence->width > 1 && i < recurrence->n; i++)
-        tvi_advance_each(recurrence, recurrence->kappa[i], recurrence->tau, divisor, field, recurrence->field_slot[i],
-                         next, i);
+        tvi_advance_component_of_members(recurrence, recurrence->kappa[i], recurrence->tau, divisor, field,
+                                         recurrence->field_slot[i], next, i);
 }
 
 static inline void tvi_advance_hamiltonian(const tvi_series_recurrence *recurrence, int k)
@@ -72,13 +73,13 @@ static inline void tvi_advance_hamiltonian(const tvi_series_recurrence *recurren
     const int n = recurrence->n, *output = recurrence->field_slot;
     if (recurrence->width == 1) JET_BLOCKS(n, TVI_ADVANCE_HAMILTONIAN, );
     for (int i = 0; recurrence->width > 1 && i < n; i++) {
-        tvi_advance_each(recurrence, 1, tau, divisor, field, output[n + i], q, i);
-        tvi_advance_each(recurrence, 1, -tau, divisor, field, output[i], q, n + i);
+        tvi_advance_component_of_members(recurrence, 1, tau, divisor, field, output[n + i], q, i);
+        tvi_advance_component_of_members(recurrence, 1, -tau, divisor, field, output[i], q, n + i);
     }
 }
 
-/* Advances the tangents of `lanes` directions, whose block is x, in whole vectors, since the orders that follow read
- * vectors. Their roundoff is that of small corrections, so that tau itself may be divided. */
+/* Computes next = factor * field, of one component's tangents in `lanes` directions, in whole vectors, since the next
+ * orders load vectors. Tangents only give small corrections, so that their factor may contain the rounded tau / k. */
 #define TVI_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
 static inline void tvi_advance_tangent_row(int lanes, double factor, const double *field, double *next)
 {

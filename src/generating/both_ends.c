@@ -20,21 +20,23 @@
 static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                double sign)
 {
-    tvi_options plain = *options; /* y is never truncated */
+    /* The nodes of each curve's action are always on the curve, since y blends whole curves; the node rule only decides
+     * which v is used. */
+    tvi_options plain = *options;
     plain.nodes = TVI_NODES_ON_CURVE;
     const int r = options->degree;
     const size_t n = (size_t)system->n;
-    x->sign = x->end = sign;
+    x->sign = x->other_end_s = sign;
     tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
     tvi_allocate_action(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false, 1);
-    tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
+    tvi_combination *const combinations[] = {&x->q_rise, &x->u_at_own_end, &x->dense_q, &x->dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&x->curve, arena);
-    x->blend = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
-    x->P = tvi_arena_allocate_doubles(arena, (size_t)r * n);
+    x->node_blend_weight = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
+    x->momentum_coefficients = tvi_arena_allocate_doubles(arena, (size_t)r * n);
     x->seed = tvi_arena_allocate_doubles(arena, ((size_t)r + 1) * n);
-    x->R = tvi_arena_allocate_doubles(arena, 2 * n);
-    x->G = tvi_arena_allocate_doubles(arena, n * 2 * n);
+    x->action_gradient = tvi_arena_allocate_doubles(arena, 2 * n);
+    x->other_end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     x->multiplier = tvi_arena_allocate_doubles(arena, n);
     x->dz = tvi_arena_allocate_doubles(arena, 2 * n);
     tvi_factor_allocate(&x->factor, arena, system->n, 1);
@@ -42,71 +44,74 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    tvi_both_ends_workspace *taken = tvi_arena_allocate(arena, sizeof *taken);
+    tvi_both_ends_workspace *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     tvi_both_ends_workspace w = {.system = system,
                                  .options = options,
                                  .n = system->n,
                                  .degree = options->degree,
                                  .points = options->quadrature_points};
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
-    allocate_end_curve(&w.a, arena, system, options, 1);
-    allocate_end_curve(&w.b, arena, system, options, -1);
-    w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
+    allocate_end_curve(&w.start_curve, arena, system, options, 1);
+    allocate_end_curve(&w.end_curve, arena, system, options, -1);
+    w.has_momentum_terms = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
     tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity);
+        w.velocity_guess = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity_guess);
     }
-    w.q_unit = tvi_combination_allocate(&w.a.curve, arena);
-    w.z_unit = tvi_combination_allocate(&w.a.curve, arena);
-    double **const panels[] = {&w.y, &w.v, &w.pi, &w.pi_rate, &w.on_q, &w.on_v, &w.apart};
+    w.q_at_end = tvi_combination_allocate(&w.start_curve.curve, arena);
+    w.velocity_at_end = tvi_combination_allocate(&w.start_curve.curve, arena);
+    double **const panels[] = {&w.node_position, &w.node_velocity, &w.node_momentum,         &w.node_force,
+                               &w.gradient_by_q, &w.gradient_by_v, &w.gradient_by_difference};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
         *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
-    w.row = tvi_arena_allocate_doubles(arena, points);
-    double **const vectors[] = {&w.z, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
+    w.node_row = tvi_arena_allocate_doubles(arena, points);
+    double **const vectors[] = {&w.start_z, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.scratch};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_allocate_doubles(arena, 2 * n);
-    if (taken) *taken = w;
-    return taken;
+    if (workspace) *workspace = w;
+    return workspace;
 }
 
 static void prepare_end_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
-    for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
+    for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_s, k);
     tvi_curve_fill_constant_tables(&x->curve);
     tvi_curve_prepare_tail(&x->curve, w->degree, w->degree - 1);
     tvi_prepare_action_tables(&x->action, w->options, span, w->degree);
-    tvi_combination_set_weights(&x->to_end, &x->curve, false, powers);
-    tvi_combination_set_weights(&x->near_u, &x->curve, true, zeroth);
-    for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->end * x->action.node_s[node];
+    tvi_combination_set_weights(&x->q_rise, &x->curve, false, powers);
+    tvi_combination_set_weights(&x->u_at_own_end, &x->curve, true, zeroth);
+    for (int node = 0; node < w->points; node++)
+        x->node_blend_weight[node] = 1 - x->other_end_s * x->action.node_s[node];
 }
 
-static void prepare_stepper(void *taken)
+static void prepare_stepper(void *workspace)
 {
-    tvi_both_ends_workspace *w = taken;
+    tvi_both_ends_workspace *w = workspace;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     tvi_newton_set_rules(&w->newton, w->options, true);
-    prepare_end_curve(w, &w->a, (tvi_scaled_span){0, 1, 1});
-    prepare_end_curve(w, &w->b, (tvi_scaled_span){-1, 0, 1});
+    prepare_end_curve(w, &w->start_curve, (tvi_scaled_span){0, 1, 1});
+    prepare_end_curve(w, &w->end_curve, (tvi_scaled_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
     }
-    tvi_combination_set_weights(&w->q_unit, &w->a.curve, false, ones);
-    tvi_combination_set_weights(&w->z_unit, &w->a.curve, hamiltonian, hamiltonian ? ones : slopes);
+    tvi_combination_set_weights(&w->q_at_end, &w->start_curve.curve, false, ones);
+    tvi_combination_set_weights(&w->velocity_at_end, &w->start_curve.curve, hamiltonian, hamiltonian ? ones : slopes);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* Solves B^T multiplier = R_v. */
-static tvi_status solve_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_stats *stats)
+static tvi_status solve_for_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
-    tvi_curve_sum_jacobian(&x->curve, &x->to_end, x->G);
-    for (size_t i = 0; i < n; i++) memcpy(x->factor.lu + i * n, x->G + i * 2 * n + n, n * sizeof(double));
-    memcpy(x->multiplier, x->R + n, n * sizeof(double));
+    tvi_curve_sum_jacobian(&x->curve, &x->q_rise, x->other_end_jacobian);
+    for (size_t i = 0; i < n; i++)
+        memcpy(x->factor.lu + i * n, x->other_end_jacobian + i * 2 * n + n, n * sizeof(double));
+    memcpy(x->multiplier, x->action_gradient + n, n * sizeof(double));
     stats->factorisations++;
     const tvi_status status = tvi_factor_compute(&x->factor);
     if (status == TVI_OK) tvi_factor_solve_transposed(&x->factor, x->multiplier);
@@ -114,27 +119,29 @@ static tvi_status solve_multiplier(const tvi_both_ends_workspace *w, tvi_end_cur
 }
 
 /* Returns component j of (A - I)^T multiplier. */
-static double sum_multiplied_column(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
+static double multiply_column_by_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
 {
     double sum = 0;
-    for (int i = 0; i < w->n; i++) sum += x->G[i * 2 * w->n + j] * x->multiplier[i];
+    for (int i = 0; i < w->n; i++) sum += x->other_end_jacobian[i * 2 * w->n + j] * x->multiplier[i];
     return sum;
 }
 
-static tvi_status close_equations(tvi_both_ends_workspace *w, tvi_stats *stats)
+static tvi_status compute_momentum_corrections(tvi_both_ends_workspace *w, tvi_stats *stats)
 {
-    tvi_status status = solve_multiplier(w, &w->a, stats);
-    if (status == TVI_OK) status = solve_multiplier(w, &w->b, stats);
+    tvi_status status = solve_for_multiplier(w, &w->start_curve, stats);
+    if (status == TVI_OK) status = solve_for_multiplier(w, &w->end_curve, stats);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n; i++) {
-        const double at_a = sum_multiplied_column(w, &w->a, i), at_b = sum_multiplied_column(w, &w->b, i);
-        w->from_p[i] = -w->a.R[i] + at_a + (w->a.multiplier[i] - w->b.multiplier[i]);
-        w->rise_p[i] = w->a.R[i] + w->b.R[i] - at_a - at_b;
+        const double at_a = multiply_column_by_multiplier(w, &w->start_curve, i),
+                     at_b = multiply_column_by_multiplier(w, &w->end_curve, i);
+        w->from_p[i] =
+            -w->start_curve.action_gradient[i] + at_a + (w->start_curve.multiplier[i] - w->end_curve.multiplier[i]);
+        w->rise_p[i] = w->start_curve.action_gradient[i] + w->end_curve.action_gradient[i] - at_a - at_b;
     }
     return TVI_OK;
 }
 
-/* An attempt holds the step that is being made. */
+/* The step that is being made; tvi_equations.self points to it. */
 typedef struct {
     tvi_both_ends_workspace *work;
     const tvi_step_origin *origin;
@@ -156,8 +163,8 @@ static void compute_unknown_scales(void *self, double scale[])
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
     for (int k = w->degree; k >= 0; k--) {
-        const double *a = tvi_curve_position_coefficients(&w->a.curve, k),
-                     *b = tvi_curve_position_coefficients(&w->b.curve, k);
+        const double *a = tvi_curve_position_coefficients(&w->start_curve.curve, k),
+                     *b = tvi_curve_position_coefficients(&w->end_curve.curve, k);
         for (int i = 0; i < n; i++) {
             scale[n + i] += fabs(b[i]);
             if (k == 0 && !hamiltonian) continue;
@@ -165,8 +172,11 @@ static void compute_unknown_scales(void *self, double scale[])
             scale[2 * n + i] += fabs(b[i + (hamiltonian ? n : 0)]);
         }
     }
-    for (int i = 0; w->degree == 1 && i < n; i++) { /* if a body is at rest, curves of degree 1 know only this */
-        const double change = fabs(w->a.curve.kappa[i]) * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
+    for (int i = 0; w->degree == 1 && i < n;
+         /* A curve of degree 1 from a state of rest has size 0; then the corrections of the momenta are the only other
+         * measure of an unknown. */
+         i++) {
+        const double change = fabs(w->start_curve.curve.kappa[i]) * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;
     }
@@ -178,12 +188,12 @@ static void compute_end_differences(const step_attempt *attempt, const double q1
     tvi_both_ends_workspace *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     const int n = w->n;
-    tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, r);
-    tvi_curve_sum_combination(&w->b.curve, &w->b.to_end, r + n);
-    tvi_curve_sum_combination(&w->a.curve, &w->a.near_u, r + 2 * n);
-    const double pi = w->has_pi ? 1 : 0;
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_rise, r);
+    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_rise, r + n);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end, r + 2 * n);
+    const double pi = w->has_momentum_terms ? 1 : 0;
     for (int i = 0; i < n; i++) {
-        const double kappa = w->a.curve.kappa[i], change = q1[i] - origin->q[i];
+        const double kappa = w->start_curve.curve.kappa[i], change = q1[i] - origin->q[i];
         r[i] -= change - origin->q_low[i];
         r[n + i] += change - origin->q_low[i];
         r[2 * n + i] = (pi * r[2 * n + i] - kappa * origin->p[i]) + kappa * (w->from_p[i] - origin->p_low[i]);
@@ -196,36 +206,38 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
     tvi_both_ends_workspace *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     const size_t n = (size_t)w->n;
-    memcpy(w->z, origin->q, n * sizeof *x);
-    memcpy(w->z + n, x, n * sizeof *x);
-    tvi_status status = expand_end_curve(attempt, &w->a, w->z, origin->t + origin->t_low);
-    if (status == TVI_OK) status = expand_end_curve(attempt, &w->b, x + n, origin->t + (origin->t_low + attempt->h));
+    memcpy(w->start_z, origin->q, n * sizeof *x);
+    memcpy(w->start_z + n, x, n * sizeof *x);
+    tvi_status status = expand_end_curve(attempt, &w->start_curve, w->start_z, origin->t + origin->t_low);
+    if (status == TVI_OK)
+        status = expand_end_curve(attempt, &w->end_curve, x + n, origin->t + (origin->t_low + attempt->h));
     if (status != TVI_OK) return status;
-    tvi_curve_differentiate(&w->a.curve);
-    tvi_curve_differentiate(&w->b.curve);
+    tvi_curve_differentiate(&w->start_curve.curve);
+    tvi_curve_differentiate(&w->end_curve.curve);
     status = tvi_both_ends_compute_gradient(w, attempt->stats);
-    if (status == TVI_OK) status = close_equations(w, attempt->stats);
+    if (status == TVI_OK) status = compute_momentum_corrections(w, attempt->stats);
     if (status != TVI_OK) return status;
     compute_end_differences(attempt, x + n, r);
     return TVI_OK;
 }
 
-/* Fills in the residual's Jacobian without the change of the small corrections. Its columns v0,
- * q1, v1 are, by rows of r,
+/* Fills in the residual's Jacobian, without the derivatives of the small corrections. Its columns belong to v0, q1, v1,
+ * and its rows are
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
 static bool compute_jacobian(void *self, double matrix[])
 {
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_jacobian(&w->a.curve, &w->a.near_u, w->b.G);
+    tvi_curve_sum_jacobian(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->end_curve.other_end_jacobian);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) matrix[(2 * n + i) * row + j] = w->b.G[i * 2 * n + n + j];
-    tvi_curve_sum_jacobian(&w->b.curve, &w->b.to_end, w->b.G);
+        for (size_t j = 0; j < n; j++)
+            matrix[(2 * n + i) * row + j] = w->end_curve.other_end_jacobian[i * 2 * n + n + j];
+    tvi_curve_sum_jacobian(&w->end_curve.curve, &w->end_curve.q_rise, w->end_curve.other_end_jacobian);
     for (size_t i = 0; i < n; i++) {
-        memcpy(matrix + i * row, w->a.G + i * 2 * n + n, n * sizeof *matrix);
+        memcpy(matrix + i * row, w->start_curve.other_end_jacobian + i * 2 * n + n, n * sizeof *matrix);
         matrix[i * row + n + i] = -1;
-        memcpy(matrix + (n + i) * row + n, w->b.G + i * 2 * n, 2 * n * sizeof *matrix);
+        memcpy(matrix + (n + i) * row + n, w->end_curve.other_end_jacobian + i * 2 * n, 2 * n * sizeof *matrix);
         matrix[(n + i) * row + n + i] += 1;
     }
     return true;
@@ -238,61 +250,63 @@ static void estimate_residual_roundoff(void *self, double r[])
     tvi_both_ends_workspace *w = attempt->work;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    attempt->stats->force_evaluations += tvi_estimate_end_roundoff(&w->a.action, &w->a.curve, attempt->h,
-                                                                   attempt->origin->q, attempt->origin->p, r, of_u);
+    attempt->stats->force_evaluations += tvi_estimate_end_roundoff(
+        &w->start_curve.action, &w->start_curve.curve, attempt->h, attempt->origin->q, attempt->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
-    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
+    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->start_curve.curve.kappa[i]);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Expands the curve a from (q0, p0), and predicts the data of b as the end of a. */
+/* Expands the start curve from (q0, p0), and predicts the centre data of the end curve as the end of the start curve.
+ * */
 static tvi_status predict_unknowns(const step_attempt *attempt)
 {
     tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
     const tvi_step_origin *origin = attempt->origin;
     tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->system, attempt->h, origin->t, origin->q,
-                                                        origin->p, w->velocity, w->z);
+                                                        origin->p, w->velocity_guess, w->start_z);
     if (status != TVI_OK) return status;
-    status = expand_end_curve(attempt, &w->a, w->z, origin->t + origin->t_low);
-    memcpy(w->newton.x, w->z + n, n * sizeof(double));
-    tvi_curve_sum_combination(&w->a.curve, &w->q_unit, w->newton.x + n);
-    tvi_curve_sum_combination(&w->a.curve, &w->z_unit, w->newton.x + 2 * n);
+    status = expand_end_curve(attempt, &w->start_curve, w->start_z, origin->t + origin->t_low);
+    memcpy(w->newton.x, w->start_z + n, n * sizeof(double));
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->q_at_end, w->newton.x + n);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->velocity_at_end, w->newton.x + 2 * n);
     return status;
 }
 
-/* Stores in dz what z of the curves lacks: the low-order part of q0, and the last correction. */
+/* Stores in dz the correction of each curve's z that has not been applied: the low-order part of q0, and the last
+ * correction of the passes. */
 static void store_last_correction(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
-    memcpy(w->a.dz, origin->q_low, bytes);
-    memcpy(w->a.dz + n, w->newton.correction, bytes);
-    memcpy(w->b.dz, w->newton.correction + n, 2 * bytes);
-    tvi_curve_set_product_direction(&w->a.curve, w->a.dz);
-    tvi_curve_set_product_direction(&w->b.curve, w->b.dz);
+    memcpy(w->start_curve.dz, origin->q_low, bytes);
+    memcpy(w->start_curve.dz + n, w->newton.correction, bytes);
+    memcpy(w->end_curve.dz, w->newton.correction + n, 2 * bytes);
+    tvi_curve_set_product_direction(&w->start_curve.curve, w->start_curve.dz);
+    tvi_curve_set_product_direction(&w->end_curve.curve, w->end_curve.dz);
 }
 
-/* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
+/* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, to first order in the correction dz. */
 static void compute_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
 {
     const int n = w->n;
-    tvi_curve_sum_combination(&w->a.curve, &w->a.to_end, dq);
-    tvi_curve_multiply_by_jacobian(&w->a.curve, &w->a.to_end, w->shift);
-    for (int i = 0; i < n; i++) dq[i] += w->shift[i];
-    tvi_curve_sum_combination(&w->b.curve, &w->b.near_u, dp);
-    tvi_curve_sum_combination(&w->a.curve, &w->a.near_u, w->shift);
-    for (int i = 0; i < n; i++) dp[i] = w->has_pi ? dp[i] - w->shift[i] : 0;
-    tvi_curve_multiply_by_jacobian(&w->b.curve, &w->b.near_u, w->shift);
-    for (int i = 0; i < n; i++) dp[i] += w->shift[i];
-    tvi_curve_multiply_by_jacobian(&w->a.curve, &w->a.near_u, w->shift);
-    for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_rise, dq);
+    tvi_curve_multiply_direction(&w->start_curve.curve, &w->start_curve.q_rise, w->scratch);
+    for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
+    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.u_at_own_end, dp);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
+    for (int i = 0; i < n; i++) dp[i] = w->has_momentum_terms ? dp[i] - w->scratch[i] : 0;
+    tvi_curve_multiply_direction(&w->end_curve.curve, &w->end_curve.u_at_own_end, w->scratch);
+    for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
+    tvi_curve_multiply_direction(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
+    for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->scratch[i]) / w->start_curve.curve.kappa[i] + w->rise_p[i];
 }
 
-static tvi_status step_both_ends(void *taken, double h, const tvi_step_origin *origin, const tvi_increments *increments,
-                                 tvi_stats *stats)
+static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origin *origin,
+                                 const tvi_increments *increments, tvi_stats *stats)
 {
-    tvi_both_ends_workspace *w = taken;
+    tvi_both_ends_workspace *w = workspace;
     const size_t bytes = (size_t)w->n * sizeof *increments->dq;
     step_attempt attempt = {w, origin, h, stats};
     const tvi_equations equations = {.self = &attempt,
@@ -307,47 +321,48 @@ static tvi_status step_both_ends(void *taken, double h, const tvi_step_origin *o
     compute_increments(w, increments->dq, increments->dp);
     memcpy(w->dq, increments->dq, bytes);
     memcpy(w->dp, increments->dp, bytes);
-    tvi_curve_compute_size_sums(&w->a.curve);
-    tvi_curve_compute_size_sums(&w->b.curve);
-    stats->tail = fmax(tvi_curve_compute_tail(&w->a.curve), tvi_curve_compute_tail(&w->b.curve));
+    tvi_curve_compute_movement_sizes(&w->start_curve.curve);
+    tvi_curve_compute_movement_sizes(&w->end_curve.curve);
+    stats->tail = fmax(tvi_curve_compute_tail(&w->start_curve.curve), tvi_curve_compute_tail(&w->end_curve.curve));
     return TVI_OK;
 }
 
-/* Adds blend (x(at) - x(0)) to dq, and the same of the momenta to dp. */
-static void add_blended_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, double at, double blend, double dq[],
+/* Adds weight (q(s) - q(0)) of the curve to dq, and weight (p(s) - p(0)) to dp. */
+static void add_blended_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, double s, double weight, double dq[],
                               double dp[])
 {
-    tvi_combination_set_power_weights(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
-    tvi_combination_set_power_weights(&x->u_dense, &x->curve, true, w->degree - 1, 1, at, -1, 0);
-    tvi_curve_sum_combination(&x->curve, &x->q_dense, w->shift);
-    for (int i = 0; i < w->n; i++) dq[i] += blend * w->shift[i];
-    tvi_curve_sum_combination(&x->curve, &x->u_dense, w->shift);
-    for (int i = 0; i < w->n; i++) dp[i] += blend * w->shift[i] / x->curve.kappa[i];
+    tvi_combination_set_power_weights(&x->dense_q, &x->curve, false, w->degree, 1, s, -1, 0);
+    tvi_combination_set_power_weights(&x->dense_u, &x->curve, true, w->degree - 1, 1, s, -1, 0);
+    tvi_curve_sum_combination(&x->curve, &x->dense_q, w->scratch);
+    for (int i = 0; i < w->n; i++) dq[i] += weight * w->scratch[i];
+    tvi_curve_sum_combination(&x->curve, &x->dense_u, w->scratch);
+    for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.kappa[i];
 }
 
-/* Evaluates the blend of the curves; the curve b is measured from the end of the step. */
-static void compute_dense_output(void *taken, double theta, double dq[], double dp[])
+/* Evaluates the blend of the curves: the start curve has weight 1 - theta, and the end curve, which is measured from
+ * the end of the step, has weight theta. */
+static void compute_dense_output(void *workspace, double theta, double dq[], double dp[])
 {
-    tvi_both_ends_workspace *w = taken;
+    tvi_both_ends_workspace *w = workspace;
     for (int i = 0; i < w->n; i++) {
         dq[i] = theta * w->dq[i];
         dp[i] = theta * w->dp[i];
     }
-    add_blended_curve(w, &w->a, theta, 1 - theta, dq, dp);
-    add_blended_curve(w, &w->b, theta - 1, theta, dq, dp);
+    add_blended_curve(w, &w->start_curve, theta, 1 - theta, dq, dp);
+    add_blended_curve(w, &w->end_curve, theta - 1, theta, dq, dp);
 }
 
-static tvi_used_tapes find_used_sweeps(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_find_used_sweeps(system, options, options->degree, options->quadrature_points,
-                                      TVI_JACOBIAN_MATRICES);
+    return tvi_curve_find_used_tapes(system, options, options->degree, options->quadrature_points,
+                                     TVI_JACOBIAN_MATRICES);
 }
 
 static const tvi_stepper stepper = {.take = allocate_stepper,
                                     .prepare = prepare_stepper,
                                     .step = step_both_ends,
                                     .dense = compute_dense_output,
-                                    .uses = find_used_sweeps};
+                                    .uses = find_used_tapes};
 
 const tvi_descriptor tvi_type1_both_ends = {
     .method = TVI_TYPE1,

@@ -4,67 +4,69 @@
 
 #include <string.h>
 
-/* Computes row = sum_{least <= k <= degree} coefficient_k table_k, with coefficient_k at first + k * stride. */
-static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int least, int degree, const double *first,
-                                     size_t stride, const double *table)
+/* Computes node_row = sum of coefficient_k table_k, k = lowest_order .. degree; coefficient_k is at coefficients + k *
+ * stride. */
+static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int lowest_order, int degree,
+                                     const double *coefficients, size_t stride, const double *table)
 {
-    for (int node = 0; node < w->points; node++) w->row[node] = 0;
-    for (int k = degree; k >= least; k--)
+    for (int node = 0; node < w->points; node++) w->node_row[node] = 0;
+    for (int k = degree; k >= lowest_order; k--)
         for (int node = 0; node < w->points; node++)
-            w->row[node] += first[(size_t)k * stride] * table[k * w->points + node];
+            w->node_row[node] += coefficients[(size_t)k * stride] * table[k * w->points + node];
 }
 
-/* Adds w a or (1 - w) b of the sums to out. */
-static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
-                               size_t stride, const double *table, double out[])
+/* Adds node_blend_weight times the sum of one curve's series to out: w a, or (1 - w) b. */
+static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
+                               const double *coefficients, size_t stride, const double *table, double out[])
 {
-    evaluate_series_at_nodes(w, 0, degree, first, stride, table);
-    for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
+    evaluate_series_at_nodes(w, 0, degree, coefficients, stride, table);
+    for (int node = 0; node < w->points; node++) out[node] += x->node_blend_weight[node] * w->node_row[node];
 }
 
-/* Subtracts a from out or adds b, for a - b, whose coefficients 0 nearly cancel; `apart` is their difference a_0 -
- * b_0. */
-static void add_curve_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree, const double *first,
-                                 size_t stride, double apart, double out[])
+/* Adds the part of one curve to out = b - a: it subtracts the series of a, or adds that of b, from order 1 on. `apart`
+ * is the difference a_0 - b_0 of the coefficients of order 0, which nearly cancel; each of the two calls subtracts half
+ * of it. */
+static void add_curve_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
+                                 const double *coefficients, size_t stride, double apart, double out[])
 {
-    evaluate_series_at_nodes(w, 1, degree, first, stride, x->action.power_table.all_orders);
-    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
+    evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
+    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->node_row[node] + apart / 2;
 }
 
-/* Adds the part of one curve to y, v (in s), pi and pi. of component i. */
+/* Adds the part of one curve to component i of y, v (in s), pi and dpi/ds. */
 static void add_side_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
-    const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->P + i;
+    const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->momentum_coefficients + i;
     const double *power = x->action.power_table.all_orders, *slope = x->action.slope_table.all_orders;
-    const double q_apart =
-        tvi_curve_position_coefficients(&w->a.curve, 0)[i] - tvi_curve_position_coefficients(&w->b.curve, 0)[i];
-    const double p_apart = w->a.P[i] - w->b.P[i];
-    add_blended_series(w, x, w->degree, Q, stride, power, w->y + place);
-    add_blended_series(w, x, w->degree, Q, stride, slope, w->v + place);
+    const double q_apart = tvi_curve_position_coefficients(&w->start_curve.curve, 0)[i] -
+                           tvi_curve_position_coefficients(&w->end_curve.curve, 0)[i];
+    const double p_apart = w->start_curve.momentum_coefficients[i] - w->end_curve.momentum_coefficients[i];
+    add_blended_series(w, x, w->degree, Q, stride, power, w->node_position + place);
+    add_blended_series(w, x, w->degree, Q, stride, slope, w->node_velocity + place);
     if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_curve_difference(w, x, w->degree, Q, stride, q_apart, w->v + place);
-    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->pi + place);
-    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->pi_rate + place);
-    add_curve_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
+        add_curve_difference(w, x, w->degree, Q, stride, q_apart, w->node_velocity + place);
+    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->node_momentum + place);
+    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->node_force + place);
+    add_curve_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->node_force + place);
 }
 
-/* Computes y, v, pi and pi. at the nodes. */
+/* Computes y, v, pi and dpi/ds at the nodes. */
 static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
-    double *const panels[] = {w->y, w->v, w->pi, w->pi_rate};
+    double *const panels[] = {w->node_position, w->node_velocity, w->node_momentum, w->node_force};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) memset(panels[i], 0, panel);
-    curve_compute_momentum_coefficients(&w->a.curve, w->degree - 1, w->a.P);
-    curve_compute_momentum_coefficients(&w->b.curve, w->degree - 1, w->b.P);
+    curve_compute_momentum_coefficients(&w->start_curve.curve, w->degree - 1, w->start_curve.momentum_coefficients);
+    curve_compute_momentum_coefficients(&w->end_curve.curve, w->degree - 1, w->end_curve.momentum_coefficients);
     for (int i = 0; i < w->n; i++) {
-        add_side_at_nodes(w, &w->a, i);
-        add_side_at_nodes(w, &w->b, i);
+        add_side_at_nodes(w, &w->start_curve, i);
+        add_side_at_nodes(w, &w->end_curve, i);
     }
-    for (int i = 0; i < w->n * w->points; i++) w->v[i] /= w->a.curve.tau;
+    for (int i = 0; i < w->n * w->points; i++) w->node_velocity[i] /= w->start_curve.curve.tau;
 }
 
-/* Computes the seeds of one curve. */
+/* Computes the seeds of one curve: the action's gradient by each coefficient Q_k. */
 static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_curve *x)
 {
     for (int i = 0; i < w->n; i++)
@@ -74,8 +76,10 @@ static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_cu
             double sum = 0;
             for (int node = 0; node < w->points; node++) {
                 const int place = i * w->points + node;
-                const double blended = x->blend[node] * (power[node] * w->on_q[place] + slope[node] * w->on_v[place]);
-                sum += w->a.action.node_weight[node] * (blended + x->sign * power[node] * w->apart[place]);
+                const double blended = x->node_blend_weight[node] *
+                                       (power[node] * w->gradient_by_q[place] + slope[node] * w->gradient_by_v[place]);
+                sum += w->start_curve.action.node_weight[node] *
+                       (blended + x->sign * power[node] * w->gradient_by_difference[place]);
             }
             x->seed[k * w->n + i] = sum;
         }
@@ -83,20 +87,23 @@ static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_cu
 
 tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *w, tvi_stats *stats)
 {
-    const tvi_action *nodes = &w->a.action;
+    const tvi_action *nodes = &w->start_curve.action;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
     compute_blend_at_nodes(w);
     stats->force_evaluations += w->points;
-    const tvi_status status = tvi_evaluate_lagrangian_at_nodes(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
+    const tvi_status status = tvi_evaluate_lagrangian_at_nodes(&w->start_curve.action, &w->start_curve.curve,
+                                                               w->node_position, w->node_velocity, w->node_momentum);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n * w->points; i++) {
-        w->on_q[i] = nodes->gradient_by_q[i] - (w->has_pi ? w->pi_rate[i] : 0);
-        w->on_v[i] = nodes->gradient_by_v[i] + (w->has_pi ? 0 : w->pi[i]);
-        w->apart[i] = on_curve ? -w->on_v[i] : w->has_pi ? w->pi[i] : 0;
+        w->gradient_by_q[i] = nodes->gradient_by_q[i] - (w->has_momentum_terms ? w->node_force[i] : 0);
+        w->gradient_by_v[i] = nodes->gradient_by_v[i] + (w->has_momentum_terms ? 0 : w->node_momentum[i]);
+        w->gradient_by_difference[i] = on_curve                ? -w->gradient_by_v[i]
+                                       : w->has_momentum_terms ? w->node_momentum[i]
+                                                               : 0;
     }
-    compute_end_curve_seeds(w, &w->a);
-    compute_end_curve_seeds(w, &w->b);
-    tvi_curve_multiply_by_transposes(&w->a.curve, w->a.seed, NULL, w->a.R);
-    tvi_curve_multiply_by_transposes(&w->b.curve, w->b.seed, NULL, w->b.R);
+    compute_end_curve_seeds(w, &w->start_curve);
+    compute_end_curve_seeds(w, &w->end_curve);
+    tvi_curve_multiply_seeds(&w->start_curve.curve, w->start_curve.seed, NULL, w->start_curve.action_gradient);
+    tvi_curve_multiply_seeds(&w->end_curve.curve, w->end_curve.seed, NULL, w->end_curve.action_gradient);
     return TVI_OK;
 }

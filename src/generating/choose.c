@@ -1,5 +1,5 @@
 /* choose.c - selects the compiled variants of solvers, quick steps, seeds and rescaled curves that fit the instruction
- * set of a system's tapes. curve_stepper.c calls it when an integrator is made; action.c and reach.c call it in
+ * set of a system's tapes. curve_stepper.c calls it when an integrator is made; action.c and step_size.c call it in
  * steps. */
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
@@ -13,7 +13,8 @@ static const tvi_closure_solver *const by_products[JET_ISA_COUNT] = {
 #endif
 };
 
-/* The quick steps are those of one member, of several members, and of several members by the plain Taylor method. */
+/* The indices of quick_steps: a step of one member, of several members, and of several members by the plain Taylor
+ * method. */
 enum { ONE_MEMBER, SEVERAL_MEMBERS, PLAIN_TAYLOR, QUICK_STEPS };
 static tvi_quick_step_fn *const quick_steps[JET_ISA_COUNT][QUICK_STEPS] = {
     [jet_isa_base] = {tvi_quick_step_single_base, tvi_quick_step_batch_base, tvi_taylor_step_batch_base},
@@ -39,7 +40,7 @@ static tvi_rescale_and_sum_fn *const rescale_and_sum[JET_ISA_COUNT] = {
 #endif
 };
 
-tvi_seeds_fn *tvi_choose_seeds(const tvi_action *action) { return seeds_from_field[action->sweeps->isa]; }
+tvi_seeds_fn *tvi_choose_seeds_function(const tvi_action *action) { return seeds_from_field[action->sweeps->isa]; }
 
 tvi_rescale_and_sum_fn *tvi_choose_rescale_and_sum(const tvi_system *system)
 {
@@ -59,7 +60,7 @@ tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system)
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
     const tvi_action action = tvi_get_action_sizes(system, options);
-    return tvi_find_method(options)->curve.correct_ends == tvi_close_by_mean_of_ends &&
+    return tvi_find_method(options)->curve.correct_ends == tvi_correct_ends_by_mean &&
            options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action) && 2 * system->n <= LINEAR_SMALL &&
            tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
 }

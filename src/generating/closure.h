@@ -1,11 +1,11 @@
-/* closure.h - declares the closure, which computes the small corrections that a generating function adds to a Taylor
- * curve. curve_stepper.c calls it in each pass.
+/* closure.h - declares the closure of a step, which computes the small corrections that a generating function adds to a
+ * Taylor curve. curve_stepper.c calls it in each pass.
  *
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + from_q,   p0 = p- + from_p,   q1 - q0 = (q+ - q-) + rise_q,   p1 - p0 = (p+ - p-) + rise_p.
- * A generating function closes the equations: it computes the corrections from D_z, the gradient of the discrete action
- * in defect form, and the Jacobians of the curve's ends. Everything else is the same for all generating functions
- * (curve_stepper.c). This file is part of the text of generated code. */
+ * The equations of a generating function determine these corrections of the ends from D_z, the gradient of the discrete
+ * action in defect form, and from the Jacobians of the curve's ends. Everything else is the same for all generating
+ * functions (curve_stepper.c). This file is part of the text of generated code. */
 #ifndef TVI_SRC_GENERATING_CLOSURE_H
 #define TVI_SRC_GENERATING_CLOSURE_H
 
@@ -15,24 +15,29 @@
 /* Names the n x n block of a Jacobian [n][2n] that has the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* These are equations A^T x = D_z with Jacobians of the curve's ends: A is the n x n block `half` of one Jacobian, or
- * two Jacobians whole. */
+/* The equations A^T x = D_z. A is one n x n block of the Jacobian of an end of the curve; or it consists of two such
+ * Jacobians, n x 2n each, one above the other. */
 typedef struct {
-    const tvi_combination *first, *second; /* the Jacobians' combinations; second is NULL if there is only one */
-    tvi_half half;                         /* the block, if there is only one Jacobian */
+    const tvi_combination *first_combination,
+        *second_combination; /* the combinations whose Jacobians are in A; second_combination is NULL if A is a block */
+    tvi_half half;           /* the block, if A is one */
 } tvi_transposed_equations;
 
-/* A solver solves these equations; the generating functions do not know which one does (matrices.c, products.c). */
+/* A solver of such equations, by matrices (matrices.c) or by products (products.c). The generating functions do not
+ * know which of them is used. */
 typedef struct tvi_closure_solver {
     void (*take)(struct tvi_closure *closure, tvi_arena *arena);
-    void (*begin)(struct tvi_closure *closure); /* begins a step: discards the factors of the step before */
-    /* Computes the corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
-    tvi_status (*close)(struct tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats);
-    /* Replaces D [2n] by the solution x in the rows of the unknowns, and by the residual of D_z in the others. Returns
-     * TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV. */
+    void (*begin)(
+        struct tvi_closure *closure); /* begins a step: it discards the factors and guesses of the step before */
+    /* Computes the corrections of the ends from the curve at z and its seeds. scale [2n] has the natural sizes of z. */
+    tvi_status (*compute_corrections)(struct tvi_closure *closure, const double z[], const double scale[],
+                                      tvi_stats *stats);
+    /* Replaces D [2n]: the rows of the unknowns by the solution x, and the other rows by the residual of the equations
+     * in these rows. Returns TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV. */
     tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed_equations *equations);
-    /* The corrector has one of the next two functions. `jacobian` writes J = d(q-, u-)/dz [2n][2n], or returns false if
-     * the last Jacobian still serves; `correct` replaces the correction by nearly J^-1 times it. */
+    /* The corrector uses one of the next two functions; the other is NULL. `jacobian` writes J = d(q-, u-)/dz [2n][2n],
+     * or returns false if the corrector may reuse the Jacobian before it; `correct` multiplies the correction by an
+     * approximate J^-1. */
     bool (*jacobian)(const struct tvi_closure *closure, double matrix[]);
     void (*correct)(struct tvi_closure *closure, double correction[]);
 } tvi_closure_solver;
@@ -44,51 +49,54 @@ typedef struct tvi_closure {
     int n;
     tvi_scaled_span span;
     tvi_curve curve;
-    /* The combinations whose sums are q-, q+, q+ - q-, and (to q- - from q+)/(to - from). The last one has no term in
-     * Q_1; it is the mean of the ends if the curve is expanded at the midpoint. */
+    /* The combinations of Q_k whose sums are q-, q+, q+ - q-, and (to q- - from q+)/(to - from), with the ends `from`
+     * and `to` of the span. The last one has no term in Q_1; it is the mean of the ends if the curve is expanded at the
+     * midpoint. */
     tvi_combination q_from, q_to, q_rise, q_mean;
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same combinations of the scaled momentum u */
-    tvi_combination p_sizes;                      /* the weights whose sum over |U_k| is p_size */
-    int p_degree;                                 /* the degree of the momentum */
-    double *p_size;                               /* [n] sum_k |P_k| */
-    tvi_correct_ends_fn *close;                   /* the generating function's closing */
-    const tvi_mean_factors *mean;                 /* the factors of tvi_close_by_mean_of_ends, or NULL */
-    double *seed_Q, *seed_U;                      /* [top + 1][n] the seeds of D_z */
-    double *D;                                    /* [2n] D_z, then the solution of the equations */
+    tvi_combination momentum_size_weights; /* the weights of |U_k| whose sum, divided by |kappa|, is momentum_size */
+    int p_degree;                          /* the degree to which the momentum is summed */
+    double *momentum_size;                 /* [n] sum_k |P_k| */
+    tvi_correct_ends_fn *correct_ends;     /* computes the corrections by the equations of the generating function */
+    const tvi_mean_factors *mean_factors;  /* the factors by which tvi_correct_ends_by_mean computes the corrections */
+    double *seed_Q, *seed_U;               /* [top + 1][n] the seeds of D_z */
+    double *D;                             /* [2n] D_z, then the solution of the equations */
     const tvi_closure_solver *solver;
-    void *solving;                             /* the solver's own data, such as factors */
-    double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
+    void *solver_data; /* the memory of the solver: tvi_jacobian_factors or tvi_conjugate_residuals */
+    double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections of the ends */
 } tvi_closure;
 
-/* Solves J^T x = D_z for the half of D_z that belongs to the n x n block J of the combination's Jacobian. In D, x
- * replaces that half, and the other half becomes what the other block leaves of it. Returns the statuses of
- * tvi_closure_solver. */
+/* Solves J^T x = D_z, with J the n x n block `half` of the combination's Jacobian and the same half of D_z. In D, x
+ * replaces this half; the other half becomes D_other - J_other^T x, with the other block of the Jacobian. Returns the
+ * statuses of tvi_closure_solver.solve. */
 TVI_NODISCARD tvi_status tvi_solve_transposed_half(tvi_closure *closure, const tvi_combination *combination,
                                                    tvi_half half);
 
-/* Solves [J1; J2]^T (x, y) = D_z, and replaces D by (x, y). */
-TVI_NODISCARD tvi_status tvi_solve_transposed_full(tvi_closure *closure, const tvi_combination *first,
+/* Solves [J1; J2]^T (x, y) = D_z with the Jacobians of two combinations, and replaces D by (x, y). */
+TVI_NODISCARD tvi_status tvi_solve_transposed_pair(tvi_closure *closure, const tvi_combination *first,
                                                    const tvi_combination *second);
 
-/* Returns the combination whose Jacobian is J2 if the mean of the ends is J1. */
-static inline const tvi_combination *closure_partner_of_mean(const tvi_closure *closure)
+/* Returns the second combination of tvi_solve_transposed_pair for the methods whose first one is the mean of the ends.
+ * */
+static inline const tvi_combination *closure_get_second_combination(const tvi_closure *closure)
 {
-    return closure->mean->uses_mean_momentum ? &closure->u_mean : &closure->q_rise;
+    return closure->mean_factors->uses_mean_momentum ? &closure->u_mean : &closure->q_rise;
 }
 
-/* Solves these equations with the mean of the ends as J1, and makes the corrections that closure->mean says. */
-tvi_correct_ends_fn tvi_close_by_mean_of_ends;
+/* Solves the equations of tvi_solve_transposed_pair with the mean of the ends as the first combination, and computes
+ * the corrections by mean_factors. */
+tvi_correct_ends_fn tvi_correct_ends_by_mean;
 
-/* Computes the corrections from the solution in D, as closure->mean says. */
-static inline void closure_correct_ends(const tvi_closure *closure)
+/* Computes the corrections of the ends from the solution (x, y) in D by mean_factors. */
+static inline void closure_set_corrections(const tvi_closure *closure)
 {
-    const tvi_mean_factors *mean = closure->mean;
+    const tvi_mean_factors *mean = closure->mean_factors;
     const int width = curve_width(&closure->curve);
     double *restrict from_q = closure->from_q, *restrict rise_q = closure->rise_q;
     double *restrict from_p = closure->from_p, *restrict rise_p = closure->rise_p;
     for (int i = 0; i < curve_dimension(&closure->curve); i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            const double x = closure->D[at], y = closure->D[curve_numbers(&closure->curve) + at],
+            const double x = closure->D[at], y = closure->D[curve_vector_length(&closure->curve) + at],
                          of_q = closure->curve.kappa[i] * y;
             from_q[at] = mean->from_q_factor * of_q;
             rise_q[at] = mean->rise_q_factor * of_q;
@@ -97,16 +105,18 @@ static inline void closure_correct_ends(const tvi_closure *closure)
         }
 }
 
-/* Sets p_size [n], the sums of the sizes of the terms of p, by which corrections of p are measured. */
-static inline void closure_set_p_size(const tvi_closure *closure)
+/* Computes momentum_size, by which corrections of p are measured. */
+static inline void closure_compute_momentum_sizes(const tvi_closure *closure)
 {
-    curve_sum_combination_by(tvi_add_weighted_magnitudes, &closure->curve, &closure->p_sizes, closure->p_size);
+    curve_sum_combination_by(tvi_add_weighted_magnitudes, &closure->curve, &closure->momentum_size_weights,
+                             closure->momentum_size);
     const int width = curve_width(&closure->curve);
     for (int i = 0; i < curve_dimension(&closure->curve); i++)
-        for (int at = i * width; at < (i + 1) * width; at++) closure->p_size[at] /= fabs(closure->curve.kappa[i]);
+        for (int at = i * width; at < (i + 1) * width; at++)
+            closure->momentum_size[at] /= fabs(closure->curve.kappa[i]);
 }
 
-/* Closes type I, expanded at the start or the end of the step. */
-tvi_correct_ends_fn tvi_close_type1_end;
+/* Computes the corrections of type I, with the curve expanded at the start or the end of the step. */
+tvi_correct_ends_fn tvi_correct_type1_ends;
 
 #endif

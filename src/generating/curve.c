@@ -38,11 +38,11 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->kappa = tvi_arena_allocate_doubles(arena, n);
     curve->movement_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
-    curve->share = tvi_arena_allocate_doubles(arena, numbers);
-    curve->ratio = tvi_arena_allocate_doubles(arena, numbers);
+    curve->tail_share = tvi_arena_allocate_doubles(arena, numbers);
+    curve->tail_ratio = tvi_arena_allocate_doubles(arena, numbers);
     curve->q_size_weights = tvi_combination_allocate(curve, arena);
     curve->u_size_weights = tvi_combination_allocate(curve, arena);
-    curve->reciprocal = tvi_arena_allocate_doubles(arena, orders + 1);
+    curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->series_block = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
@@ -54,7 +54,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
         curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
         curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
         curve->product_by_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
-        curve->product_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
+        curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
@@ -69,7 +69,7 @@ void tvi_curve_fill_constant_tables(tvi_curve *curve)
 {
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
     for (int k = 1; k <= curve->top + 1; k++) {
-        curve->reciprocal[k] = 1.0 / k;
+        curve->reciprocal_integer[k] = 1.0 / k;
         curve->log_integer[k] = log(k);
     }
 }
@@ -91,10 +91,10 @@ void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *
 }
 
 void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
-                                       int degree, double a, double at, double b, double from)
+                                       int degree, double a, double s_a, double b, double s_b)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
-    for (int k = 0; k <= degree; k++) weight[k] = a * pow(at, k) + b * pow(from, k);
+    for (int k = 0; k <= degree; k++) weight[k] = a * pow(s_a, k) + b * pow(s_b, k);
     tvi_combination_set_weights(combination, curve, of_momentum, weight);
 }
 
@@ -106,7 +106,7 @@ void tvi_curve_set_time_unit_and_data(tvi_curve *curve, double tau, const double
     curve_set_centre_data(curve, z);
 }
 
-static tvi_status expand_by_code(tvi_curve *curve)
+static tvi_status expand_by_generated_code(tvi_curve *curve)
 {
     const tvi_status status = curve->generated_code->expand(curve);
     if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->series_block, 1);
@@ -125,7 +125,7 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
     static const double none = 0;
     curve_set_centre_time(curve, &centre, &none, 0);
     const bool has_code = curve->generated_code && curve->generated_code->expand;
-    const tvi_status status = has_code ? expand_by_code(curve) : curve_expand_series(curve);
+    const tvi_status status = has_code ? expand_by_generated_code(curve) : curve_expand_series(curve);
     if (has_code || status != TVI_OK) return status;
     return curve_has_finite_coefficients(curve) ? TVI_OK : TVI_ENONFINITE;
 }
@@ -134,13 +134,13 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 
 void tvi_curve_compute_data_sizes(const tvi_curve *curve, double size[])
 {
-    if (curve->generated_code) curve->generated_code->sizes(curve, size);
+    if (curve->generated_code) curve->generated_code->data_sizes(curve, size);
     else curve_compute_data_sizes(curve, size);
 }
 
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    if (curve->generated_code) curve->generated_code->sum(curve, combination, out);
+    if (curve->generated_code) curve->generated_code->sum_combination(curve, combination, out);
     else curve_sum_combination(curve, combination, out);
 }
 
@@ -156,9 +156,9 @@ void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
     tvi_combination_set_weights(&curve->u_size_weights, curve, true, weight);
 }
 
-void tvi_curve_compute_size_sums(const tvi_curve *curve)
+void tvi_curve_compute_movement_sizes(const tvi_curve *curve)
 {
-    curve->generated_code ? curve->generated_code->measure(curve) : curve_compute_size_sums(curve);
+    curve->generated_code ? curve->generated_code->movement_sizes(curve) : curve_compute_movement_sizes(curve);
 }
 
 double tvi_curve_compute_tail(const tvi_curve *curve)

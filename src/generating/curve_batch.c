@@ -12,9 +12,9 @@
 enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
 
 typedef struct {
-    tvi_member_stepper by_itself;
-    tvi_curve_workspace *lanes;
-    long long *is_moving;    /* [width] */
+    tvi_member_stepper single_stepper;
+    tvi_curve_workspace *lane_work;
+    long long *is_iterating; /* [width] */
     double *dq, *dp;         /* [n][width] */
     double *tail, *residual; /* [width] */
     int *passes;             /* [width] */
@@ -22,8 +22,9 @@ typedef struct {
 
 static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.correct_ends; }
 
-/* Returns whether the field of corrected curves needs no momenta of nodes. */
-static bool can_step_corrected_in_lanes(const tvi_system *system, const tvi_options *options)
+/* Returns whether corrected steps can be made in lanes: they have a quick step, and momenta at the nodes are not
+ * unknowns of an iteration. */
+static bool can_batch_corrected_steps(const tvi_system *system, const tvi_options *options)
 {
     const bool is_hamilton = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
     const bool has_field = system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && is_hamilton);
@@ -33,8 +34,7 @@ static bool can_step_corrected_in_lanes(const tvi_system *system, const tvi_opti
 
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
-    if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN
-                                        : !can_step_corrected_in_lanes(system, options))
+    if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN : !can_batch_corrected_steps(system, options))
         return 1;
     const int orders = tvi_get_action_sizes(system, options).orders, blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
@@ -46,87 +46,89 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 
 static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    batch *taken = tvi_arena_allocate(arena, sizeof *taken), members = {0};
+    batch *allocated = tvi_arena_allocate(arena, sizeof *allocated), members = {0};
     const size_t count = (size_t)width, numbers = (size_t)system->n * count;
     const tvi_stepper *stepper = tvi_find_method(options)->stepper;
-    tvi_member_stepper_allocate(&members.by_itself, arena, stepper, system, options, width,
+    tvi_member_stepper_allocate(&members.single_stepper, arena, stepper, system, options, width,
                                 options->quadrature_points + 1);
-    members.lanes = tvi_curve_workspace_allocate(arena, system, options, width);
-    members.is_moving = tvi_arena_allocate(arena, count * sizeof *members.is_moving);
+    members.lane_work = tvi_curve_workspace_allocate(arena, system, options, width);
+    members.is_iterating = tvi_arena_allocate(arena, count * sizeof *members.is_iterating);
     members.dq = tvi_arena_allocate_doubles(arena, numbers);
     members.dp = tvi_arena_allocate_doubles(arena, numbers);
     members.residual = tvi_arena_allocate_doubles(arena, count);
     members.tail = tvi_arena_allocate_doubles(arena, count);
     members.passes = tvi_arena_allocate(arena, count * sizeof *members.passes);
-    if (!taken) return NULL;
-    *taken = members;
-    members.lanes->by_itself = &taken->by_itself;
-    return taken;
+    if (!allocated) return NULL;
+    *allocated = members;
+    members.lane_work->single_stepper = &allocated->single_stepper;
+    return allocated;
 }
 
 static void prepare_batch(void *work)
 {
     batch *members = work;
-    tvi_member_stepper_set_tables(&members->by_itself);
-    tvi_curve_workspace_fill_tables(members->lanes);
+    tvi_member_stepper_set_tables(&members->single_stepper);
+    tvi_curve_workspace_fill_tables(members->lane_work);
 }
 
-/* Copies the history of a member. Plain steps of a given size leave nothing to the next one. A step to a tolerance
- * leaves its size, from which the member continues in later runs. */
-static void copy_member_history(const tvi_curve_workspace *from, int lane, const tvi_curve_workspace *to, int to_lane)
+/* Copies the history of a member from one workspace to another. Plain Taylor steps of a given size have no history. A
+ * step to a tolerance leaves its size, from which the member continues in later runs. */
+static void copy_member_history(const tvi_curve_workspace *source, int source_lane, const tvi_curve_workspace *target,
+                                int target_lane)
 {
-    if (from->corrects) to->newton.history[to_lane] = from->newton.history[lane];
-    else to->chosen[to_lane] = from->chosen[lane];
+    if (source->has_corrections) target->newton.history[target_lane] = source->newton.history[source_lane];
+    else target->last_adapted_step[target_lane] = source->last_adapted_step[source_lane];
 }
 
-static void copy_lane_to_member(const void *work, int lane, void *one)
+static void copy_lane_to_member(const void *work, int lane, void *member_work)
 {
-    copy_member_history(((const batch *)work)->lanes, lane, one, 0);
+    copy_member_history(((const batch *)work)->lane_work, lane, member_work, 0);
 }
 
-static void copy_member_to_lane(void *work, int lane, const void *one)
+static void copy_member_to_lane(void *work, int lane, const void *member_work)
 {
-    copy_member_history(one, 0, ((const batch *)work)->lanes, lane);
+    copy_member_history(member_work, 0, ((const batch *)work)->lane_work, lane);
 }
 
 static void forget_lane_history(void *work, int lane)
 {
-    const tvi_curve_workspace *lanes = ((const batch *)work)->lanes;
-    if (lanes->corrects) lanes->newton.history[lane] = (tvi_newton_history){0};
-    else lanes->chosen[lane] = 0;
+    const tvi_curve_workspace *lane_work = ((const batch *)work)->lane_work;
+    if (lane_work->has_corrections) lane_work->newton.history[lane] = (tvi_newton_history){0};
+    else lane_work->last_adapted_step[lane] = 0;
 }
 
-static void step_member_by_itself(batch *members, double h, const tvi_batch_origin *origin,
-                                  const tvi_batch_results *end, int m, tvi_stats *stats)
+static void step_single_member(batch *members, double h, const tvi_batch_origin *origin,
+                               const tvi_batch_results *results, int m, tvi_stats *stats)
 {
-    const tvi_member_stepper *single = &members->by_itself;
+    const tvi_member_stepper *single = &members->single_stepper;
     copy_lane_to_member(members, m, single->stepper_work);
-    if (tvi_step_member(single, single->system->field_series, members->lanes->closure.curve.series_block, 1, h, origin,
-                        end, m, stats))
+    if (tvi_step_member(single, single->system->field_series, members->lane_work->closure.curve.series_block, 1, h,
+                        origin, results, m, stats))
         copy_member_to_lane(members, m, single->stepper_work);
 }
 
-static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end,
+static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
                        tvi_stats *stats)
 {
     batch *members = work;
-    const int n = members->by_itself.system->n, width = members->by_itself.width;
-    for (int m = 0; m < width; m++) members->is_moving[m] = end->status[m] == TVI_OK ? -1 : 0;
+    const int n = members->single_stepper.system->n, width = members->single_stepper.width;
+    for (int m = 0; m < width; m++) members->is_iterating[m] = results->status[m] == TVI_OK ? -1 : 0;
     const tvi_quick_step_results quick = {members->dq,       members->dp,     members->tail,
-                                          members->residual, members->passes, members->is_moving};
-    (void)members->lanes->quick_step(members->lanes, members->lanes->closure.span.tau * h, origin, &quick, stats);
+                                          members->residual, members->passes, members->is_iterating};
+    (void)members->lane_work->quick_step(members->lane_work, members->lane_work->closure.span.tau * h, origin, &quick,
+                                         stats);
     for (int m = 0; m < width; m++) {
-        if (end->status[m] != TVI_OK) continue;
+        if (results->status[m] != TVI_OK) continue;
         if (members->passes[m] == TVI_NOT_MADE) {
-            step_member_by_itself(members, h, origin, end, m, stats);
+            step_single_member(members, h, origin, results, m, stats);
             continue;
         }
         for (int at = m; at < n * width; at += width) {
-            end->increments.dq[at] = members->dq[at];
-            end->increments.dp[at] = members->dp[at];
+            results->increments.dq[at] = members->dq[at];
+            results->increments.dp[at] = members->dp[at];
         }
-        end->tail[m] = stats->tail = members->tail[m];
-        end->passes[m] = members->passes[m];
+        results->tail[m] = stats->tail = members->tail[m];
+        results->passes[m] = members->passes[m];
         if (members->passes[m] > 0) stats->residual = members->residual[m];
     }
 }

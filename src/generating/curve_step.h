@@ -10,7 +10,7 @@
 #include "generating/matrices.h"
 
 /* Returns the time from the start of the step to the centre of the curve's expansion. */
-static inline double step_time_to_centre(const tvi_curve_workspace *work, double tau)
+static inline double step_compute_time_to_centre(const tvi_curve_workspace *work, double tau)
 {
     return -work->closure.span.from * tau;
 }
@@ -19,16 +19,17 @@ static inline double step_time_to_centre(const tvi_curve_workspace *work, double
 static inline void step_move_to_centre(const tvi_curve_workspace *work, double z[])
 {
     const tvi_closure *closure = &work->closure;
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_centre, z);
-    CURVE_CALL(sum_combination, &closure->curve, &work->z_centre, z + curve_numbers(&closure->curve));
+    CURVE_CALL(sum_combination, &closure->curve, &work->q_at_centre, z);
+    CURVE_CALL(sum_combination, &closure->curve, &work->velocity_at_centre, z + curve_vector_length(&closure->curve));
 }
 
-/* Computes the natural sizes of the unknowns. If a body starts at rest, a curve of degree 0 or 1 knows only the
- * corrections, which are momenta: they are in the unit of the unknown, except for a Lagrangian. */
-static inline void step_compute_unknown_sizes(const tvi_closure *closure, double scale[])
+/* Computes the natural sizes of the unknowns, by which their corrections are measured. A curve of degree 0 or 1 from a
+ * state of rest has size 0; the corrections of the ends of the last step are added there. They are in the unit of the
+ * unknowns, except for a Lagrangian. */
+static inline void step_compute_unknown_scales(const tvi_closure *closure, double scale[])
 {
     const tvi_curve *curve = &closure->curve;
-    const int numbers = curve_numbers(curve);
+    const int numbers = curve_vector_length(curve);
     CURVE_CALL(compute_data_sizes, curve, scale);
     if (curve_highest_order(curve) > 1 || curve_form(&closure->curve) == TVI_LAGRANGIAN) return;
     for (int i = 0; i < numbers; i++) {
@@ -43,9 +44,9 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
                                          double *restrict r)
 {
     const tvi_closure *closure = &work->closure;
-    const int numbers = curve_numbers(&closure->curve), width = curve_width(&closure->curve);
+    const int numbers = curve_vector_length(&closure->curve), width = curve_width(&closure->curve);
     const double *Q0 = tvi_curve_position_coefficients(&closure->curve, 0);
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_back, r);
+    CURVE_CALL(sum_combination, &closure->curve, &work->q_centre_to_start, r);
     CURVE_CALL(sum_combination, &closure->curve, &closure->u_from, r + numbers);
     for (int i = 0; i < curve_dimension(&closure->curve); i++) {
         const double kappa = closure->curve.kappa[i];
@@ -57,47 +58,48 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
     }
 }
 
-/* Returns whether there are corrections; generated code has no steps without them. */
+/* Returns whether the method corrects the ends of the curve; all generated steps do. */
 static inline bool step_has_corrections(const tvi_curve_workspace *work)
 {
     (void)work;
-    return CURVE_SIZE(true, work->corrects);
+    return CURVE_SIZE(true, work->has_corrections);
 }
 
-/* Computes out, the sum of the combination at z + dz, to first order in dz. */
+/* Computes out, the sum of the combination at z + dz to first order in dz, the last correction of the passes. */
 static inline void step_sum_with_correction(const tvi_curve_workspace *work, const tvi_combination *combination,
                                             double out[])
 {
     CURVE_CALL(sum_combination, &work->closure.curve, combination, out);
     if (!step_has_corrections(work)) return;
-    CURVE_CALL(multiply_by_jacobian, &work->closure.curve, combination, work->shift);
-    for (int i = 0; i < curve_numbers(&work->closure.curve); i++) out[i] += work->shift[i];
+    CURVE_CALL(multiply_direction, &work->closure.curve, combination, work->scratch);
+    for (int i = 0; i < curve_vector_length(&work->closure.curve); i++) out[i] += work->scratch[i];
 }
 
-/* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p. Dense output computes increments to a point within the
- * step; then only the fraction `part` of the corrections is added. */
+/* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p. For increments to a point within the step (dense
+ * output), q_rise and u_rise end there, and correction_fraction of the corrections is added. */
 static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_rise,
-                                           const tvi_combination *u_rise, double part, double dq[], double dp[])
+                                           const tvi_combination *u_rise, double correction_fraction, double dq[],
+                                           double dp[])
 {
     const tvi_closure *closure = &work->closure;
     const int width = curve_width(&closure->curve);
     step_sum_with_correction(work, q_rise, dq);
     step_sum_with_correction(work, u_rise, dp);
-    for (int i = 0; i < curve_numbers(&closure->curve); i++) {
+    for (int i = 0; i < curve_vector_length(&closure->curve); i++) {
         dp[i] /= closure->curve.kappa[i / width];
         if (!step_has_corrections(work)) continue;
-        dq[i] += part * closure->rise_q[i];
-        dp[i] += part * closure->rise_p[i];
+        dq[i] += correction_fraction * closure->rise_q[i];
+        dp[i] += correction_fraction * closure->rise_p[i];
     }
 }
 
-/* Stores the velocity at the end of a Lagrangian's curve: the search for the next step's velocity starts there. */
+/* Stores the velocity at the end of a Lagrangian's curve, from which the next step searches its initial velocity. */
 static inline void step_store_end_velocity(const tvi_curve_workspace *work)
 {
     const tvi_curve *curve = &work->closure.curve;
     if (curve_form(curve) != TVI_LAGRANGIAN) return;
-    CURVE_CALL(sum_combination, curve, &work->v_end, work->velocity);
-    for (int i = 0; i < curve_dimension(curve); i++) work->velocity[i] /= curve->tau;
+    CURVE_CALL(sum_combination, curve, &work->scaled_end_velocity, work->velocity_guess);
+    for (int i = 0; i < curve_dimension(curve); i++) work->velocity_guess[i] /= curve->tau;
 }
 
 static inline void step_compute_tails(const tvi_curve *curve, double tail[])
@@ -112,45 +114,47 @@ static inline void step_compute_results(const tvi_curve_workspace *work, double 
     const tvi_curve *curve = &work->closure.curve;
     step_compute_increments(work, &work->closure.q_rise, &work->closure.u_rise, 1, dq, dp);
     step_store_end_velocity(work);
-    CURVE_CALL(compute_size_sums, curve);
+    CURVE_CALL(compute_movement_sizes, curve);
     step_compute_tails(curve, tail);
 }
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* A quick step calls these functions to expand the curve, without and with its Jacobians, and to compute the seeds,
+/* The functions that a quick step calls: they expand the curve, without and with its Jacobians, and compute the seeds,
  * which need not be finite. */
 typedef struct {
-    tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
-    tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Several members: leaves out those for which a tape has no values, in the block of the series or of the nodes. */
-    void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long is_moving[]);
+    tvi_status (*expand)(tvi_curve *curve), (*expand_with_tangents)(tvi_curve *curve);
+    tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+    /* of several members: clears is_iterating of those for which a tape has no values, in the block of the series or of
+     * the nodes */
+    void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long is_iterating[]);
 } step_curve_functions;
 
-/* This is the state of a quick step while its passes run. Members whose passes have ended no longer move. */
+/* The state of a quick step while its passes run. The mask is_iterating has all bits set for a member whose passes have
+ * not ended, and is 0 for the others. */
 typedef struct {
     tvi_curve_workspace *work;
     const step_curve_functions *functions;
     const tvi_batch_origin *origin;
-    long long *is_moving;
+    long long *is_iterating;
     long factorisations;
 } step_state;
 
 /* Returns the number of members whose passes have not ended. */
-static inline int step_count_moving_members(const step_state *state)
+static inline int step_count_iterating_members(const step_state *state)
 {
     int count = 0;
-    for (int m = 0; m < curve_width(&state->work->closure.curve); m++) count += state->is_moving[m] != 0;
+    for (int m = 0; m < curve_width(&state->work->closure.curve); m++) count += state->is_iterating[m] != 0;
     return count;
 }
 
-/* Handles the status of an evaluation: a single member's step fails; of several members, those outside of the domain
- * stop moving. Returns whether the step continues. */
+/* Handles the status of an evaluation: the step of a single member fails; of several members, the passes end for those
+ * outside of the domain. Returns whether the step continues. */
 static inline bool step_drop_failed_members(const step_state *state, tvi_status status, bool at_nodes)
 {
     if (status == TVI_OK) return true;
     if (curve_width(&state->work->closure.curve) == 1) return false;
-    state->functions->drop_members_outside_domain(state->work, at_nodes, state->is_moving);
+    state->functions->drop_members_outside_domain(state->work, at_nodes, state->is_iterating);
     return true;
 }
 
@@ -159,33 +163,35 @@ static inline int step_find_due_jacobians(const step_state *state, const double 
 {
     tvi_closure *closure = &state->work->closure;
     const int width = curve_width(&closure->curve);
-    long long is_one_due, *is_due = width > 1 ? closure->curve.is_taken : &is_one_due;
+    long long is_one_due, *is_due = width > 1 ? closure->curve.is_due : &is_one_due;
     int count = 0;
-    matrices_find_due_members(closure, z, state->work->newton.scale, state->is_moving, is_due);
-    for (int m = 0; m < width; m++) count += (is_due[m] & state->is_moving[m]) != 0;
-    if (width > 1) closure->curve.keeps = count < width && matrices_get_factors(closure)->jacobian_count > 0;
+    matrices_find_due_members(closure, z, state->work->newton.scale, state->is_iterating, is_due);
+    for (int m = 0; m < width; m++) count += (is_due[m] & state->is_iterating[m]) != 0;
+    if (width > 1)
+        closure->curve.keeps_old_jacobians = count < width && matrices_get_factors(closure)->jacobian_count > 0;
     return count;
 }
 
-/* Factors new Jacobians. In the generating function's equations the second half may be of the coordinates, in another
- * unit than a Hamiltonian's p; in the corrector's it is of momenta, in another unit than a Lagrangian's tau v. Leaves
- * out members whose factors need exchanges of rows. */
-static inline void step_factor_jacobians(step_state *state, int due, const double z[])
+/* Factors new Jacobians: those of the generating function's equations, and that of the corrector if it was renewed.
+ * Rows of one unit are scaled together; the rows of the second half have another unit for a Hamiltonian whose second
+ * equations are of coordinates, and in the corrector for a Lagrangian. The passes of members whose factors need row
+ * exchanges end. */
+static inline void step_factor_jacobians(step_state *state, int due_count, const double z[])
 {
     const tvi_closure *closure = &state->work->closure;
     const tvi_form form = curve_form(&closure->curve);
     const int n = curve_dimension(&closure->curve), size = 2 * n, width = curve_width(&closure->curve);
-    const bool uses_momenta = closure->mean->uses_mean_momentum;
+    const bool uses_momenta = closure->mean_factors->uses_mean_momentum;
     tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
     matrices_record_jacobians(closure, z);
-    matrices_stack_jacobians(closure, &closure->q_mean, closure_partner_of_mean(closure), full->lu);
-    const int renewed = matrices_renew_corrector_jacobian(closure, state->is_moving, back->lu);
-    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full, state->is_moving);
-    if (renewed > 0) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->is_moving);
-    state->factorisations += due + renewed;
+    matrices_stack_jacobians(closure, &closure->q_mean, closure_get_second_combination(closure), full->lu);
+    const int renewed = matrices_renew_corrector_jacobian(closure, state->is_iterating, back->lu);
+    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full, state->is_iterating);
+    if (renewed > 0) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->is_iterating);
+    state->factorisations += due_count + renewed;
 }
 
-/* Computes the corrections of a pass. Returns false if no member goes on. */
+/* Makes one pass up to the corrections of the unknowns. Returns false if no member continues. */
 static inline bool step_run_pass(step_state *state, bool is_first)
 {
     tvi_curve_workspace *work = state->work;
@@ -194,20 +200,20 @@ static inline bool step_run_pass(step_state *state, bool is_first)
     tvi_newton *newton = &work->newton;
     const int size = 2 * curve_dimension(&closure->curve), width = curve_width(&closure->curve);
     double *x = newton->x, *r = newton->correction;
-    const int due = step_find_due_jacobians(state, x);
+    const int due_count = step_find_due_jacobians(state, x);
     curve_set_centre_data(&closure->curve, x);
-    tvi_status status = (due > 0 ? functions->expand_all : functions->expand)(&closure->curve);
+    tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&closure->curve);
     if (!step_drop_failed_members(state, status, false)) return false;
-    status = functions->seed(&work->action, &closure->curve, closure->seed_Q, closure->seed_U);
+    status = functions->compute_seeds(&work->action, &closure->curve, closure->seed_Q, closure->seed_U);
     if (!step_drop_failed_members(state, status, true)) return false;
-    if (due > 0) step_factor_jacobians(state, due, x);
-    if (step_count_moving_members(state) == 0) return false;
-    CURVE_CALL(multiply_by_transposes, &closure->curve, closure->seed_Q, closure->seed_U, closure->D);
+    if (due_count > 0) step_factor_jacobians(state, due_count, x);
+    if (step_count_iterating_members(state) == 0) return false;
+    CURVE_CALL(multiply_seeds, &closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_factor, closure->D);
-    closure_correct_ends(closure);
+    closure_set_corrections(closure);
     step_compute_residual(work, state->origin, r);
     if (is_first) {
-        step_compute_unknown_sizes(closure, newton->scale);
+        step_compute_unknown_scales(closure, newton->scale);
         for (int m = 0; m < width; m++) newton_fill_missing_scales(newton, m);
     }
     for (int i = 0; i < size * width; i++) r[i] = -r[i];
@@ -215,23 +221,24 @@ static inline bool step_run_pass(step_state *state, bool is_first)
     return true;
 }
 
-/* Judges the correction of member m, which stops moving if it is the last one, or if the quick step does not make this
- * step, for example if a number is not finite. */
-static inline void step_judge_member(const step_state *state, tvi_newton_passes *passes,
-                                     const tvi_correction_sizes *sizes, int m, const tvi_quick_step_results *end)
+/* Judges the correction of member m. The passes of the member end if this was its last correction, or if its step is
+ * left to curve_stepper.c, for example because a number is not finite. */
+static inline void step_judge_correction(const step_state *state, tvi_newton_passes *passes,
+                                         const tvi_correction_sizes *sizes, int m,
+                                         const tvi_quick_step_results *results)
 {
     const tvi_newton *newton = &state->work->newton;
-    const tvi_correction_size size = {sizes->relative[m], sizes->of_group[m]};
+    const tvi_correction_size size = {sizes->largest_relative[m], sizes->group_relative[m]};
     tvi_passes_verdict verdict = TVI_PASSES_STUCK;
-    if (isfinite(size.relative)) verdict = tvi_newton_judge_pass(passes, &newton->rules, size);
-    if (verdict != TVI_PASSES_GO_ON) state->is_moving[m] = 0;
+    if (isfinite(size.largest_relative)) verdict = tvi_newton_judge_pass(passes, &newton->rules, size);
+    if (verdict != TVI_PASSES_GO_ON) state->is_iterating[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
-    tvi_newton_store_slack(&newton->history[m], passes);
-    end->residual[m] = size.relative;
-    end->passes[m] = passes->of_each.count;
+    tvi_newton_store_contraction_loss(&newton->history[m], passes);
+    results->residual[m] = size.largest_relative;
+    results->passes[m] = passes->by_unknown.count;
 }
 
-/* Adds the corrections to the unknowns of the members that still move. */
+/* Adds the corrections to the unknowns of the members whose passes continue. */
 static inline void step_apply_corrections(const step_state *state)
 {
     const tvi_newton *newton = &state->work->newton;
@@ -239,31 +246,32 @@ static inline void step_apply_corrections(const step_state *state)
     const double *correction = newton->correction;
     double *restrict x = newton->x;
     for (int i = 0; i < newton_count_unknowns(newton); i++, x += width, correction += width)
-        for (int m = 0; m < width; m++) x[m] = state->is_moving[m] ? x[m] + correction[m] : x[m];
+        for (int m = 0; m < width; m++) x[m] = state->is_iterating[m] ? x[m] + correction[m] : x[m];
 }
 
 /* Runs passes of the corrector until the passes of every member may end. */
-static inline void step_run_passes(step_state *state, const tvi_quick_step_results *end)
+static inline void step_run_passes(step_state *state, const tvi_quick_step_results *results)
 {
     const tvi_newton *newton = &state->work->newton;
     const int width = curve_width(&state->work->closure.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
-        tvi_newton_begin_passes(&passes[m], &newton->history[m], &newton->rules, newton->is_rough);
+        tvi_newton_begin_passes(&passes[m], &newton->history[m], &newton->rules, newton->needs_extra_pass);
     matrices_discard_factors(matrices_get_factors(&state->work->closure));
-    for (int count = 1; count <= newton->rules.of_each.max_passes; count++) {
+    for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {
         tvi_correction_sizes sizes;
         if (!step_run_pass(state, count == 1)) return;
         newton_measure_corrections(newton, newton->scale, &sizes);
         for (int m = 0; m < width; m++)
-            if (state->is_moving[m]) step_judge_member(state, &passes[m], &sizes, m, end);
-        if (step_count_moving_members(state) == 0) return;
+            if (state->is_iterating[m]) step_judge_correction(state, &passes[m], &sizes, m, results);
+        if (step_count_iterating_members(state) == 0) return;
         step_apply_corrections(state);
     }
 }
 
-/* Finds the velocity of a Lagrangian that belongs to the momentum, by Newton's method from the velocity at the end of
- * the step before, as nearly as predictors need it. Returns false if that velocity was far away. */
+/* Finds the velocity of a Lagrangian that belongs to the momentum, as accurately as predictors need it. Newton's method
+ * begins with the velocity at the end of the last step. Returns false if it has not converged after a few corrections.
+ * */
 static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[], double v[])
 {
     enum { MOST = 4 };
@@ -271,23 +279,23 @@ static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve);
     double largest = INFINITY, size = 0;
-    for (int i = 0; i < n; i++) v[i] = work->velocity[i];
+    for (int i = 0; i < n; i++) v[i] = work->velocity_guess[i];
     for (int count = 0; count < MOST && !(largest <= near * size); count++) {
-        if (orders_compute_order(curve, 0) != TVI_OK) return false;
+        if (orders_expand_lagrangian_order(curve, 0) != TVI_OK) return false;
         for (int i = 0; i < n; i++) curve->velocity_residual[i] = p[i] - tvi_curve_field_output(curve, 0, n + i);
-        orders_solve_for_velocity(curve, 1, curve->velocity_residual, work->shift);
+        orders_solve_for_velocity(curve, 1, curve->velocity_residual, work->scratch);
         largest = size = 0;
         for (int i = 0; i < n; i++) {
-            v[i] += work->shift[i];
-            largest = tvi_larger(fabs(work->shift[i]), largest);
+            v[i] += work->scratch[i];
+            largest = tvi_larger(fabs(work->scratch[i]), largest);
             size = tvi_larger(fabs(v[i]), size);
         }
     }
     return largest <= near * size;
 }
 
-/* Sets the centre data of the curve to the start of the step. Returns false if the velocity of a Lagrangian, which
- * belongs to its momentum, was not found. */
+/* Sets the centre data of the curve to the start of the step. Returns false if a Lagrangian's velocity was not found
+ * from its momentum. */
 static inline bool step_set_start_data(tvi_curve_workspace *work, const tvi_batch_origin *origin, double z[])
 {
     tvi_curve *curve = &work->closure.curve;
@@ -304,30 +312,31 @@ static inline bool step_set_start_data(tvi_curve_workspace *work, const tvi_batc
 }
 
 /* Makes the steps of the members whose passes converge as usual, for the generating functions that
- * tvi_close_by_mean_of_ends closes. Returns whether any member's step was made; curve_stepper.c makes the others. */
+ * tvi_correct_ends_by_mean serves. Returns whether any member's step was made; curve_stepper.c makes the other steps.
+ * */
 static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
-                                        const tvi_batch_origin *origin, const tvi_quick_step_results *end,
+                                        const tvi_batch_origin *origin, const tvi_quick_step_results *results,
                                         tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
-    step_state state = {work, functions, origin, end->is_moving, 0};
+    step_state state = {work, functions, origin, results->is_iterating, 0};
     int steps = 0, passes = 0;
     curve_set_time_unit(curve, tau);
-    for (int m = 0; m < curve_width(curve); m++) end->passes[m] = TVI_NOT_MADE;
+    for (int m = 0; m < curve_width(curve); m++) results->passes[m] = TVI_NOT_MADE;
     if (!step_set_start_data(work, origin, work->newton.x) ||
         !step_drop_failed_members(&state, functions->expand(curve), false))
         return false;
     step_move_to_centre(work, work->newton.x);
-    curve_set_centre_time(curve, origin->t, origin->t_low, step_time_to_centre(work, tau));
-    step_run_passes(&state, end);
+    curve_set_centre_time(curve, origin->t, origin->t_low, step_compute_time_to_centre(work, tau));
+    step_run_passes(&state, results);
     for (int m = 0; m < curve_width(curve); m++) {
-        if (end->passes[m] == TVI_NOT_MADE) continue;
+        if (results->passes[m] == TVI_NOT_MADE) continue;
         steps++;
-        passes += end->passes[m];
+        passes += results->passes[m];
     }
     if (steps == 0) return false;
-    for (int i = 0; i < 2 * curve_numbers(curve); i++) curve->product_direction[i] = work->newton.correction[i];
-    step_compute_results(work, end->dq, end->dp, end->tail);
+    for (int i = 0; i < 2 * curve_vector_length(curve); i++) curve->product_direction[i] = work->newton.correction[i];
+    step_compute_results(work, results->dq, results->dp, results->tail);
     stats->passes += passes;
     stats->expansions += steps + passes;
     stats->factorisations += state.factorisations;

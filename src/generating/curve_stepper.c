@@ -1,8 +1,7 @@
-/* curve_stepper.c - makes the steps of every method that expands one Taylor curve: it predicts the curve's data,
- * runs the passes of the corrector and computes the increments. The integrator calls it through tvi_stepper_curve
- * and tvi_stepper_taylor. A method's descriptor (method/descriptor.h) says where the curve is expanded and how the
- * equations are closed. Without passes there are no corrections; a curve expanded at the start is then the plain
- * Taylor method. */
+/* curve_stepper.c - makes the steps of every method that expands one Taylor curve: it predicts the curve's data, runs
+ * the passes of the corrector and computes the increments. The integrator calls it through tvi_stepper_curve and
+ * tvi_stepper_taylor. A method's descriptor (method/descriptor.h) says where the curve is expanded and how its ends are
+ * corrected. Without passes there are no corrections; a curve expanded at the start is then the plain Taylor method. */
 #include "generating/curve_step.h"
 #include "method/method.h"
 
@@ -11,7 +10,7 @@
 
 typedef tvi_curve_workspace work;
 
-/* An attempt holds the step that is being made. */
+/* The step that is being made; tvi_equations.self points to it. */
 typedef struct {
     work *work;
     const tvi_step_origin *origin;
@@ -20,31 +19,33 @@ typedef struct {
 } step_attempt;
 
 static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system,
-                             const tvi_curve_definition *expanded, int degree, bool corrects, int width)
+                             const tvi_curve_definition *definition, int degree, bool has_corrections, int width)
 {
     const size_t n = (size_t)system->n * (size_t)width;
-    const tvi_jacobians jacobians = corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
-    const bool one_more = expanded->uses_top_momentum && system->form == TVI_SEPARABLE; /* p_N is from Q_{N+1} */
+    const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
+    const bool one_more =
+        definition->uses_top_momentum && system->form == TVI_SEPARABLE; /* p of degree N needs Q_{N+1} */
     c->system = system;
     c->n = system->n;
-    c->span = expanded->span;
-    c->p_degree = expanded->uses_top_momentum ? degree : degree - 1;
-    c->close = expanded->correct_ends;
-    c->mean = &expanded->mean_factors;
+    c->span = definition->span;
+    c->p_degree = definition->uses_top_momentum ? degree : degree - 1;
+    c->correct_ends = definition->correct_ends;
+    c->mean_factors = &definition->mean_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_closure_solver *solver = has_products ? tvi_choose_product_solver(system) : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, degree + one_more, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
-    tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
-                                             &c->u_to,   &c->u_rise, &c->u_mean, &c->p_sizes};
+    tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise,
+                                             &c->q_mean, &c->u_from, &c->u_to,
+                                             &c->u_rise, &c->u_mean, &c->momentum_size_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
         *corrections[i] = tvi_arena_allocate_doubles(arena, n);
-    if (!corrects) return;
+    if (!has_corrections) return;
     const size_t seeds = ((size_t)c->curve.top + 1) * n;
-    c->p_size = tvi_arena_allocate_doubles(arena, n);
+    c->momentum_size = tvi_arena_allocate_doubles(arena, n);
     c->D = tvi_arena_allocate_doubles(arena, 2 * n);
     solver->take(c, arena);
     c->seed_Q = tvi_arena_allocate_doubles(arena, seeds);
@@ -53,41 +54,45 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
 
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    work *taken = tvi_arena_allocate(arena, sizeof *taken);
-    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const bool corrects = expanded->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const int degree = options->degree;
     const size_t n = (size_t)system->n * (size_t)width;
-    work w = {.corrects = corrects, .is_rough = expanded->is_first_pass_rough, .options = options, .q_degree = degree};
-    allocate_closure(&w.closure, arena, system, expanded, degree, corrects, width);
+    work w = {.has_corrections = has_corrections,
+              .needs_extra_pass = definition->is_first_pass_rough,
+              .options = options,
+              .q_degree = degree};
+    allocate_closure(&w.closure, arena, system, definition, degree, has_corrections, width);
     const tvi_curve *curve = &w.closure.curve;
-    tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.v_end, &w.dense_q, &w.dense_u};
+    tvi_combination *const combinations[] = {&w.q_centre_to_start,   &w.q_at_centre, &w.velocity_at_centre,
+                                             &w.scaled_end_velocity, &w.dense_q,     &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity);
+        w.velocity_guess = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity_guess);
     }
-    if (!expanded->correct_ends) {
-        w.chosen = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *w.chosen);
+    if (!definition->correct_ends) {
+        w.last_adapted_step = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *w.last_adapted_step);
         if (width > 1) w.quick_step = tvi_choose_taylor_batch_step(system);
         else tvi_allocate_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
-            w.field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
-            tvi_roundoff_allocate(&w.roundoff, arena, system);
+            w.end_field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+            tvi_roundoff_allocate(&w.end_field_roundoff, arena, system);
         }
     }
-    w.shift = tvi_arena_allocate_doubles(arena, n);
-    w.z = tvi_arena_allocate_doubles(arena, 2 * n);
-    if (corrects) {
-        tvi_allocate_action(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
-                            expanded->span.from == -expanded->span.to, width);
+    w.scratch = tvi_arena_allocate_doubles(arena, n);
+    w.predicted_z = tvi_arena_allocate_doubles(arena, 2 * n);
+    if (has_corrections) {
+        tvi_allocate_action(&w.action, arena, system, options, definition->action, degree, w.closure.p_degree,
+                            curve->top, definition->span.from == -definition->span.to, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quick_step = tvi_choose_quick_step(&w.closure, options);
     }
-    if (width > 1) w.closure.curve.is_taken = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
-    if (taken) *taken = w;
-    return taken;
+    if (width > 1) w.closure.curve.is_due = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
+    if (workspace) *workspace = w;
+    return workspace;
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -97,45 +102,43 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
-/* Sets the combination z_centre: tau v = sum k Q_k s^(k-1), or p of a Hamiltonian, at s = -from. */
+/* Sets the combinations of velocities, tau v = sum k Q_k s^(k-1), or of a Hamiltonian's momentum. */
 static void set_centre_weights(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
     const double s = -w->closure.span.from;
-    double weight[TVI_MAX_DEGREE + 2] = {0};
+    double weight[TVI_MAX_DEGREE + 2];
     for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
-    tvi_combination_set_weights(&w->z_centre, curve, hamiltonian, weight);
-    tvi_combination_set_power_weights(&w->q_centre, curve, false, curve->top, 1, s, 0, 0);
+    tvi_combination_set_weights(&w->velocity_at_centre, curve, hamiltonian, weight);
+    tvi_combination_set_power_weights(&w->q_at_centre, curve, false, curve->top, 1, s, 0, 0);
     for (int k = 0; k <= curve->top; k++) weight[k] = k > 0 ? k * pow(w->closure.span.to, k - 1) : 0;
-    tvi_combination_set_weights(&w->v_end, curve, false, weight);
+    tvi_combination_set_weights(&w->scaled_end_velocity, curve, false, weight);
 }
 
-void tvi_curve_workspace_fill_tables(void *taken)
+void tvi_curve_workspace_fill_tables(void *workspace)
 {
-    work *w = taken;
+    work *w = workspace;
     tvi_closure *c = &w->closure;
     tvi_combination *const ends[2][4] = {{&c->q_from, &c->q_to, &c->q_rise, &c->q_mean},
                                          {&c->u_from, &c->u_to, &c->u_rise, &c->u_mean}};
     const double from = c->span.from, to = c->span.to;
+    const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
     tvi_curve_fill_constant_tables(&c->curve);
     tvi_curve_prepare_tail(&c->curve, w->q_degree, c->p_degree);
     if (w->refinement.high_order_weight) tvi_prepare_refinement(&w->refinement, &c->curve);
-    for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
-        const int degree = of_momentum ? w->closure.p_degree : w->q_degree;
-        tvi_combination_set_power_weights(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
-        tvi_combination_set_power_weights(ends[of_momentum][1], &c->curve, of_momentum, degree, 1, to, 0, 0);
-        tvi_combination_set_power_weights(ends[of_momentum][2], &c->curve, of_momentum, degree, 1, to, -1, from);
-        tvi_combination_set_power_weights(ends[of_momentum][3], &c->curve, of_momentum, degree, -from / (to - from), to,
-                                          to / (to - from), from);
-    }
-    tvi_combination_set_power_weights(&c->p_sizes, &c->curve, true, c->p_degree, 1, 1, 0, 0);
-    tvi_combination_set_power_weights(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
+    for (int of_momentum = 0; of_momentum < 2; of_momentum++)
+        for (int i = 0; i < 4; i++)
+            tvi_combination_set_power_weights(ends[of_momentum][i], &c->curve, of_momentum,
+                                              of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
+                                              from);
+    tvi_combination_set_power_weights(&c->momentum_size_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
+    tvi_combination_set_power_weights(&w->q_centre_to_start, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre_weights(w);
-    if (!w->corrects) return;
+    if (!w->has_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span, c->curve.top);
-    /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
-    tvi_newton_set_rules(&w->newton, w->options, w->is_rough || w->q_degree == 0);
+    /* A curve of degree 0 is constant: passes correct q and p alternately, and the first contraction is no measure. */
+    tvi_newton_set_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -154,23 +157,23 @@ static tvi_status predict_centre_data(const step_attempt *attempt)
     work *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->closure.system, attempt->tau, origin->t,
-                                                        origin->q, origin->p, w->velocity, w->z);
+                                                        origin->q, origin->p, w->velocity_guess, w->predicted_z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
-    status = expand_curve(attempt, w->z, origin->t + origin->t_low);
-    step_move_to_centre(w, w->z);
+    status = expand_curve(attempt, w->predicted_z, origin->t + origin->t_low);
+    step_move_to_centre(w, w->predicted_z);
     return status;
 }
 
 static double compute_centre_time(const step_attempt *attempt)
 {
-    return attempt->origin->t + (attempt->origin->t_low + step_time_to_centre(attempt->work, attempt->tau));
+    return attempt->origin->t + (attempt->origin->t_low + step_compute_time_to_centre(attempt->work, attempt->tau));
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 static void compute_unknown_scales(void *self, double scale[])
 {
-    step_compute_unknown_sizes(&((const step_attempt *)self)->work->closure, scale);
+    step_compute_unknown_scales(&((const step_attempt *)self)->work->closure, scale);
 }
 
 static tvi_status compute_residual(void *self, const double z[], double r[])
@@ -183,7 +186,7 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
     attempt->stats->force_evaluations += w->options->quadrature_points;
     status = tvi_compute_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
-    status = c->solver->close(c, z, w->newton.scale, attempt->stats);
+    status = c->solver->compute_corrections(c, z, w->newton.scale, attempt->stats);
     const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
     if (status == TVI_OK) step_compute_residual(w, &origin, r);
     return status;
@@ -207,7 +210,7 @@ static void estimate_residual_roundoff(void *self, double r[])
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
 }
 
-/* Multiplies the correction by the inverse of this Jacobian. */
+/* Multiplies the correction by the approximate inverse of the residual's Jacobian. */
 static void apply_inverse_jacobian(void *self, double correction[])
 {
     tvi_closure *c = &((step_attempt *)self)->work->closure;
@@ -219,7 +222,7 @@ static void apply_inverse_jacobian(void *self, double correction[])
 static tvi_status run_corrector(step_attempt *attempt)
 {
     work *w = attempt->work;
-    /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
+    /* At s = 0 (q-, kappa p-) is z, and its Jacobian the identity; but a Lagrangian's z has v in place of p. */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     const tvi_closure_solver *solver = w->closure.solver;
     const tvi_equations equations = {.self = attempt,
@@ -229,7 +232,7 @@ static tvi_status run_corrector(step_attempt *attempt)
                                      .solve = is_identity || !solver->correct ? NULL : apply_inverse_jacobian,
                                      .roundoff = estimate_residual_roundoff};
     solver->begin(&w->closure);
-    memcpy(w->newton.x, w->z, 2 * (size_t)w->closure.n * sizeof *w->z);
+    memcpy(w->newton.x, w->predicted_z, 2 * (size_t)w->closure.n * sizeof *w->predicted_z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, attempt->stats);
     if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->newton.correction);
     return status;
@@ -239,78 +242,77 @@ static tvi_status run_corrector(step_attempt *attempt)
 static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[])
 {
     work *w = attempt->work;
+    tvi_stats *stats = attempt->stats;
     int passes;
-    long long is_moving = -1;
-    const tvi_quick_step_results end = {dq, dp, &attempt->stats->tail, &attempt->stats->residual, &passes, &is_moving};
+    long long is_iterating = -1;
+    const tvi_quick_step_results out = {dq, dp, &stats->tail, &stats->residual, &passes, &is_iterating};
     const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
-    return w->quick_step && w->quick_step(w, attempt->tau, &origin, &end, attempt->stats);
+    return w->quick_step && w->quick_step(w, attempt->tau, &origin, &out, attempt->stats);
 }
 
-/* Computes the increments of the plain Taylor method's step of size h from the curve, whose tau becomes h. */
-static void finish_plain_step(work *w, double h, const tvi_increments *increments)
+/* Rescales the curve of the plain Taylor method to tau = h, and computes the increments of its step. */
+static void compute_plain_increments(work *w, double h, const tvi_increments *increments)
 {
     tvi_curve *curve = &w->closure.curve;
     tvi_curve_rescale_and_sum(curve, h / curve->tau, increments->dq, increments->dp);
     for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->kappa[i];
 }
 
-/* Returns whether this is the plain Taylor method: a curve from the start, of a degree that the method has, all of
- * whose orders are summed. */
+/* Returns whether the step is the curve itself: it begins at the start, and all of its orders are summed. */
 static bool is_plain_taylor_step(const work *w)
 {
-    const tvi_closure *c = &w->closure;
-    return !w->corrects && c->span.from == 0 && w->q_degree > 1 && c->curve.top == w->q_degree;
+    return !w->has_corrections && w->closure.span.from == 0 && w->q_degree > 1 && w->closure.curve.top == w->q_degree;
 }
 
-static tvi_status step_curve(void *taken, double h, const tvi_step_origin *origin, const tvi_increments *increments,
+static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                              tvi_stats *stats)
 {
-    work *w = taken;
+    work *w = workspace;
     step_attempt attempt = {w, origin, w->closure.span.tau * h, stats};
     if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict_centre_data(&attempt);
-    if (status == TVI_OK)
-        status = w->corrects ? run_corrector(&attempt) : expand_curve(&attempt, w->z, compute_centre_time(&attempt));
+    if (status == TVI_OK && w->has_corrections) status = run_corrector(&attempt);
+    else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_z, compute_centre_time(&attempt));
     if (status != TVI_OK) return status;
     if (is_plain_taylor_step(w)) {
-        finish_plain_step(w, h, increments);
+        compute_plain_increments(w, h, increments);
         step_store_end_velocity(w);
         stats->tail = tvi_curve_compute_tail(&w->closure.curve);
     } else step_compute_results(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
 
-/* ---- Steps that adapt -------------------------------------------------------------------------------------------- */
+/* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
 
 /* A step's size is accepted from a curve only if its tau is within this factor of that size. */
 static const double WIDE = 16;
 enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
 
-/* Expands the curve from the start of the step, and chooses its tau: a power of 2 near its reach, or near the farthest
- * it may go. A good guess costs one expansion. *reach is the size that serves the tolerance, without sign. */
-static tvi_status expand_within_domain(step_attempt *attempt, double guess, double most, double *reach)
+/* Expands the curve with a tau that is a power of 2 near the usable step, or near the largest step if that is less. A
+ * good guess costs one expansion. *usable_step becomes the size of the step that meets the tolerance. */
+static tvi_status expand_within_domain(step_attempt *attempt, double guess, double largest_step, double *usable_step)
 {
     const work *w = attempt->work;
     const tvi_curve *curve = &w->closure.curve;
     int exponent, highest;
-    double least =
-        INFINITY; /* the reach of curves that were too large: their coefficients that are 0 in smaller curves show it */
+    /* Too large a tau shows terms that underflow for smaller ones: this is the least usable step that they allowed. */
+    double least_usable_step = INFINITY;
     (void)frexp(guess, &exponent);
-    (void)frexp(most, &highest);
+    (void)frexp(largest_step, &highest);
     for (int count = 0; count < MOST_EXPANSIONS; count++) {
-        attempt->tau = copysign(ldexp(1, exponent), most);
+        attempt->tau = copysign(ldexp(1, exponent), largest_step);
         tvi_status status = predict_centre_data(attempt);
-        if (status == TVI_OK) status = expand_curve(attempt, w->z, compute_centre_time(attempt));
+        if (status == TVI_OK) status = expand_curve(attempt, w->predicted_z, compute_centre_time(attempt));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
-        double part = 0; /* it stays 0 if the coefficients overflow */
-        if (status == TVI_OK) part = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
-        *reach = fmin(part * fabs(attempt->tau), least);
-        if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
-        if (part < 1 / WIDE && part > 0) {
+        double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
+        if (status == TVI_OK) usable_s = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
+        *usable_step = fmin(usable_s * fabs(attempt->tau), least_usable_step);
+        if (usable_s >= 1 / WIDE && (usable_s <= WIDE || exponent >= highest)) return TVI_OK;
+        if (usable_s < 1 / WIDE && usable_s > 0) {
             highest = exponent - 1;
-            least = *reach;
+            least_usable_step = *usable_step;
         }
-        const int wanted = part == 0 ? -4 * WIDE_BITS : isfinite(part) ? ilogb(part) : highest - exponent;
+        const int wanted = usable_s == 0 ? -4 * WIDE_BITS : isfinite(usable_s) ? ilogb(usable_s) : highest - exponent;
         exponent = exponent + wanted < highest ? exponent + wanted : highest;
     }
     return TVI_ENOCONV;
@@ -320,34 +322,35 @@ static tvi_status expand_within_domain(step_attempt *attempt, double guess, doub
  * allow to be MUCH_LARGER times as large, have to show that they are right at their end. */
 static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
-static tvi_status step_to_tolerance(void *taken, double tolerance, double *h, const tvi_step_origin *origin,
+static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h, const tvi_step_origin *origin,
                                     const tvi_increments *increments, tvi_stats *stats)
 {
-    work *w = taken;
+    work *w = workspace;
     tvi_curve *curve = &w->closure.curve;
     step_attempt attempt = {w, origin, 0, stats};
-    const double before = *w->chosen;
-    double reach;
+    const double before = *w->last_adapted_step;
+    double usable_step;
     if (tolerance != w->tolerance) {
         w->tolerance = tolerance;
         w->log_tolerance = log(tolerance);
     }
-    const tvi_status status = expand_within_domain(&attempt, before != 0 ? before : *h, *h, &reach);
-    if (status != TVI_OK) { /* the curve of this size fails */
+    const tvi_status status = expand_within_domain(&attempt, before != 0 ? before : *h, *h, &usable_step);
+    if (status != TVI_OK) { /* the curve with this tau could not be definition */
         *h = attempt.tau;
         return status;
     }
-    const bool looks = reach > MUCH_LARGER * before;
-    if (before != 0) reach = fmin(reach, MOST_GROWTH * before);
-    bool is_chosen = reach < fabs(*h);
-    if (is_chosen) *h = copysign(reach, *h);
-    finish_plain_step(w, *h, increments);
-    while (looks && !tvi_curve_satisfies_force_at_end(w, *h, origin, increments) && origin->t + *h != origin->t) {
+    const bool must_check_end = usable_step > MUCH_LARGER * before;
+    if (before != 0) usable_step = fmin(usable_step, MOST_GROWTH * before);
+    bool is_chosen = usable_step < fabs(*h);
+    if (is_chosen) *h = copysign(usable_step, *h);
+    compute_plain_increments(w, *h, increments);
+    while (must_check_end && !tvi_curve_satisfies_force_at_end(w, *h, origin, increments) &&
+           origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
-        finish_plain_step(w, *h, increments);
+        compute_plain_increments(w, *h, increments);
     }
-    if (is_chosen) *w->chosen = fabs(*h);
+    if (is_chosen) *w->last_adapted_step = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_compute_tail(curve);
     if (tvi_needs_refinement(w->closure.system, tolerance))
@@ -355,10 +358,10 @@ static tvi_status step_to_tolerance(void *taken, double tolerance, double *h, co
     return TVI_OK;
 }
 
-/* Evaluates the curve, with the corrections growing linearly. */
-static void compute_dense_output(void *taken, double theta, double dq[], double dp[])
+/* Evaluates the curve at the fraction theta of the step, with this fraction of the corrections. */
+static void compute_dense_output(void *workspace, double theta, double dq[], double dp[])
 {
-    work *w = taken;
+    work *w = workspace;
     const tvi_closure *c = &w->closure;
     const double at = c->span.from + theta * (c->span.to - c->span.from);
     tvi_combination_set_power_weights(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.from);
@@ -366,25 +369,25 @@ static void compute_dense_output(void *taken, double theta, double dq[], double 
     step_compute_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-static double bound_energy_change(const void *taken)
+static double bound_energy_change(const void *workspace)
 {
-    return tvi_curve_bound_energy_change(&((const work *)taken)->closure.curve);
+    return tvi_curve_bound_energy_change(&((const work *)workspace)->closure.curve);
 }
 
-static tvi_used_tapes find_used_sweeps(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
-    const bool corrects = expanded->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_get_action_sizes(system, options);
-    return tvi_curve_find_used_sweeps(system, options, shape.orders - 1, shape.points,
-                                      corrects ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
+    return tvi_curve_find_used_tapes(system, options, shape.orders - 1, shape.points,
+                                     has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }
 
 const tvi_stepper tvi_stepper_curve = {.take = allocate_stepper,
                                        .prepare = tvi_curve_workspace_fill_tables,
                                        .step = step_curve,
                                        .dense = compute_dense_output,
-                                       .uses = find_used_sweeps,
+                                       .uses = find_used_tapes,
                                        .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.take = allocate_stepper,
                                         .prepare = tvi_curve_workspace_fill_tables,
@@ -392,5 +395,5 @@ const tvi_stepper tvi_stepper_taylor = {.take = allocate_stepper,
                                         .dense = compute_dense_output,
                                         .step_within = step_to_tolerance,
                                         .most_change = bound_energy_change,
-                                        .uses = find_used_sweeps,
+                                        .uses = find_used_tapes,
                                         .batch = &tvi_curve_batch};

@@ -21,7 +21,7 @@ static void emit_output_slots(jet_text *text, const jet_tape *tape, const char *
     jet_text_append(text, "};\n#define %s %s\n", macro, table);
 }
 
-/* Returns the directions that are left of blocks of `lanes` lanes; 0: none, or there is one block. */
+/* Returns the number of directions in the last block, if blocks of `lanes` directions leave some over; otherwise 0. */
 static int count_directions_of_last_block(const tvi_system *system, int lanes)
 {
     return lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0;
@@ -40,7 +40,7 @@ static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi
                     form[system->form]);
 }
 
-/* Defines CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
+/* Defines CURVE_FOLLOWS(slot), which says whether a slot depends on the velocity, the second input of a Lagrangian. */
 static void emit_velocity_dependence(jet_text *text, const tvi_system *system)
 {
     const jet_tape *tape = system->field_series;
@@ -55,12 +55,13 @@ static void emit_velocity_dependence(jet_text *text, const tvi_system *system)
     free(follows);
 }
 
-/* Defines how the seeds evaluate the field at the nodes; code without seeds has no sweep of it. The tangents are those
- * of velocities by momenta, by the series' tape. */
+/* Emits the macros by which the seeds evaluate the field and its tangents at the nodes; code without seeds gets macros
+ * that do nothing. Only momenta that belong to given velocities need tangents, of H_p by p, which the tape of the
+ * series computes. */
 static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seed)
 {
     const jet_tape *field =
-        tvi_select_node_field(system, action->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
+        tvi_select_node_tape(system, action->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
     const bool has_velocities = has_seed && field == system->field_series;
     const int points = action->points;
     emit_output_slots(text, field, "code_values", "CURVE_VALUES_SLOT");
@@ -77,7 +78,7 @@ static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_
     else jet_text_append(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
 }
 
-/* Writes the sizes of the action, as the initial values of a structure. */
+/* Defines CURVE_ACTION as the initial values of a tvi_action with these sizes. */
 static void emit_action_sizes(jet_text *text, const tvi_action *action)
 {
     jet_text_append(
@@ -88,14 +89,15 @@ static void emit_action_sizes(jet_text *text, const tvi_action *action)
         action->q_degree, action->p_degree, action->points, action->orders, action->half_points);
 }
 
-/* Emits the functions of a curve, by tangents in `lanes` directions, or by products. */
+/* Emits the functions of a curve with Jacobian matrices, by tangents in `lanes` directions; with lanes = 0 it emits
+ * products, or no Jacobians. */
 static void emit_curve_functions(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes,
                                  bool has_products)
 {
-    const tvi_curve_definition *expanded = &tvi_find_method(options)->curve;
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const tvi_action action = tvi_get_action_sizes(system, options);
     const bool has_seed =
-        expanded->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
+        definition->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
     const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
@@ -105,8 +107,8 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     emit_action_sizes(text, &action);
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
-                    "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_REACH %d\n",
-                    lanes > 0, has_products, has_seed, has_step, !expanded->correct_ends);
+                    "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_STEP_SIZE %d\n",
+                    lanes > 0, has_products, has_seed, has_step, !definition->correct_ends);
     emit_text_lines(text, tvi_embedded_curve);
     if (has_products) emit_text_lines(text, tvi_embedded_products);
     emit_text_lines(text, tvi_embedded_generated_curve);

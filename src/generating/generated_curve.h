@@ -2,7 +2,7 @@
  * includes it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h;
  * CURVE_LANES, the number of directions in one block of tangents; CURVE_REST, the number of directions left for a
  * last block; the action's sizes CURVE_ACTION; and the switches CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS,
- * CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_REACH, which say which functions are defined. */
+ * CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_STEP_SIZE, which say which functions are defined. */
 #ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
 #define TVI_SRC_GENERATING_GENERATED_CURVE_H
 
@@ -10,7 +10,7 @@
 #include "generating/curve_step.h"
 #include "generating/orders.h"
 #include "generating/products.h"
-#include "generating/reach.h"
+#include "generating/step_size.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
@@ -21,8 +21,9 @@
     ORDER(0) for (int k = 1; k <= CURVE_TOP; k++) { ORDER(k) }
 
 #define EXPAND(k) curve_expand_order(curve, k, &status);
-/* Expands the series. Returns TVI_EDOMAIN, TVI_ESINGULAR or otherwise TVI_OK, finite or not. */
-JET_APART tvi_status code_series(tvi_curve *curve)
+/* Expands the whole series. Returns TVI_EDOMAIN, TVI_ESINGULAR, or otherwise TVI_OK, even if coefficients are not
+ * finite. */
+JET_APART tvi_status code_expand_series(tvi_curve *curve)
 {
     tvi_status status = TVI_OK;
     FOR_ALL_ORDERS(EXPAND) return status;
@@ -31,7 +32,7 @@ JET_APART tvi_status code_series(tvi_curve *curve)
 
 static inline tvi_status code_expand(tvi_curve *curve)
 {
-    const tvi_status status = code_series(curve);
+    const tvi_status status = code_expand_series(curve);
     return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
 }
 
@@ -44,8 +45,9 @@ static inline tvi_status code_expand(tvi_curve *curve)
 #define EXPAND_WITH_TANGENTS(k)                                                                                        \
     curve_expand_order(curve, k, &status);                                                                             \
     if (CURVE_FORM != TVI_LAGRANGIAN || status == TVI_OK) curve_differentiate_order(curve, &block, k);
-/* Expands the whole series, each order with its tangents in all directions, which do not wait for each other. */
-JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
+/* Expands the whole series, and after each order computes its tangents in all directions, which the processor can do at
+ * the same time as the next order. */
+JET_APART tvi_status code_expand_with_tangents(tvi_curve *curve)
 {
     const curve_tangent_block block = {CURVE_LANES, tvi_curve_slot_count(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
@@ -55,21 +57,22 @@ JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
 }
 #undef EXPAND_WITH_TANGENTS
 
-static inline void code_differentiate(tvi_curve *curve) { (void)code_series_and_tangents(curve); }
+static inline void code_differentiate(tvi_curve *curve) { (void)code_expand_with_tangents(curve); }
 
 #else
 
 #define DIFFERENTIATE(k) curve_differentiate_order(curve, &block, k);
-/* Computes the tangents of the curve last expanded in `lanes` directions, a constant, from `first` on. */
-static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first)
+/* Computes the tangents of the curve last expanded in `lanes` directions, which is a constant; `first` is the first of
+ * them. */
+static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first_direction)
 {
-    const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first};
+    const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first_direction};
     curve_clear_tangent_block(curve, &block);
     FOR_ALL_ORDERS(DIFFERENTIATE) curve_store_tangent_block(curve, &block);
 }
 #undef DIFFERENTIATE
 
-/* Computes the blocks of all directions, in their order. */
+/* Computes the tangents of the curve last expanded in all directions, block after block. */
 static inline void code_differentiate(tvi_curve *curve)
 {
     int first = 0;
@@ -87,36 +90,37 @@ static inline void code_differentiate(tvi_curve *curve)
 
 static const tvi_action code_action = CURVE_ACTION;
 
-JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_Q[], double seed_U[])
+JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    tvi_action action = *given;
-    action.is_hamilton = code_action.is_hamilton;
-    action.has_truncated_nodes = code_action.has_truncated_nodes;
-    action.has_velocity_defect = code_action.has_velocity_defect;
-    action.has_momentum_defect = code_action.has_momentum_defect;
-    action.q_degree = code_action.q_degree;
-    action.p_degree = code_action.p_degree;
-    action.points = code_action.points;
-    action.orders = code_action.orders;
-    action.half_points = code_action.half_points;
-    return seeds_compute_from_field(&action, curve, seed_Q, seed_U);
+    tvi_action sized_action = *action;
+    sized_action.is_hamilton = code_action.is_hamilton;
+    sized_action.has_truncated_nodes = code_action.has_truncated_nodes;
+    sized_action.has_velocity_defect = code_action.has_velocity_defect;
+    sized_action.has_momentum_defect = code_action.has_momentum_defect;
+    sized_action.q_degree = code_action.q_degree;
+    sized_action.p_degree = code_action.p_degree;
+    sized_action.points = code_action.points;
+    sized_action.orders = code_action.orders;
+    sized_action.half_points = code_action.half_points;
+    return seeds_compute_from_field(&sized_action, curve, seed_Q, seed_U);
 }
 
 #endif
 #if CURVE_HAS_STEP
 
-static inline bool code_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                             const tvi_quick_step_results *end, tvi_stats *stats)
+static inline bool code_make_quick_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                        const tvi_quick_step_results *results, tvi_stats *stats)
 {
-    static const step_curve_functions functions = {code_series, code_series_and_tangents, code_seed, NULL};
-    return step_by_quick_passes(work, &functions, tau, origin, end, stats);
+    static const step_curve_functions functions = {code_expand_series, code_expand_with_tangents, code_compute_seeds,
+                                                   NULL};
+    return step_by_quick_passes(work, &functions, tau, origin, results, stats);
 }
 
 #endif
 #if CURVE_HAS_PRODUCTS
 
 static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
-                                               .close = products_compute_corrections,
+                                               .compute_corrections = products_compute_corrections,
                                                .solve = products_solve_equations,
                                                .correct = products_apply_inverse_flow_jacobian};
 
@@ -125,31 +129,31 @@ static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
 static const tvi_curve_code tvi_loops = {
     .top = CURVE_TOP,
     .expand = code_expand,
-    .sum = curve_sum_combination,
-    .sizes = curve_compute_data_sizes,
-    .measure = curve_compute_size_sums,
+    .sum_combination = curve_sum_combination,
+    .data_sizes = curve_compute_data_sizes,
+    .movement_sizes = curve_compute_movement_sizes,
     .tail = curve_compute_tail,
 #if CURVE_HAS_MATRICES
     .differentiate = code_differentiate,
     .sum_jacobian = curve_sum_jacobian,
-    .push = curve_multiply_by_jacobian,
-    .pull = curve_multiply_by_transposes,
+    .multiply_direction = curve_multiply_direction,
+    .multiply_seeds = curve_multiply_seeds,
 #endif
 #if CURVE_HAS_PRODUCTS
     .solver = &code_solver,
-    .aim = products_compute_tangents,
-    .push = products_multiply_by_jacobian,
+    .set_direction = products_compute_tangents,
+    .multiply_direction = products_multiply_direction,
 #endif
 #if CURVE_HAS_SEED
-    .seed = code_seed,
+    .compute_seeds = code_compute_seeds,
 #endif
 #if CURVE_HAS_STEP
-    .step = code_step,
+    .step = code_make_quick_step,
 #endif
-#if CURVE_HAS_REACH
-    .reach = curve_estimate_usable_step,
-    .end_at = curve_rescale_and_sum,
-    .change = curve_bound_energy_change,
+#if CURVE_HAS_STEP_SIZE
+    .usable_step = curve_estimate_usable_step,
+    .rescale_and_sum = curve_rescale_and_sum,
+    .energy_change_bound = curve_bound_energy_change,
 #endif
 };
 

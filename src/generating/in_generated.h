@@ -9,8 +9,8 @@
 #define CURVE_CALL(function, ...)       curve_##function(__VA_ARGS__)
 
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine_rows(__VA_ARGS__))
-#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
-    ((void)(tape), jet_combine_strided_rows(count, c, of_c, width, apart, table, out))
+#define CURVE_COMBINE_APART(tape, count, c, c_stride, width, apart, table, out)                                        \
+    ((void)(tape), jet_combine_strided_rows(count, c, c_stride, width, apart, table, out))
 
 enum { CURVE_MOST_WIDTH = 1 };
 #define CURVE_COMBINE_EACH jet_combine_strided_rows
@@ -24,7 +24,7 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define PRODUCTS_TANGENTS tvi_series_tangents
 #define PRODUCTS_ADJOINTS tvi_series_adjoints
 
-/* The library measures the roundoff of passes that are stuck. */
+/* Generated code returns 0: the library repeats an iteration that is stuck, and measures its roundoff. */
 #define MOMENTA_ROUNDOFF(action, curve) 0
 
 #endif

@@ -5,58 +5,61 @@
 
 #include "algebra/width.h"
 
-/* CURVE_SIZE is a size: a constant in generated code, otherwise a variable. */
+/* CURVE_SIZE is the constant in generated code, and the variable in the library. */
 #define CURVE_SIZE(constant, otherwise) (otherwise)
 
-/* CURVE_WIDTH is the number of members: one, but for CURVE_MEMBERS, which only code of one instruction set serves. It
- * tells the compiler that a width is a multiple of the least one. */
+/* CURVE_WIDTH is the number of members. It is 1, unless the file defines CURVE_MEMBERS to handle several members. The
+ * mask tells the compiler that a width is a multiple of the least width. */
 #ifdef CURVE_MEMBERS
 enum { CURVE_MOST_WIDTH = TVI_MOST_WIDTH };
 #define CURVE_WIDTH(work)  ((work)->width & -TVI_LEAST_WIDTH)
 #define CURVE_COMBINE_EACH members_combine_rows
 #else
 enum { CURVE_MOST_WIDTH = 1 };
-#define CURVE_WIDTH(work)                                           ((void)(work), 1)
-#define CURVE_COMBINE_EACH(count, c, of_c, width, stride, row, out) ((void)(stride), (void)(out))
+#define CURVE_WIDTH(work)                                               ((void)(work), 1)
+#define CURVE_COMBINE_EACH(count, c, c_stride, width, stride, row, out) ((void)(stride), (void)(out))
 #endif
 
-/* CURVE_CALL calls a function of curve.h. If CURVE_ONE_SET says that the file is compiled for one instruction set, it
- * calls the function of the text, as generated code does. */
+/* CURVE_CALL calls the library's function of curve.h; or, in a file compiled for one instruction set (CURVE_ONE_SET)
+ * and in generated code, the inline function of the same name. */
 #ifdef CURVE_ONE_SET
 #define CURVE_CALL(function, ...) curve_##function(__VA_ARGS__)
 #else
 #define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
 #endif
 
-/* Computes out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride], by the vectors of the tape or of the
- * instruction set. */
+/* CURVE_COMBINE computes out[width] = sum_{j < count} c_j table[j][width], with c_j = c[j * c_stride], by the vectors
+ * of the tape or of the instruction set. */
 #ifdef CURVE_MEMBERS
-#define CURVE_COMBINE(tape, count, c, of_c, width, table, out)                                                         \
-    ((void)(tape), members_combine_rows(count, c, of_c, width, (size_t)(width), table, out))
+#define CURVE_COMBINE(tape, count, c, c_stride, width, table, out)                                                     \
+    ((void)(tape), members_combine_rows(count, c, c_stride, width, (size_t)(width), table, out))
 #elif defined CURVE_ONE_SET
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine_rows(__VA_ARGS__))
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif
-/* Computes this sum for rows that stand `apart`; the library has copied them side by side. */
-#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
-    ((void)(apart), CURVE_COMBINE(tape, count, c, of_c, width, table, out))
+/* CURVE_COMBINE_APART computes the same sum from rows that are `apart` numbers apart. The rows of the library are
+ * contiguous. */
+#define CURVE_COMBINE_APART(tape, count, c, c_stride, width, apart, table, out)                                        \
+    ((void)(apart), CURVE_COMBINE(tape, count, c, c_stride, width, table, out))
 
-/* These factor matrices of n rows, and solve with the factors. */
+/* CURVE_FACTOR factors a matrix, and CURVE_SOLVE solves with its factors. */
 #define CURVE_FACTOR tvi_factor_compute
 #define CURVE_SOLVE  tvi_factor_solve
 
-/* These run order k of the field's series, and of its tangents in `lanes` directions. */
+/* ORDERS_SERIES computes order k of the field's series, and ORDERS_TANGENTS that of its tangents in `lanes` directions.
+ * */
 #define ORDERS_SERIES(curve, k)                                                                                        \
     jet_sweep_series((curve)->system->field_series, (curve)->series_block, k, CURVE_WIDTH(curve))
 #define ORDERS_TANGENTS(curve, dx, k, lanes)                                                                           \
     (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_per_lane : jet_sweep_tangents)((curve)->system->field_series,         \
                                                                                 (curve)->series_block, dx, k, lanes)
 
-/* These multiply by the Jacobian of the field's series. */
+/* PRODUCTS_TANGENTS and PRODUCTS_ADJOINTS multiply by the Jacobian of order k of the field and by its transpose.
+ * PRODUCTS_CLEAR sets the adjoints of one order to 0, except those of q. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
-/* These evaluate the field at the nodes, and its tangents. */
+/* SEEDS_VALUES evaluates the field at the nodes, and SEEDS_TANGENTS its tangents. */
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
 #define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_per_lane(tape, x, dx, 0, lanes)
 

@@ -33,10 +33,10 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     else curve_sum_jacobian(curve, combination, matrix);
 }
 
-/* Returns the sweeps of a curve. Matrices have their directions in blocks, and the last block has those that are
- * left. */
-tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_options *options, int top, int points,
-                                          tvi_jacobians jacobians)
+/* The tangents of Jacobian matrices are computed in blocks of TVI_CURVE_LANES directions, and a last block of those
+ * that are left. */
+tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
+                                         tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
@@ -51,7 +51,8 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
     else if (directions < TVI_CURVE_LANES) used.series.direction_counts[0] = left;
     else used.series.direction_counts[0] = TVI_CURVE_LANES, used.series.direction_counts[1] = left;
     if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
-    if (system->form == TVI_HAMILTONIAN) used.series.lane_counts[1] = points; /* velocities at the nodes */
+    if (system->form == TVI_HAMILTONIAN)
+        used.series.lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */
     used.values = (jet_emission_request){.name = "tvi_values", .lane_counts = {points}};
     if (system->r_dot_Hp_values && options->nodes == TVI_NODES_TRUNCATED)
         used.r_dot_Hp = (jet_emission_request){.name = "tvi_r_dot_Hp", .lane_counts = {points}};
@@ -60,28 +61,29 @@ tvi_used_tapes tvi_curve_find_used_sweeps(const tvi_system *system, const tvi_op
 
 /* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
-static void multiply_by_transposes_in_adjoints(tvi_curve *curve, const double seed_Q[], double out[])
+static void multiply_seeds_by_adjoint_sweep(tvi_curve *curve, const double seed_Q[], double out[])
 {
     products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
 }
 
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
 {
-    if (curve->generated_code && curve->generated_code->aim) curve->generated_code->aim(curve, dz);
+    if (curve->generated_code && curve->generated_code->set_direction) curve->generated_code->set_direction(curve, dz);
     else if (tvi_curve_uses_products(curve)) products_compute_tangents(curve, dz);
     else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
-void tvi_curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination, double out[])
+void tvi_curve_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    if (curve->generated_code && curve->generated_code->push) curve->generated_code->push(curve, combination, out);
-    else if (tvi_curve_uses_products(curve)) products_multiply_by_jacobian(curve, combination, out);
-    else curve_multiply_by_jacobian(curve, combination, out);
+    if (curve->generated_code && curve->generated_code->multiply_direction)
+        curve->generated_code->multiply_direction(curve, combination, out);
+    else if (tvi_curve_uses_products(curve)) products_multiply_direction(curve, combination, out);
+    else curve_multiply_direction(curve, combination, out);
 }
 
-void tvi_curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (tvi_curve_uses_products(curve)) multiply_by_transposes_in_adjoints(curve, seed_Q, out);
-    else if (curve->generated_code) curve->generated_code->pull(curve, seed_Q, seed_U, out);
-    else curve_multiply_by_transposes(curve, seed_Q, seed_U, out);
+    if (tvi_curve_uses_products(curve)) multiply_seeds_by_adjoint_sweep(curve, seed_Q, out);
+    else if (curve->generated_code) curve->generated_code->multiply_seeds(curve, seed_Q, seed_U, out);
+    else curve_multiply_seeds(curve, seed_Q, seed_U, out);
 }

@@ -7,20 +7,20 @@
 #include <string.h>
 
 /* The mask of a single member, whose passes have not ended. */
-static const long long moves_alone = -1;
+static const long long is_single_iterating = -1;
 
 static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
-    tvi_jacobian_factors *taken = tvi_arena_allocate(arena, sizeof *taken), m = {0};
+    tvi_jacobian_factors *allocated = tvi_arena_allocate(arena, sizeof *allocated), m = {0};
     m.jacobian_z = tvi_arena_allocate_doubles(arena, 2 * n * width);
     m.distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
-    if (width > 1) m.given = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
+    if (width > 1) m.corrector_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
     m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     tvi_factor_allocate(&m.half_factor, arena, closure->n, 1);
     tvi_factor_allocate(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
-    if (taken) *taken = m;
-    closure->solving = taken;
+    if (allocated) *allocated = m;
+    closure->solver_data = allocated;
 }
 
 static void discard_jacobians(tvi_closure *closure) { matrices_discard_factors(matrices_get_factors(closure)); }
@@ -37,7 +37,7 @@ static tvi_status factor_half(tvi_closure *closure, const tvi_transposed_equatio
 {
     const size_t n = (size_t)closure->n, first = equations->half == TVI_FIRST ? 0 : n;
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_sum_jacobian(&closure->curve, equations->first, factors->end_jacobian);
+    tvi_curve_sum_jacobian(&closure->curve, equations->first_combination, factors->end_jacobian);
     for (size_t i = 0; i < n; i++)
         memcpy(factors->half_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first, n * sizeof(double));
     return tvi_factor_compute(&factors->half_factor);
@@ -46,7 +46,8 @@ static tvi_status factor_half(tvi_closure *closure, const tvi_transposed_equatio
 static tvi_status factor_full(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    matrices_stack_jacobians(closure, equations->first, equations->second, factors->full_factor.lu);
+    matrices_stack_jacobians(closure, equations->first_combination, equations->second_combination,
+                             factors->full_factor.lu);
     return tvi_factor_compute(&factors->full_factor);
 }
 
@@ -55,7 +56,7 @@ static void subtract_other_half(tvi_closure *closure, const tvi_transposed_equat
 {
     const size_t n = (size_t)closure->n, solved = equations->half == TVI_FIRST ? 0 : n, other = n - solved;
     double *G = matrices_get_factors(closure)->end_jacobian;
-    tvi_curve_sum_jacobian(&closure->curve, equations->first, G);
+    tvi_curve_sum_jacobian(&closure->curve, equations->first_combination, G);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) closure->D[other + j] -= closure->D[solved + i] * G[i * 2 * n + other + j];
 }
@@ -63,13 +64,14 @@ static void subtract_other_half(tvi_closure *closure, const tvi_transposed_equat
 static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_multiply_by_transposes(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
+    tvi_curve_multiply_seeds(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     if (factors->factored_jacobian_count != factors->jacobian_count) {
         factors->factored_jacobian_count = factors->jacobian_count;
-        const tvi_status status = equations->second ? factor_full(closure, equations) : factor_half(closure, equations);
+        const tvi_status status =
+            equations->second_combination ? factor_full(closure, equations) : factor_half(closure, equations);
         if (status != TVI_OK) return status;
     }
-    if (equations->second) {
+    if (equations->second_combination) {
         tvi_factor_solve_transposed(&factors->full_factor, closure->D);
     } else {
         tvi_factor_solve_transposed(&factors->half_factor,
@@ -81,7 +83,7 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
 
 static bool renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
 {
-    return matrices_renew_corrector_jacobian(closure, &moves_alone, matrix) > 0;
+    return matrices_renew_corrector_jacobian(closure, &is_single_iterating, matrix) > 0;
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
@@ -89,12 +91,12 @@ static bool renew_corrector_jacobian(const tvi_closure *closure, double matrix[]
 static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
 {
     long long is_due;
-    matrices_find_due_members(closure, z, scale, &moves_alone, &is_due);
+    matrices_find_due_members(closure, z, scale, &is_single_iterating, &is_due);
     if (is_due) {
         differentiate_curve_at(closure, z);
         stats->factorisations++;
     }
-    return closure->close(closure);
+    return closure->correct_ends(closure);
 }
 
 const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, discard_jacobians,

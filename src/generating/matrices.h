@@ -14,21 +14,23 @@ static const double MATRICES_MOST_STALE_ERROR = DBL_EPSILON / 16;
  * factor. */
 static const double MATRICES_MOST_REUSE_DISTANCE = 1e-4;
 
-/* The factors of the curve's Jacobians. Jacobians are counted as they are computed, from 0 in each step. A factor is
- * valid if it belongs to the last Jacobians. */
+/* The Jacobians of the curve's ends and their factors. jacobian_count counts how often Jacobians are computed, from 0
+ * in each step; a factor is valid if it belongs to the last count. */
 typedef struct {
-    double *jacobian_z;              /* [2n] the z at which the last Jacobians were taken */
-    int jacobian_count;              /* how many times Jacobians were computed in this step */
-    int factored_jacobian_count;     /* jacobian_count when the factor was computed */
-    bool has_corrector_jacobian;     /* whether the corrector's Jacobian was computed in this step */
-    double *distance_since_jacobian; /* [width] the path of z since that Jacobian, relative to its size */
-    double *end_jacobian;            /* [n][2n] scratch for Jacobians of the ends */
-    double *given; /* several members: [2n][2n] the corrector's Jacobian, which serves some of them longer */
-    tvi_lu_factor half_factor; /* the factor of an n x n block, or */
-    tvi_lu_factor full_factor; /* the factor of the 2n x 2n matrix; a method uses one of both */
+    double *jacobian_z;          /* [2n] the z at which the last Jacobians were computed */
+    int jacobian_count;          /* how many times Jacobians were computed in this step */
+    int factored_jacobian_count; /* jacobian_count when the factor was computed */
+    bool has_corrector_jacobian; /* whether the corrector's Jacobian was computed in this step */
+    /* [width] the sum of the distances that z has moved since the corrector's Jacobian, relative to its size. */
+    double *distance_since_jacobian;
+    double *end_jacobian; /* [n][2n] scratch for Jacobians of the ends */
+    /* [2n][2n] for several members: the corrector's Jacobian of each, which may be older for some than for others. */
+    double *corrector_jacobian;
+    tvi_lu_factor half_factor; /* the factor of the n x n block; a method uses this or full_factor */
+    tvi_lu_factor full_factor; /* the factor of the 2n x 2n matrix */
 } tvi_jacobian_factors;
 
-static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solving; }
+static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solver_data; }
 
 static inline void matrices_discard_factors(tvi_jacobian_factors *factors)
 {
@@ -40,9 +42,9 @@ static inline void matrices_discard_factors(tvi_jacobian_factors *factors)
 static inline void matrices_record_jacobians(const tvi_closure *closure, const double z[])
 {
     const tvi_curve *curve = &closure->curve;
-    double *z_taken = matrices_get_factors(closure)->jacobian_z;
-    const int numbers = 2 * curve_numbers(curve), width = curve_width(curve);
-    for (int at = 0; at < numbers; at += width) curve_store_due_members(curve, z + at, z_taken + at);
+    double *jacobian_z = matrices_get_factors(closure)->jacobian_z;
+    const int numbers = 2 * curve_vector_length(curve), width = curve_width(curve);
+    for (int at = 0; at < numbers; at += width) curve_store_due_values(curve, z + at, jacobian_z + at);
     matrices_get_factors(closure)->jacobian_count++;
 }
 
@@ -52,10 +54,10 @@ static inline void matrices_stack_jacobians(const tvi_closure *closure, const tv
 {
     CURVE_CALL(sum_jacobian, &closure->curve, first, matrix);
     CURVE_CALL(sum_jacobian, &closure->curve, second,
-               matrix + 2 * curve_dimension(&closure->curve) * curve_numbers(&closure->curve));
+               matrix + 2 * curve_dimension(&closure->curve) * curve_vector_length(&closure->curve));
 }
 
-/* Returns whether the corrector's Jacobian no longer serves member m. */
+/* Returns whether the corrector's Jacobian of member m must be renewed. */
 static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
     return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_MOST_REUSE_DISTANCE;
@@ -66,22 +68,22 @@ static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *mat
 static inline void matrices_merge_member_jacobian(const tvi_closure *closure, int m, double matrix[])
 {
     const int n = curve_dimension(&closure->curve), width = curve_width(&closure->curve);
-    double *given = matrices_get_factors(closure)->given;
+    double *corrector_jacobian = matrices_get_factors(closure)->corrector_jacobian;
     const bool is_far = matrices_is_jacobian_outdated(matrices_get_factors(closure), m);
-    const double *from = is_far ? matrix : given;
-    double *to = is_far ? given : matrix;
+    const double *from = is_far ? matrix : corrector_jacobian;
+    double *to = is_far ? corrector_jacobian : matrix;
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
 }
 
-/* Computes J = d(q-, u-)/dz for the corrector. Returns for how many moving members it did; it computes nothing if the
- * last Jacobians of all of them can be reused. */
-static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long moves[],
+/* Computes J = d(q-, u-)/dz for the corrector. Returns the number of members, among those that iterate, whose Jacobians
+ * it renewed. It computes nothing if all of these can reuse theirs. */
+static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long is_iterating[],
                                                     double matrix[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     const int width = curve_width(&closure->curve);
     int count = 0;
-    for (int m = 0; m < width; m++) count += moves[m] && matrices_is_jacobian_outdated(matrices, m);
+    for (int m = 0; m < width; m++) count += is_iterating[m] && matrices_is_jacobian_outdated(matrices, m);
     if (count == 0) return 0;
     matrices_stack_jacobians(closure, &closure->q_from, &closure->u_from, matrix);
     if (width > 1)
@@ -92,64 +94,67 @@ static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, 
     return count;
 }
 
-/* Computes how far z is from the point where the Jacobians were taken, relative to its size, of each member. */
-static inline void matrices_compute_distance(const tvi_closure *closure, const double z[], const double scale[],
-                                             double distance[])
+/* Computes for each member how far z is from the point where the Jacobians were computed, relative to the size of z. */
+static inline void matrices_compute_jacobian_distance(const tvi_closure *closure, const double z[],
+                                                      const double scale[], double distance[])
 {
-    const double *z_taken = matrices_get_factors(closure)->jacobian_z;
+    const double *jacobian_z = matrices_get_factors(closure)->jacobian_z;
     const int width = curve_width(&closure->curve);
     for (int m = 0; m < width; m++) distance[m] = 0;
-    for (int i = 0; i < 2 * curve_numbers(&closure->curve); i += width)
+    for (int i = 0; i < 2 * curve_vector_length(&closure->curve); i += width)
         for (int m = 0; m < width; m++)
-            distance[m] = tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - z_taken[i + m]), scale[i + m]), distance[m]);
+            distance[m] = tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - jacobian_z[i + m]), scale[i + m]), distance[m]);
 }
 
-/* Enlarges part [width] to the sizes of the corrections of component i and factor times its seeds, relative to
- * `unit`. */
-static inline void matrices_enlarge_relative_size(const tvi_curve *curve, int i, const double from[],
-                                                  const double rise[], double factor, const double seed[],
-                                                  const double unit[], double part[])
+/* Raises largest [width] to the relative size of component i where that is larger: |from| + |rise| + seed_factor sum_k
+ * |seed_k|, divided by unit. */
+static inline void matrices_raise_relative_size(const tvi_curve *curve, int i, const double from[], const double rise[],
+                                                double seed_factor, const double seed[], const double unit[],
+                                                double largest[])
 {
     const int width = curve_width(curve), at = i * width;
     double size[CURVE_MOST_WIDTH] = {0};
     for (int k = 0; seed && k <= curve_highest_order(curve); k++)
-        for (int m = 0; m < width; m++) size[m] += fabs(seed[k * curve_numbers(curve) + at + m]);
+        for (int m = 0; m < width; m++) size[m] += fabs(seed[k * curve_vector_length(curve) + at + m]);
     for (int m = 0; m < width; m++) {
-        const double all = fabs(from[at + m]) + fabs(rise[at + m]) + factor * size[m];
-        part[m] = tvi_larger(tvi_ratio_or_zero(all, unit[at + m]), part[m]);
+        const double all = fabs(from[at + m]) + fabs(rise[at + m]) + seed_factor * size[m];
+        largest[m] = tvi_larger(tvi_ratio_or_zero(all, unit[at + m]), largest[m]);
     }
 }
 
-/* Computes bounds of the errors of the states, relative to the states, by old Jacobians, per distance. Jacobians that
- * were taken at another z are wrong by about the relative distance to it. They multiply the corrections, and the seeds,
- * which need not be as small as the D_z that they add up to. */
-static inline void matrices_bound_stale_error(const tvi_closure *closure, const double scale[], double part[])
+/* Computes for each member a bound of the relative error of the state by old Jacobians, divided by the distance to the
+ * point where these were computed. The error of an old Jacobian is about the relative distance. It multiplies the
+ * corrections of the ends, and the seeds, which may be much larger than the D_z that they add up to. */
+static inline void matrices_bound_stale_error(const tvi_closure *closure, const double scale[],
+                                              double error_per_distance[])
 {
     const tvi_curve *curve = &closure->curve;
     const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? closure->seed_U : NULL;
-    for (int m = 0; m < curve_width(curve); m++) part[m] = 0;
-    closure_set_p_size(closure);
+    for (int m = 0; m < curve_width(curve); m++) error_per_distance[m] = 0;
+    closure_compute_momentum_sizes(closure);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        matrices_enlarge_relative_size(curve, i, closure->from_q, closure->rise_q, fabs(curve->kappa[i]), seed_U, scale,
-                                       part);
-        matrices_enlarge_relative_size(curve, i, closure->from_p, closure->rise_p, 1, closure->seed_Q, closure->p_size,
-                                       part);
+        matrices_raise_relative_size(curve, i, closure->from_q, closure->rise_q, fabs(curve->kappa[i]), seed_U, scale,
+                                     error_per_distance);
+        matrices_raise_relative_size(curve, i, closure->from_p, closure->rise_p, 1, closure->seed_Q,
+                                     closure->momentum_size, error_per_distance);
     }
 }
 
-/* Finds the moving members whose Jacobians must be computed anew at z. The first pass computes those of all members.
- * Later passes reuse them as long as the bound of the resulting error, estimated from the corrections of the pass
- * before, is below roundoff. */
+/* Finds the members whose Jacobians must be computed anew at z, among those that iterate. The first pass computes those
+ * of all members. Later passes reuse them as long as the bound of the resulting error, estimated from the corrections
+ * of the last pass, is below roundoff. */
 static inline void matrices_find_due_members(const tvi_closure *closure, const double z[], const double scale[],
-                                             const long long moves[], long long is_due[])
+                                             const long long is_iterating[], long long is_due[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
-    double distance[CURVE_MOST_WIDTH], part[CURVE_MOST_WIDTH];
+    double distance[CURVE_MOST_WIDTH], error_per_distance[CURVE_MOST_WIDTH];
     const bool is_first = matrices->jacobian_count == 0;
-    if (!is_first) matrices_compute_distance(closure, z, scale, distance);
-    if (!is_first) matrices_bound_stale_error(closure, scale, part);
+    if (!is_first) matrices_compute_jacobian_distance(closure, z, scale, distance);
+    if (!is_first) matrices_bound_stale_error(closure, scale, error_per_distance);
     for (int m = 0; m < curve_width(&closure->curve); m++) {
-        is_due[m] = is_first || (moves[m] && !(distance[m] * part[m] <= MATRICES_MOST_STALE_ERROR)) ? -1 : 0;
+        is_due[m] = is_first || (is_iterating[m] && !(distance[m] * error_per_distance[m] <= MATRICES_MOST_STALE_ERROR))
+                        ? -1
+                        : 0;
         if (is_due[m] && !is_first) matrices->distance_since_jacobian[m] += distance[m];
     }
 }

@@ -8,32 +8,32 @@
 
 enum { MEMBERS_PARTS = 4, MEMBERS_VECTOR = sizeof(jet_widest) / sizeof(double) };
 
-/* Computes `parts` vectors of out from those of the rows. */
-JET_INLINE void members_combine_vectors(int parts, int count, const double *c, size_t of_c, size_t stride,
+/* Computes vector_count vectors of out as weighted sums of the vectors of the rows. */
+JET_INLINE void members_combine_vectors(int vector_count, int count, const double *c, size_t c_stride, size_t stride,
                                         const double *row, double *out)
 {
     jet_widest sum[MEMBERS_PARTS] = {{0}}, odd[MEMBERS_PARTS] = {{0}};
     int j = count - 1;
     for (; j > 0; j -= 2) {
-        const double weight = c[(size_t)j * of_c], next = c[(size_t)(j - 1) * of_c];
+        const double weight = c[(size_t)j * c_stride], next = c[(size_t)(j - 1) * c_stride];
         const jet_widest *x = (const jet_widest *)(row + (size_t)j * stride);
         const jet_widest *y = (const jet_widest *)(row + (size_t)(j - 1) * stride);
-        for (int p = 0; p < parts; p++) sum[p] += weight * x[p];
-        for (int p = 0; p < parts; p++) odd[p] += next * y[p];
+        for (int p = 0; p < vector_count; p++) sum[p] += weight * x[p];
+        for (int p = 0; p < vector_count; p++) odd[p] += next * y[p];
     }
-    for (int p = 0; p < parts && j == 0; p++) sum[p] += c[0] * ((const jet_widest *)row)[p];
-    for (int p = 0; p < parts; p++) ((jet_widest *)out)[p] = sum[p] + odd[p];
+    for (int p = 0; p < vector_count && j == 0; p++) sum[p] += c[0] * ((const jet_widest *)row)[p];
+    for (int p = 0; p < vector_count; p++) ((jet_widest *)out)[p] = sum[p] + odd[p];
 }
 
 /* Computes out[width] = sum_{j < count} c_j row_j[width], the last terms first; the width is a multiple of 8. */
-static inline void members_combine_rows(int count, const double *c, size_t of_c, int width, size_t stride,
+static inline void members_combine_rows(int count, const double *c, size_t c_stride, int width, size_t stride,
                                         const double *row, double *out)
 {
     int here = 0;
     for (; here + MEMBERS_PARTS * MEMBERS_VECTOR <= width; here += MEMBERS_PARTS * MEMBERS_VECTOR)
-        members_combine_vectors(MEMBERS_PARTS, count, c, of_c, stride, row + here, out + here);
+        members_combine_vectors(MEMBERS_PARTS, count, c, c_stride, stride, row + here, out + here);
     for (; here < width; here += MEMBERS_VECTOR)
-        members_combine_vectors(1, count, c, of_c, stride, row + here, out + here);
+        members_combine_vectors(1, count, c, c_stride, stride, row + here, out + here);
 }
 
 #endif

@@ -14,58 +14,60 @@ enum { MAX_REFRESHES = 3 };
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
 #define CONTRACTION 0.5
 
-/* This rule judges the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just
- * contract get there after 53. */
-static const tvi_passes_rule of_each = {.max_passes = 64,
-                                        .correction_goal = DBL_EPSILON / 2,
-                                        .max_trusted_ratio = 1,
-                                        .stall_ratio = CONTRACTION,
-                                        .stall_lag = 1};
-/* This rule judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck
- * as long as these corrections settle. In each pass one body moves the next; the corrections of bodies that had none
- * before settle last. */
-static const tvi_passes_rule of_largest = {.stall_ratio = CONTRACTION, .stall_lag = 2};
+/* The rule for the corrections relative to each unknown's scale: passes end if the next correction is expected to be
+ * half a unit of roundoff or less. Passes that contract by CONTRACTION reach this after 53. */
+static const tvi_passes_rule by_unknown = {.max_passes = 64,
+                                           .correction_goal = DBL_EPSILON / 2,
+                                           .max_trusted_ratio = 1,
+                                           .stall_ratio = CONTRACTION,
+                                           .stall_lag = 1};
+/* The rule for the largest correction of a group, relative to the largest scale of the group. Without a Jacobian passes
+ * are not stuck as long as these corrections shrink: in each pass corrections spread from a body to its neighbours
+ * only, and those of bodies that had none before shrink last. */
+static const tvi_passes_rule by_group = {.stall_ratio = CONTRACTION, .stall_lag = 2};
 
-void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
-                         int width)
+void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
+                         bool has_jacobian, int width)
 {
-    const int size = groups * system->n;
+    const int size = group_count * system->n;
     const size_t count = (size_t)size * (size_t)width;
-    newton->has_matrix = has_matrix;
-    newton->size = size;
+    newton->has_jacobian = has_jacobian;
+    newton->unknown_count = size;
     newton->width = width;
-    newton->group = system->n;
-    newton->parts = &system->parts;
+    newton->group_size = system->n;
+    newton->subsystems = &system->parts;
     newton->x = tvi_arena_allocate_doubles(arena, count);
     newton->correction = tvi_arena_allocate_doubles(arena, count);
     newton->scale = tvi_arena_allocate_doubles(arena, count);
-    newton->reach = tvi_arena_allocate_doubles(arena, count);
-    newton->trial = tvi_arena_allocate_doubles(arena, count);
-    newton->difference = tvi_arena_allocate_doubles(arena, count);
-    if (has_matrix) tvi_factor_allocate(&newton->factor, arena, size, width);
+    newton->roundoff_scale = tvi_arena_allocate_doubles(arena, count);
+    newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
+    newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
+    if (has_jacobian) tvi_factor_allocate(&newton->factor, arena, size, width);
     newton->history = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->history);
 }
 
-/* Computes dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not
- * contract. The correction holds -r(x). */
+/* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
+ * newton->correction holds -r(x). */
 static tvi_status compute_jacobian_by_differences(tvi_newton *newton, const tvi_equations *equations)
 {
-    const int size = newton->size;
+    const int size = newton->unknown_count;
     for (int column = 0; column < size; column++) {
-        memcpy(newton->trial, newton->x, (size_t)size * sizeof *newton->x);
-        newton->trial[column] += sqrt(DBL_EPSILON) * fmax(newton->reach[column], fabs(newton->x[column]));
-        const double step = newton->trial[column] - newton->x[column];
-        const tvi_status status = equations->residual(equations->self, newton->trial, newton->difference);
+        memcpy(newton->trial_unknowns, newton->x, (size_t)size * sizeof *newton->x);
+        newton->trial_unknowns[column] +=
+            sqrt(DBL_EPSILON) * fmax(newton->roundoff_scale[column], fabs(newton->x[column]));
+        const double step = newton->trial_unknowns[column] - newton->x[column];
+        const tvi_status status = equations->residual(equations->self, newton->trial_unknowns, newton->trial_residual);
         if (status != TVI_OK) return status;
         for (int row = 0; row < size; row++)
-            newton->factor.lu[row * size + column] = (newton->difference[row] + newton->correction[row]) / step;
+            newton->factor.lu[row * size + column] = (newton->trial_residual[row] + newton->correction[row]) / step;
     }
     return TVI_OK;
 }
 
-static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equations, bool fresh, tvi_stats *stats)
+static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equations, bool by_differences,
+                                  tvi_stats *stats)
 {
-    if (fresh) {
+    if (by_differences) {
         const tvi_status status = compute_jacobian_by_differences(newton, equations);
         if (status != TVI_OK) return status;
     } else if (!equations->jacobian(equations->self, newton->factor.lu)) {
@@ -75,60 +77,62 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     return tvi_factor_compute(&newton->factor);
 }
 
-/* Computes vector <- K^-1 vector, with K the approximate Jacobian or, once it was needed, a fresh one. */
+/* Computes vector <- K^-1 vector, with K the Jacobian by differences, once there is one, otherwise the approximate
+ * Jacobian. */
 static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *equations, double vector[])
 {
-    if (newton->is_fresh || equations->jacobian) tvi_factor_solve(&newton->factor, vector);
+    if (newton->is_by_differences || equations->jacobian) tvi_factor_solve(&newton->factor, vector);
     else if (equations->solve) equations->solve(equations->self, vector);
 }
 
-/* Adds to the reach of each unknown, which holds its scale, the size of which the roundoff of the residual is the part
- * NEWTON_STAGNATION. Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
+/* Adds the effect of the residual's roundoff to roundoff_scale, which holds the scale of each unknown: a correction at
+ * roundoff is NEWTON_STAGNATION of the sum. The equations are solved for the roundoff of one group of the residual
+ * after the other, so that these do not cancel. */
 static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equations)
 {
-    const size_t bytes = (size_t)newton->group * sizeof(double);
-    equations->roundoff(equations->self, newton->difference);
-    for (int first = 0; first < newton->size; first += newton->group) {
-        memset(newton->trial, 0, (size_t)newton->size * sizeof *newton->trial);
-        memcpy(newton->trial + first, newton->difference + first, bytes);
-        solve_with_jacobian(newton, equations, newton->trial);
-        for (int i = 0; i < newton->size; i++)
-            if (isfinite(newton->trial[i]))
-                newton->reach[i] += TVI_ROUNDOFF_UNITS / NEWTON_STAGNATION * fabs(newton->trial[i]);
+    const size_t bytes = (size_t)newton->group_size * sizeof(double);
+    equations->roundoff(equations->self, newton->trial_residual);
+    for (int first = 0; first < newton->unknown_count; first += newton->group_size) {
+        memset(newton->trial_unknowns, 0, (size_t)newton->unknown_count * sizeof *newton->trial_unknowns);
+        memcpy(newton->trial_unknowns + first, newton->trial_residual + first, bytes);
+        solve_with_jacobian(newton, equations, newton->trial_unknowns);
+        for (int i = 0; i < newton->unknown_count; i++)
+            if (isfinite(newton->trial_unknowns[i]))
+                newton->roundoff_scale[i] += TVI_ROUNDOFF_UNITS / NEWTON_STAGNATION * fabs(newton->trial_unknowns[i]);
     }
 }
 
-/* Returns the rules of the passes. Without a matrix, or if the first contraction tells little, corrections are compared
- * over two passes: those of q follow from those of p, and those of p from those of q. */
-static tvi_newton_rules rules_from_options(const tvi_options *options, bool has_matrix, bool is_rough)
+/* Returns the rules of the passes. Without a Jacobian, or if the first contraction is no measure of the later ones,
+ * corrections are compared over two passes, since those of q follow from those of p, and those of p from those of q. */
+static tvi_newton_rules rules_from_options(const tvi_options *options, bool has_jacobian, bool needs_extra_pass)
 {
-    tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
-    if (has_matrix) rules.of_largest = (tvi_passes_rule){.stall_lag = 1};
-    if (!has_matrix || is_rough) rules.of_each.stall_lag = 2;
+    tvi_newton_rules rules = {tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
+    if (has_jacobian) rules.by_group = (tvi_passes_rule){.stall_lag = 1};
+    if (!has_jacobian || needs_extra_pass) rules.by_unknown.stall_lag = 2;
     return rules;
 }
 
-void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool is_rough)
+void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass)
 {
-    newton->is_rough = is_rough;
-    newton->rules = rules_from_options(options, newton->has_matrix, is_rough);
+    newton->needs_extra_pass = needs_extra_pass;
+    newton->rules = rules_from_options(options, newton->has_jacobian, needs_extra_pass);
 }
 
-/* Returns whether corrections that no longer shrink are roundoff, by the roundoff of the residual. */
+/* Returns whether the last correction, which did not shrink, is roundoff by the roundoff of the residual. */
 static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
 {
-    memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
+    memcpy(newton->roundoff_scale, newton->scale, (size_t)newton->unknown_count * sizeof *newton->roundoff_scale);
     compute_roundoff_scales(newton, equations);
     tvi_correction_sizes sizes;
-    newton_measure_corrections(newton, newton->reach, &sizes);
-    if (sizes.of_group[0] > NEWTON_STAGNATION) return false;
-    passes->slack = 1; /* nothing that this step has shown is known to be no roundoff */
+    newton_measure_corrections(newton, newton->roundoff_scale, &sizes);
+    if (sizes.group_relative[0] > NEWTON_STAGNATION) return false;
+    passes->contraction_loss = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
 
 /* Makes one pass: correction = -K^-1 r(x). */
-static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool refresh,
-                                  tvi_stats *stats)
+static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equations, bool is_first,
+                                  bool by_differences, tvi_stats *stats)
 {
     tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
     if (status != TVI_OK) return status;
@@ -136,15 +140,16 @@ static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equat
         equations->scale(equations->self, newton->scale);
         newton_fill_missing_scales(newton, 0);
     }
-    for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
-    if (refresh || (!newton->is_fresh && equations->jacobian)) {
-        status = factor_jacobian(newton, equations, refresh, stats);
-        /* differencing moved the equations away from x: bring them back */
-        if (status == TVI_OK && refresh) status = equations->residual(equations->self, newton->x, newton->difference);
+    for (int i = 0; i < newton->unknown_count; i++) newton->correction[i] = -newton->correction[i];
+    if (by_differences || (!newton->is_by_differences && equations->jacobian)) {
+        status = factor_jacobian(newton, equations, by_differences, stats);
+        /* Differences have evaluated the equations at other points; this evaluates them at x again. */
+        if (status == TVI_OK && by_differences)
+            status = equations->residual(equations->self, newton->x, newton->trial_residual);
         if (status != TVI_OK) return status;
     }
     solve_with_jacobian(newton, equations, newton->correction);
-    for (int i = 0; i < newton->size; i++)
+    for (int i = 0; i < newton->unknown_count; i++)
         if (!isfinite(newton->correction[i])) return TVI_ENONFINITE;
     stats->passes++;
     return TVI_OK;
@@ -154,28 +159,29 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes passes;
-    tvi_newton_begin_passes(&passes, newton->history, &newton->rules, newton->is_rough);
+    tvi_newton_begin_passes(&passes, newton->history, &newton->rules, newton->needs_extra_pass);
     int refreshes = 0;
-    bool refresh = false;
-    for (int count = 1; count <= rules->of_each.max_passes; count++) {
-        refreshes += refresh;
-        newton->is_fresh = newton->has_matrix && refreshes > 0;
-        const tvi_status status = run_newton_pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
+    bool by_differences = false;
+    for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
+        refreshes += by_differences;
+        newton->is_by_differences = newton->has_jacobian && refreshes > 0;
+        const tvi_status status =
+            run_newton_pass(newton, equations, count == 1, newton->has_jacobian && by_differences, stats);
         if (status != TVI_OK) return status;
         tvi_correction_sizes sizes;
         newton_measure_corrections(newton, newton->scale, &sizes);
-        const tvi_correction_size size = {sizes.relative[0], sizes.of_group[0]};
-        stats->residual = size.relative;
+        const tvi_correction_size size = {sizes.largest_relative[0], sizes.group_relative[0]};
+        stats->residual = size.largest_relative;
         tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, size);
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_store_slack(newton->history, &passes);
+            tvi_newton_store_contraction_loss(newton->history, &passes);
             return TVI_OK;
         }
-        for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        refresh = verdict == TVI_PASSES_STUCK;
-        if (refresh && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
+        for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];
+        by_differences = verdict == TVI_PASSES_STUCK;
+        if (by_differences && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
     }
     return TVI_ENOCONV;
 }

@@ -6,8 +6,8 @@
 #include "algebra/passes.h"
 #include "generating/nodes.h"
 
-/* Returns the roundoff of the corrections, from that of the H_p that was last evaluated (action.c); generated code
- * leaves corrections that are stuck to the library. */
+/* Estimates the roundoff of the momenta's corrections at the nodes from the roundoff of the last H_p (action.c).
+ * Generated code does not call it: the library repeats an iteration that is stuck. */
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
 enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_HALF };
@@ -35,14 +35,14 @@ static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curv
     }
 }
 
-/* Copies H_pp of a node to curve->slope. */
+/* Copies H_pp of a node to velocity_hessian. */
 static inline void momenta_copy_H_pp_of_node(const tvi_action *action, const tvi_curve *curve, int node)
 {
     for (int i = 0; i < curve_dimension(curve) * curve_dimension(curve); i++)
         curve->velocity_hessian.lu[i] = action->H_pp[i * action->points + node];
 }
 
-/* Inverts H_pp of a node column by column, if that needs exchanges. Returns TVI_ESINGULAR or TVI_ENONFINITE. */
+/* Inverts H_pp of a node column by column, with row exchanges. Returns TVI_ESINGULAR or TVI_ENONFINITE. */
 static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action, tvi_curve *curve, int node)
 {
     const int n = curve_dimension(curve);

@@ -9,10 +9,11 @@
 #include "system/roundoff.h"
 #include "vector.h"
 
-/* A table holds the values of the orders at the nodes, [top + 1][points]. If nodes mirror each other, it also holds the
- * even and the odd orders at the first half of the nodes, [orders / 2][half]: at the other half these are the same
- * except for a sign. Sums over the nodes have their tables the other way round, [points][top + 1] and
- * [half][seeds_round_up_to_vectors(orders / 2)]. */
+/* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. all_orders has the rows of
+ * nodes, [top + 1][points]. If nodes mirror each other, even_orders and odd_orders have the even and the odd k at the
+ * first half of the nodes, [orders / 2][half_points]; the values at the other half differ by a sign only. Weighted
+ * tables are for sums over the nodes; they are transposed, [points][top + 1] and
+ * [half_points][seeds_round_up_to_vectors(orders / 2)]. */
 typedef struct {
     double *all_orders, *even_orders, *odd_orders;
     /* The sign of the even orders at the other half of the nodes, 1 or -1. */
@@ -23,32 +24,33 @@ typedef struct tvi_action {
     bool is_hamilton; /* whether the action is that of Hamilton's principle in phase space */
     bool has_truncated_nodes;
     const jet_sweeps *sweeps;
-    const jet_tape
-        *field_tape;          /* at the nodes: its values, or all that tangents need where momenta are found by them */
-    bool has_velocity_defect; /* L_v - p is not 0 by construction */
-    bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
+    /* The tape of the field at the nodes; it also has tangents if momenta must be found from velocities. */
+    const jet_tape *field_tape;
+    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
+    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: top + 1 */
-    int width;                              /* that of the curve: rows of nodes are [points][width] */
-    double *node_s, *node_weight;           /* [points] in scaled time, sum of the weights = to - from */
-    /* If nodes mirror each other, the first half are 0 .. half - 1, and the others follow. A node at the centre is
-     * there twice, with half its weight each; points that are left of a half repeat the first node without weight. half
-     * is 0 if they do not, or if the action is not plain. */
+    int width;                              /* the number of members; rows of nodes are [points][width] */
+    double *node_s, *node_weight; /* [points] the nodes s_i in scaled time, and their weights, whose sum is to - from */
+    /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
+     * the seeds need second derivatives. The nodes of the first half are first, and their mirror images follow. A node
+     * at the centre is in both halves, with half its weight in each; nodes that pad a half repeat its first node with
+     * weight 0. */
     int half_points;
-    /* The powers s_i^k and their derivatives; 0 above q_degree. */
+    /* The powers s_i^k and their derivatives; 0 for k > q_degree. */
     tvi_node_table power_table, slope_table;
     /* The second derivatives of the powers, for all orders. */
     tvi_node_table second_slope_table;
-    /* The powers in the sum that gives q_i; 0 for a term that the node rule omits. */
-    tvi_node_table node_power_table;
-    /* power_table and slope_table times the weights, for sums over the nodes. */
+    /* The powers from which q_i is summed; they are 0 for the term that the node rule omits. */
+    tvi_node_table node_rule_power_table;
+    /* power_table and slope_table times the weights of the nodes. */
     tvi_node_table weighted_power_table, weighted_slope_table;
     double *order_row; /* [top + 1] */
-    /* [q_degree + 1][p_degree + 1] (j+k) times the error of the quadrature for s^(j+k-1), which integration by
-         * parts leaves; NULL if all are 0. */
+    /* [q_degree + 1][p_degree + 1] (j+k) times the error of the quadrature for s^(j+k-1), which integration by parts
+     * leaves; NULL if all errors are 0. */
     double *by_parts_error;
     double *field_block; /* the block of the field's tape, with one lane for each node */
-    /* The block of the tape of H_qp p and H_pp p, which truncated nodes of a Hamiltonian need. */
-    double *bend_block;
+    /* The block of the tape that computes H_qp p and H_pp p, for truncated nodes of a Hamiltonian. */
+    double *second_derivative_block;
     double *momentum_coefficients; /* [p_degree + 1][n] the coefficients P_k of the momentum */
     /* [n][points] The curve's momentum p and its derivative dp/ds at the nodes. */
     double *node_momentum, *node_force;
@@ -64,36 +66,37 @@ typedef struct tvi_action {
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
-/* Lengths of halves are padded to whole vectors. */
+/* SEEDS_HALF is the largest number of even or of odd orders, padded to whole vectors. */
 enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF * CURVE_MOST_WIDTH };
 static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
-/* Returns how many numbers a row of the nodes has. */
+/* Returns the length of a row of nodes, of all members. */
 static inline int seeds_count_lanes(const tvi_action *action) { return action->points * CURVE_WIDTH(action); }
 
-/* Computes out[o] = sum_{j < count} c_j table[j][o], o < outs, c_j = c[j * stride], for each member. */
-static inline void seeds_combine_rows(const tvi_action *action, int count, const double *c, size_t stride, int outs,
-                                      const double *table, double *out)
+/* Computes out[o] = sum_{j < count} c_j table[j][o] for o < out_count, with c_j = coefficient[j * stride], for each
+ * member. */
+static inline void seeds_combine_rows(const tvi_action *action, int count, const double *coefficient, size_t stride,
+                                      int out_count, const double *table, double *out)
 {
     const int width = CURVE_WIDTH(action);
-    if (width == 1) CURVE_COMBINE(action, count, c, stride, outs, table, out);
-    for (int o = 0; width > 1 && o < outs; o++)
-        CURVE_COMBINE_EACH(count, table + o, (size_t)outs, width, stride, c, out + o * width);
+    if (width == 1) CURVE_COMBINE(action, count, coefficient, stride, out_count, table, out);
+    for (int o = 0; width > 1 && o < out_count; o++)
+        CURVE_COMBINE_EACH(count, table + o, (size_t)out_count, width, stride, coefficient, out + o * width);
 }
 
-/* Computes row[node] = sum_{k <= degree} coefficient_k table_k(node), with coefficient_k at first + k * stride. */
-static inline void seeds_evaluate_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
-                                           const tvi_node_table *table, double row[])
+/* Computes row[node] = sum_{k <= degree} c_k table_k(node), with c_k = coefficients[k * stride]. */
+static inline void seeds_evaluate_at_nodes(const tvi_action *action, int degree, const double *coefficients,
+                                           size_t stride, const tvi_node_table *table, double row[])
 {
     const int lanes = seeds_count_lanes(action) / 2;
     double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (action->half_points == 0) {
-        seeds_combine_rows(action, degree + 1, first, stride, action->points, table->all_orders, row);
+        seeds_combine_rows(action, degree + 1, coefficients, stride, action->points, table->all_orders, row);
         return;
     }
-    seeds_combine_rows(action, degree / 2 + 1, first, 2 * stride, action->half_points, table->even_orders, even);
-    seeds_combine_rows(action, (degree + 1) / 2, first + stride, 2 * stride, action->half_points, table->odd_orders,
-                       odd);
+    seeds_combine_rows(action, degree / 2 + 1, coefficients, 2 * stride, action->half_points, table->even_orders, even);
+    seeds_combine_rows(action, (degree + 1) / 2, coefficients + stride, 2 * stride, action->half_points,
+                       table->odd_orders, odd);
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) row[i] = even[i] + odd[i];
     JET_IN_VECTORS
@@ -106,7 +109,7 @@ static inline void seeds_set_node_times(const tvi_action *action, const tvi_curv
     if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->points; node++)
         for (int m = 0; m < curve_width(curve); m++)
-            *t++ = JET_FUSED(jet_v1, curve->tau, action->node_s[node], curve_time(curve, 0)[m]);
+            *t++ = JET_FUSED(jet_v1, curve->tau, action->node_s[node], curve_time_slot(curve, 0)[m]);
 }
 
 /* Writes q at the nodes, and the time, into the inputs of a block. */
@@ -115,12 +118,12 @@ static inline void seeds_set_node_positions(const tvi_action *action, const tvi_
     const int width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                tvi_curve_slot_count(curve), &action->node_power_table,
+                                tvi_curve_slot_count(curve), &action->node_rule_power_table,
                                 x + i * seeds_count_lanes(action));
     seeds_set_node_times(action, curve, x);
 }
 
-/* Writes the velocities v = (dq/ds)/tau at the nodes into the field's second input. */
+/* Computes the velocities v = (dq/ds)/tau at the nodes. */
 static inline void seeds_set_node_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
     const int lanes = seeds_count_lanes(action), width = curve_width(curve);
@@ -140,11 +143,13 @@ static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curv
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
     if (!has_momenta) return;
     for (int i = 0; i < curve_dimension(curve); i++)
-        seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width, (size_t)curve_numbers(curve),
-                                &action->power_table, action->node_momentum + i * lanes);
+        seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width,
+                                (size_t)curve_vector_length(curve), &action->power_table,
+                                action->node_momentum + i * lanes);
 }
 
-/* Divides the row, by the inverse of the divisor and the remainder: many quotients take long. */
+/* Divides the row. It multiplies by the reciprocal and corrects the result by the remainder, which is faster than many
+ * divisions. */
 static inline void seeds_divide_row(int lanes, double divisor, double row[])
 {
     const double inverse = 1 / divisor;
@@ -168,7 +173,7 @@ static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve
             seeds_divide_row(lanes, curve->kappa[i], force);
         } else {
             seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                    (size_t)curve_numbers(curve), &action->slope_table, force);
+                                    (size_t)curve_vector_length(curve), &action->slope_table, force);
         }
 }
 
@@ -186,22 +191,22 @@ static inline tvi_status seeds_evaluate_field(const tvi_action *action)
     return SEEDS_VALUES(action->field_tape, action->field_block, seeds_count_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* Computes panel = factor * outputs first .. first + n - 1 of the field. */
-static inline void seeds_copy_field_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
-                                            double *restrict panel)
+/* Computes out = factor * outputs first_output .. first_output + n - 1 of the field. */
+static inline void seeds_copy_field_outputs(const tvi_action *action, const tvi_curve *curve, int first_output,
+                                            double factor, double *restrict out)
 {
     const int lanes = seeds_count_lanes(action);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        const double *row = seeds_field_output_row(action, action->field_tape, action->field_block, first + i);
+        const double *row = seeds_field_output_row(action, action->field_tape, action->field_block, first_output + i);
         JET_IN_VECTORS
-        for (int node = 0; node < lanes; node++) panel[i * lanes + node] = factor * row[node];
+        for (int node = 0; node < lanes; node++) out[i * lanes + node] = factor * row[node];
     }
 }
 
-/* Subtracts `other` from the panel. */
-static inline void seeds_subtract_panel(const tvi_action *action, int n, const double *other, double *restrict panel)
+/* Subtracts the rows of `other` from those of out. */
+static inline void seeds_subtract_rows(const tvi_action *action, int n, const double *other, double *restrict out)
 {
-    for (int i = 0; i < n * seeds_count_lanes(action); i++) panel[i] -= other[i];
+    for (int i = 0; i < n * seeds_count_lanes(action); i++) out[i] -= other[i];
 }
 
 #endif

@@ -20,7 +20,7 @@ const tvi_descriptor tvi_poincare = {
     .curve = {.span = {-1, 1, 0.5},
               .action = TVI_ACTION_HAMILTON,
               .uses_top_momentum = true,
-              .correct_ends = tvi_close_by_mean_of_ends,
+              .correct_ends = tvi_correct_ends_by_mean,
               .mean_factors = {true, .from_q_factor = 0.5, .rise_q_factor = -1, .from_p_factor = {-0.5, 0},
                                .rise_p_factor = {1, 0}}},
 };

@@ -5,25 +5,25 @@
 
 #include "generating/products.h"
 
-static void allocate_residual_iteration(tvi_closure *closure, tvi_arena *arena)
+static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t width = (size_t)products_padded_length(closure);
-    tvi_residual_iteration *taken = tvi_arena_allocate(arena, sizeof *taken);
-    const tvi_residual_iteration iteration = {
+    tvi_conjugate_residuals *allocated = tvi_arena_allocate(arena, sizeof *allocated);
+    const tvi_conjugate_residuals iteration = {
         .solution = tvi_arena_allocate_doubles(arena, width),
         .residual = tvi_arena_allocate_doubles(arena, width),
         .direction = tvi_arena_allocate_doubles(arena, PRODUCTS_MOST * width),
         .direction_image = tvi_arena_allocate_doubles(arena, PRODUCTS_MOST * width),
-        .inverse_size = tvi_arena_allocate_doubles(arena, width),
+        .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),
         .product = tvi_arena_allocate_doubles(arena, width),
         .largest_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.top + 1),
     };
-    if (taken) *taken = iteration;
-    closure->solving = taken;
+    if (allocated) *allocated = iteration;
+    closure->solver_data = allocated;
 }
 
-const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_residual_iteration,
+const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_conjugate_residuals,
                                                                 products_discard_guess,
                                                                 products_compute_corrections,
                                                                 products_solve_equations,

@@ -1,7 +1,7 @@
-/* products.h - solves the closing equations A^T x = D_z without forming Jacobians, for separable systems of many
- * coordinates. One tangent or adjoint sweep computes a product with a Jacobian, and generalised conjugate residuals
- * solve the equations (docs/method.md sections 2 and 5). closure.c calls it through tvi_solver_by_products_*.
- * Generated code includes this text (emit.c) with every size as a constant. */
+/* products.h - solves the equations A^T x = D_z for the corrections of the curve's ends without forming Jacobians, for
+ * separable systems of many coordinates. One tangent or adjoint sweep computes a product with a Jacobian, and
+ * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). closure.c calls it through
+ * tvi_solver_by_products_*. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 
@@ -12,8 +12,8 @@
 
 #define PRODUCTS_AIM(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, kappa, 0) * JET_GATHER(V, force, slot + here);
 
-/* Computes dx of one lane along dz: dQ_{k+2} = tau^2 M^-1 dF_k / ((k+1)(k+2)). Inputs other than coordinates, such as
- * the time, have no tangents: their rows stay 0. */
+/* Computes the tangents dQ_k in the direction dz: dQ_{k+2} = tau^2 M^-1 dF_k / ((k+1)(k+2)). The tangents of inputs
+ * other than coordinates, such as the time, stay 0. */
 static inline void products_compute_tangents(tvi_curve *curve, const double dz[])
 {
     enum { stride = 0 };
@@ -31,8 +31,7 @@ static inline void products_compute_tangents(tvi_curve *curve, const double dz[]
 }
 
 /* Computes the product of a combination's Jacobian and the direction of the last call of products_compute_tangents. */
-static inline void products_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination,
-                                                 double out[])
+static inline void products_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const size_t n = (size_t)curve_dimension(curve);
     memset(out, 0, n * sizeof *out);
@@ -65,16 +64,16 @@ typedef struct {
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
-/* Sets the adjoints of Q_k that the product begins with, and 0 elsewhere: operations of one order may add to those of
- * all lower orders. The last two orders do not need the field. */
-static inline void products_set_adjoint_seeds(tvi_curve *curve, int last, const tvi_transpose_terms *terms)
+/* Sets the adjoints of Q_k to the seeds, and all other adjoints to 0, since operations of an order may add to the
+ * adjoints of all lower orders. The last two orders of Q do not depend on orders of the field. */
+static inline void products_set_adjoint_seeds(tvi_curve *curve, int last_order, const tvi_transpose_terms *terms)
 {
     enum { stride = 0 };
     const int n = curve_dimension(curve);
-    for (int k = 0; k <= last; k++) {
+    for (int k = 0; k <= last_order; k++) {
         double *bar = products_adjoint_of_Q(curve, k);
         JET_BLOCKS(n, PRODUCTS_SEED, );
-        if (k + 2 <= last) memset(bar + n, 0, (tvi_curve_slot_count(curve) - (size_t)n) * sizeof *bar);
+        if (k + 2 <= last_order) memset(bar + n, 0, (tvi_curve_slot_count(curve) - (size_t)n) * sizeof *bar);
     }
 }
 
@@ -86,21 +85,22 @@ static inline void products_set_adjoint_seeds(tvi_curve *curve, int last, const 
             bar[slot[i]] += part * kappa[i] * above[i];                                                                \
     }
 
-/* Computes out[2n] by the recurrence downward: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, then the adjoints of the
- * operands. Only orders up to `last` of the curve count, 1 <= last <= top: a rough product costs O(last^2). */
-static inline void products_multiply_by_transpose(tvi_curve *curve, int last, const tvi_transpose_terms *terms,
+/* Computes out[2n], the sum of the terms, by the recurrence downward: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2},
+ * then the adjoints of the operands. It uses the orders of the curve up to last_order, 1 <= last_order <= top; the cost
+ * grows as its square. */
+static inline void products_multiply_by_transpose(tvi_curve *curve, int last_order, const tvi_transpose_terms *terms,
                                                   double out[])
 {
     enum { stride = 0 };
-    products_set_adjoint_seeds(curve, last, terms);
+    products_set_adjoint_seeds(curve, last_order, terms);
     const size_t n = (size_t)curve_dimension(curve);
     const double *kappa = curve->kappa;
     const int *slot = curve_output_slots(curve);
-    for (int k = last - 2; k >= 0; k--) {
+    for (int k = last_order - 2; k >= 0; k--) {
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_adjoint_of_Q(curve, k + 2);
         double *bar = products_adjoint_of_Q(curve, k);
         JET_BLOCKS((int)n, PRODUCTS_HAND_ON, );
-        PRODUCTS_ADJOINTS(curve->system->field_series, curve->series_block, curve->adjoint_block, k, last - 2);
+        PRODUCTS_ADJOINTS(curve->system->field_series, curve->series_block, curve->adjoint_block, k, last_order - 2);
     }
     memcpy(out, products_adjoint_of_Q(curve, 0), n * sizeof *out);
     memcpy(out + n, products_adjoint_of_Q(curve, 1), n * sizeof *out);
@@ -108,23 +108,26 @@ static inline void products_multiply_by_transpose(tvi_curve *curve, int last, co
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-/* The work of the iteration that solves A^T x = D_z by generalised conjugate residuals. Arrays of 2n rows are padded
- * to whole vectors with zeros. Rows that are not solved for are 0, and have an inverse_size of 0. */
+/* The memory of the generalised conjugate residuals that solve A^T x = D_z. Arrays of 2n rows are padded with zeros to
+ * whole vectors. Rows that are not solved for are 0, and have an inverse_unknown_size of 0. */
 enum { PRODUCTS_MOST = 40, PRODUCTS_VECTOR = 8 };
 typedef struct {
     double *solution; /* the solution x, which is the initial guess of the next pass */
     double *residual; /* the residual D_z - A^T x, in all 2n rows */
-    /* [PRODUCTS_MOST] The search directions, and A^T times each of them. */
+    /* [PRODUCTS_MOST][2n] the search directions, and A^T times each of them */
     double *direction, *direction_image;
     double image_square[PRODUCTS_MOST]; /* the squared norm of each direction's image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
-    double *inverse_size;
+    double *inverse_unknown_size;
     double *scratch, *product;   /* [2n] */
     double *largest_coefficient; /* [top + 1] the largest component of each |Q_k| */
     bool has_guess;
-} tvi_residual_iteration;
+} tvi_conjugate_residuals;
 
-static inline tvi_residual_iteration *products_get_iteration(const tvi_closure *closure) { return closure->solving; }
+static inline tvi_conjugate_residuals *products_get_iteration(const tvi_closure *closure)
+{
+    return closure->solver_data;
+}
 
 static inline int products_padded_length(const tvi_closure *closure)
 {
@@ -136,22 +139,22 @@ static inline void products_discard_guess(tvi_closure *closure) { products_get_i
 /* Returns the number of rows that are solved for. */
 static inline int products_count_unknowns(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    return equations->second ? 2 * curve_dimension(&closure->curve) : curve_dimension(&closure->curve);
+    return equations->second_combination ? 2 * curve_dimension(&closure->curve) : curve_dimension(&closure->curve);
 }
 
 static inline int products_find_first_unknown(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    return equations->second || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
+    return equations->second_combination || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
 }
 
-/* Returns the terms of a product that the equations have. */
-static inline tvi_transpose_terms products_unknown_terms(const tvi_closure *closure,
-                                                         const tvi_transposed_equations *equations, double factor,
-                                                         const double vector[])
+/* Returns the terms of factor * A^T vector. */
+static inline tvi_transpose_terms products_get_operator_terms(const tvi_closure *closure,
+                                                              const tvi_transposed_equations *equations, double factor,
+                                                              const double vector[])
 {
     return (tvi_transpose_terms){.factor = factor,
-                                 .jacobian_of_x = equations->first,
-                                 .jacobian_of_y = equations->second,
+                                 .jacobian_of_x = equations->first_combination,
+                                 .jacobian_of_y = equations->second_combination,
                                  .x = vector + products_find_first_unknown(closure, equations),
                                  .y = vector + curve_dimension(&closure->curve)};
 }
@@ -159,35 +162,37 @@ static inline tvi_transpose_terms products_unknown_terms(const tvi_closure *clos
 /* Computes the residual D_z - A^T x, in both halves of its rows, by one transposed product. */
 static inline void products_compute_residual(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const tvi_residual_iteration *iteration = products_get_iteration(closure);
-    tvi_transpose_terms left = products_unknown_terms(closure, equations, -1, iteration->solution);
+    const tvi_conjugate_residuals *iteration = products_get_iteration(closure);
+    tvi_transpose_terms left = products_get_operator_terms(closure, equations, -1, iteration->solution);
     left.seed_Q = closure->seed_Q;
     products_multiply_by_transpose(&closure->curve, curve_highest_order(&closure->curve), &left, iteration->residual);
 }
 
-/* Computes out = A^T vector, in both halves of its rows, from orders up to `last` of the curve alone. */
-static inline void products_apply_operator(tvi_closure *closure, int last, const tvi_transposed_equations *equations,
-                                           const double vector[], double out[])
+/* Computes out = A^T vector, in both halves of its rows, from the orders of the curve up to last_order. */
+static inline void products_multiply_by_operator(tvi_closure *closure, int last_order,
+                                                 const tvi_transposed_equations *equations, const double vector[],
+                                                 double out[])
 {
-    const tvi_transpose_terms product = products_unknown_terms(closure, equations, 1, vector);
-    products_multiply_by_transpose(&closure->curve, last, &product, out);
+    const tvi_transpose_terms product = products_get_operator_terms(closure, equations, 1, vector);
+    products_multiply_by_transpose(&closure->curve, last_order, &product, out);
 }
 
-/* Computes vector = P r with the diagonal preconditioner P, the reciprocals of the weights of Q_0 and of Q_1. */
+/* Computes vector = P r with a diagonal preconditioner P, the reciprocals of the weights with which Q_0 and Q_1 enter
+ * A. */
 static inline void products_divide_by_leading_weights(const tvi_closure *closure,
                                                       const tvi_transposed_equations *equations, const double r[],
                                                       double vector[])
 {
     const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
-    const double first = 1 / equations->first->order_weight[place > 0],
-                 second = equations->second ? 1 / equations->second->order_weight[1] : 0;
+    const double first = 1 / equations->first_combination->order_weight[place > 0],
+                 second = equations->second_combination ? 1 / equations->second_combination->order_weight[1] : 0;
     for (int i = 0; i < n; i++) vector[place + i] = first * r[place + i];
     if (second == 0) return;
     for (int i = 0; i < n; i++) vector[n + i] = second * r[n + i];
 }
 
-/* Computes s = (2 P - P A^T P) r, nearly A^-T r, from the first orders alone: those of a force linear in q whose
- * Jacobian is linear in the time. */
+/* Computes s = (2 P - P A^T P) r, an approximation of A^-T r. A is computed from the first PRODUCTS_NEAR orders only,
+ * which are exact for a force that is linear in q with a Jacobian that is linear in the time. */
 enum { PRODUCTS_NEAR = 3 };
 static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_transposed_equations *equations,
                                                  const double r[], double s[])
@@ -195,10 +200,10 @@ static inline void products_apply_preconditioner(tvi_closure *closure, const tvi
     double *twice = products_get_iteration(closure)->scratch, *v = products_get_iteration(closure)->product;
     memset(s, 0, (size_t)products_padded_length(closure) * sizeof *s);
     products_divide_by_leading_weights(closure, equations, r, s);
-    products_apply_operator(closure,
-                            curve_highest_order(&closure->curve) < PRODUCTS_NEAR ? curve_highest_order(&closure->curve)
-                                                                                 : PRODUCTS_NEAR,
-                            equations, s, v);
+    products_multiply_by_operator(
+        closure,
+        curve_highest_order(&closure->curve) < PRODUCTS_NEAR ? curve_highest_order(&closure->curve) : PRODUCTS_NEAR,
+        equations, s, v);
     for (int i = 0; i < 2 * curve_dimension(&closure->curve); i++) twice[i] = 2 * r[i] - v[i];
     products_divide_by_leading_weights(closure, equations, twice, s);
 }
@@ -211,10 +216,10 @@ static const double PRODUCTS_ROUGH = 1e-6;
 /* Corrections that no longer shrink are roundoff if they are this much below the solution. */
 static const double PRODUCTS_STALLED = 1e-12;
 
-/* Returns max_i |vector_i| / size_i. */
-static inline double products_largest_scaled_component(const tvi_closure *closure, const double vector[])
+/* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
+static inline double products_compute_scaled_maximum(const tvi_closure *closure, const double vector[])
 {
-    const double *unit = products_get_iteration(closure)->inverse_size;
+    const double *unit = products_get_iteration(closure)->inverse_unknown_size;
     double most[PRODUCTS_VECTOR] = {0};
     for (int here = 0; here < products_padded_length(closure); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
@@ -223,9 +228,10 @@ static inline double products_largest_scaled_component(const tvi_closure *closur
 }
 
 /* Returns sum_i vector_i y_i / size_i^2. */
-static inline double products_scaled_dot_product(const tvi_closure *closure, const double vector[], const double y[])
+static inline double products_compute_scaled_dot_product(const tvi_closure *closure, const double vector[],
+                                                         const double y[])
 {
-    const double *unit = products_get_iteration(closure)->inverse_size;
+    const double *unit = products_get_iteration(closure)->inverse_unknown_size;
     double sum[PRODUCTS_VECTOR] = {0};
     for (int here = 0; here < products_padded_length(closure); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
@@ -239,34 +245,35 @@ static inline void products_add_multiple(const tvi_closure *closure, double fact
     for (int i = 0; i < products_padded_length(closure); i++) y[i] += factor * vector[i];
 }
 
-/* Makes the search direction of a step and its image orthogonal to the earlier ones, and updates the solution and
- * the residual. */
-static inline void products_minimise_residual(tvi_closure *closure, int last, const tvi_transposed_equations *equations,
-                                              int step)
+/* Makes the search direction `step` and its image orthogonal to the earlier ones. Adds the multiple of it to the
+ * solution that makes the residual least. */
+static inline void products_minimise_residual(tvi_closure *closure, int last_order,
+                                              const tvi_transposed_equations *equations, int step)
 {
-    tvi_residual_iteration *iteration = products_get_iteration(closure);
+    tvi_conjugate_residuals *iteration = products_get_iteration(closure);
     double *s = iteration->direction + step * products_padded_length(closure),
            *v = iteration->direction_image + step * products_padded_length(closure);
-    products_apply_operator(closure, last, equations, s, v);
+    products_multiply_by_operator(closure, last_order, equations, s, v);
     for (int i = 0; i < step; i++) {
         const double *v_before = iteration->direction_image + i * products_padded_length(closure);
         const double part =
-            tvi_ratio_or_zero(products_scaled_dot_product(closure, v, v_before), iteration->image_square[i]);
+            tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, v, v_before), iteration->image_square[i]);
         products_add_multiple(closure, -part, v_before, v);
         products_add_multiple(closure, -part, iteration->direction + i * products_padded_length(closure), s);
     }
-    iteration->image_square[step] = products_scaled_dot_product(closure, v, v);
-    const double part =
-        tvi_ratio_or_zero(products_scaled_dot_product(closure, iteration->residual, v), iteration->image_square[step]);
+    iteration->image_square[step] = products_compute_scaled_dot_product(closure, v, v);
+    const double part = tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, iteration->residual, v),
+                                          iteration->image_square[step]);
     products_add_multiple(closure, part, s, iteration->solution);
     products_add_multiple(closure, -part, v, iteration->residual);
 }
 
-/* Returns the order up to which the curve is summed in a product of which only the relative accuracy `part` is
- * needed: the first order from which on |Q_k| is below a tenth of `part` |Q_0|, or the highest order. */
-static inline int products_choose_truncated_order(const tvi_closure *closure, double part)
+/* Returns the order to which a product may sum the curve if only `relative_accuracy` of it is needed: the first order
+ * from which on |Q_k| is below a tenth of relative_accuracy |Q_0|, or the highest order. */
+static inline int products_choose_truncated_order(const tvi_closure *closure, double relative_accuracy)
 {
-    const double *largest = products_get_iteration(closure)->largest_coefficient, bound = part / 10 * largest[0];
+    const double *largest = products_get_iteration(closure)->largest_coefficient,
+                 bound = relative_accuracy / 10 * largest[0];
     int k = curve_highest_order(&closure->curve);
     while (k > 1 && !(largest[k - 1] > bound)) k--;
     return k;
@@ -276,7 +283,7 @@ static inline int products_choose_truncated_order(const tvi_closure *closure, do
  * corrections do not shrink. */
 static inline tvi_status products_iterate_to_solution(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    tvi_residual_iteration *iteration = products_get_iteration(closure);
+    tvi_conjugate_residuals *iteration = products_get_iteration(closure);
     double goal = PRODUCTS_ENOUGH;
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
@@ -286,17 +293,16 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
     for (int step = 0; step < PRODUCTS_MOST; step++) {
         double *s = iteration->direction + step * products_padded_length(closure);
         products_apply_preconditioner(closure, equations, iteration->residual, s);
-        const double size = products_largest_scaled_component(closure, s);
+        const double size = products_compute_scaled_maximum(closure, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
         const tvi_passes_rule rule = {
             .correction_goal = goal, .max_trusted_ratio = 0.5, .stall_ratio = 0.5, .stall_lag = 1};
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, size);
-        const bool may_end =
-            verdict == TVI_PASSES_MAY_END ||
-            (verdict == TVI_PASSES_STUCK &&
-             size <= PRODUCTS_STALLED * products_largest_scaled_component(closure, iteration->solution));
-        if (may_end && equations->second) /* This step needs no new residual. */
+        const bool may_end = verdict == TVI_PASSES_MAY_END ||
+                             (verdict == TVI_PASSES_STUCK &&
+                              size <= PRODUCTS_STALLED * products_compute_scaled_maximum(closure, iteration->solution));
+        if (may_end && equations->second_combination) /* The residual is not needed if all rows are solved for. */
             products_add_multiple(closure, 1, s, iteration->solution);
         else
             products_minimise_residual(closure, products_choose_truncated_order(closure, goal < size ? goal / size : 1),
@@ -307,13 +313,14 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
     return TVI_ENOCONV;
 }
 
-/* Replaces D by the solution x in the rows that are solved for, and by the residual of the gradient in all other
- * rows. */
+/* Replaces D by the solution x in the rows that are solved for, and by the residual of the equations in all other rows.
+ * */
 static inline tvi_status products_solve_equations(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const tvi_residual_iteration *iteration = products_get_iteration(closure);
+    const tvi_conjugate_residuals *iteration = products_get_iteration(closure);
     const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
-    if (!equations->second) memset(iteration->inverse_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_size);
+    if (!equations->second_combination)
+        memset(iteration->inverse_unknown_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_unknown_size);
     const tvi_status status = products_iterate_to_solution(closure, equations);
     memcpy(closure->D, iteration->residual, 2 * (size_t)n * sizeof *closure->D);
     memcpy(closure->D + place, iteration->solution + place,
@@ -321,11 +328,12 @@ static inline tvi_status products_solve_equations(tvi_closure *closure, const tv
     return status;
 }
 
-/* If a flow is symplectic except for its truncation, J^T W J = W with W = [0, 1/kappa; -1/kappa, 0] in (q, u). This
- * computes J^-1 = W^-1 J^T W times the correction. */
+/* Computes J^-1 times the correction, with J = d(q-, u-)/dz. A curve is symplectic up to its truncation, J^T W J = W
+ * with W = [0, 1/kappa; -1/kappa, 0] in (q, u); thus J^-1 = W^-1 J^T W. */
 static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, double correction[])
 {
-    const int n = curve_dimension(&closure->curve), last = products_choose_truncated_order(closure, PRODUCTS_ROUGH);
+    const int n = curve_dimension(&closure->curve),
+              last_order = products_choose_truncated_order(closure, PRODUCTS_ROUGH);
     const double *kappa = closure->curve.kappa, *product = products_get_iteration(closure)->product;
     double *of_q = products_get_iteration(closure)->scratch, *of_u = of_q + n;
     for (int i = 0; i < n; i++) {
@@ -334,7 +342,7 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
     }
     const tvi_transpose_terms ends = {
         .factor = 1, .jacobian_of_x = &closure->q_from, .jacobian_of_y = &closure->u_from, .x = of_q, .y = of_u};
-    products_multiply_by_transpose(&closure->curve, last, &ends, products_get_iteration(closure)->product);
+    products_multiply_by_transpose(&closure->curve, last_order, &ends, products_get_iteration(closure)->product);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * product[n + i];
         correction[n + i] = kappa[i] * product[i];
@@ -343,24 +351,24 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-/* Sets the units of the unknowns of a subsystem; member: its components. The unknowns of the closing are momenta, or u
- * / kappa. An unknown that is much smaller than others, as displacements are, is measured by the others; so is a body
- * whose curve has no momentum. If no body has one, as at rest with degree 1, the positions measure them; if all
- * positions are 0, the unit is 1. */
-static inline void products_set_units_of_subsystem(const tvi_closure *closure, const int *member, int first, int end)
+/* Sets the size by which each unknown of a subsystem is measured, for the components `component[first .. end - 1]`. The
+ * unknowns are momenta, or u / kappa, and their size is momentum_size. A much smaller size, as of a displacement, or 0,
+ * is replaced by one in proportion to the largest momentum. If all momenta are 0, as at rest with degree 1, the sizes
+ * are those of the positions, and if these are 0, the sizes are 1. */
+static inline void products_set_units_of_subsystem(const tvi_closure *closure, const int *component, int first, int end)
 {
     const int n = curve_dimension(&closure->curve);
     const double *kappa = closure->curve.kappa;
-    double largest = 0, place = 0, *unit = products_get_iteration(closure)->inverse_size;
+    double largest = 0, place = 0, *unit = products_get_iteration(closure)->inverse_unknown_size;
     for (int k = first; k < end; k++)
-        largest = tvi_larger(fabs(kappa[member[k]]) * closure->p_size[member[k]], largest);
+        largest = tvi_larger(fabs(kappa[component[k]]) * closure->momentum_size[component[k]], largest);
     for (int order = 0; order <= curve_highest_order(&closure->curve) && largest == 0; order++)
         for (int k = first; k < end; k++)
-            place = tvi_larger(fabs(tvi_curve_position_coefficients(&closure->curve, order)[member[k]]), place);
+            place = tvi_larger(fabs(tvi_curve_position_coefficients(&closure->curve, order)[component[k]]), place);
     const double least = largest > 0 ? TVI_LEAST_RELATIVE_SCALE * largest : place, none = largest > 0 ? largest : place;
     for (int k = first; k < end; k++) {
-        const int i = member[k];
-        const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = closure->p_size[i];
+        const int i = component[k];
+        const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = closure->momentum_size[i];
         unit[i] = unit[n + i] = 1 / (size > 0 ? tvi_larger(size, least * per) : none > 0 ? none * per : 1);
     }
 }
@@ -368,7 +376,7 @@ static inline void products_set_units_of_subsystem(const tvi_closure *closure, c
 static inline void products_set_units_of_unknowns(tvi_closure *closure)
 {
     const tvi_subsystems *parts = &closure->curve.system->parts;
-    closure_set_p_size(closure);
+    closure_compute_momentum_sizes(closure);
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
         products_get_iteration(closure)->largest_coefficient[k] =
             tvi_largest_magnitude(curve_dimension(&closure->curve), tvi_curve_inputs_of_order(&closure->curve, k), 1);
@@ -376,13 +384,13 @@ static inline void products_set_units_of_unknowns(tvi_closure *closure)
         products_set_units_of_subsystem(closure, parts->component, first, parts->end[k]);
 }
 
-/* Computes the corrections; the units are those of the first pass. */
+/* Computes the corrections of the ends. The sizes of the unknowns are those in the first pass. */
 static inline tvi_status products_compute_corrections(tvi_closure *closure, const double z[], const double scale[],
                                                       tvi_stats *stats)
 {
     (void)z, (void)scale, (void)stats;
     if (!products_get_iteration(closure)->has_guess) products_set_units_of_unknowns(closure);
-    return closure->close(closure);
+    return closure->correct_ends(closure);
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* quick.h - expands a curve with its tangents by the sweeps of the tapes of one instruction set. The quick steps of
- * one member (quick.c) and of several members (quick_members.c) call it. */
+/* quick.h - expands a curve with its tangents by the sweeps compiled for one instruction set. The quick steps of one
+ * member (quick.c) and of several members (quick_members.c) call it. */
 #ifndef TVI_SRC_GENERATING_QUICK_H
 #define TVI_SRC_GENERATING_QUICK_H
 

@@ -4,44 +4,44 @@
 #define CURVE_MEMBERS
 #include "generating/members.h"
 #include "generating/quick.h"
-#include "generating/reach.h"
+#include "generating/step_size.h"
 #include "method/single.h"
 
-static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at_nodes, long long is_moving[])
+static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at_nodes, long long is_iterating[])
 {
     const tvi_curve *curve = &work->closure.curve;
     const jet_tape *tape = at_nodes ? work->action.field_tape : curve->system->field_series;
     const double *x = at_nodes ? work->action.field_block : curve->series_block;
     for (int m = 0; m < curve->width; m++)
-        if (is_moving[m] &&
-            !tvi_is_member_inside_domain(work->by_itself, tape, x, at_nodes ? work->action.points : 1, m))
-            is_moving[m] = 0;
+        if (is_iterating[m] &&
+            !tvi_is_member_inside_domain(work->single_stepper, tape, x, at_nodes ? work->action.points : 1, m))
+            is_iterating[m] = 0;
 }
 
 bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                                       const tvi_quick_step_results *end, tvi_stats *stats)
+                                       const tvi_quick_step_results *results, tvi_stats *stats)
 {
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
                                                    seeds_compute_from_field, drop_members_outside_domain};
-    return step_by_quick_passes(work, &functions, tau, origin, end, stats);
+    return step_by_quick_passes(work, &functions, tau, origin, results, stats);
 }
 
 bool JET_FOR_ISA(tvi_taylor_step_batch)(tvi_curve_workspace *work, double h, const tvi_batch_origin *origin,
-                                        const tvi_quick_step_results *end, tvi_stats *stats)
+                                        const tvi_quick_step_results *results, tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve), width = curve_width(curve);
     curve_set_time_unit(curve, h);
-    (void)step_set_start_data(work, origin, work->z);
-    if (curve_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, end->is_moving);
-    curve_rescale_and_sum(curve, 1, end->dq, end->dp);
-    for (int i = 0; i < n * width; i++) end->dp[i] /= curve->kappa[i / width];
-    step_compute_tails(curve, end->tail);
+    (void)step_set_start_data(work, origin, work->predicted_z);
+    if (curve_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, results->is_iterating);
+    curve_rescale_and_sum(curve, 1, results->dq, results->dp);
+    for (int i = 0; i < n * width; i++) results->dp[i] /= curve->kappa[i / width];
+    step_compute_tails(curve, results->tail);
     for (int m = 0; m < width; m++) {
-        const bool is_finite = tvi_rows_are_finite(n, (size_t)width, 1, end->dq + m) &&
-                               tvi_rows_are_finite(n, (size_t)width, 1, end->dp + m);
-        end->passes[m] = end->is_moving[m] && is_finite ? 0 : TVI_NOT_MADE;
-        stats->expansions += end->passes[m] == 0;
+        const bool is_finite = tvi_rows_are_finite(n, (size_t)width, 1, results->dq + m) &&
+                               tvi_rows_are_finite(n, (size_t)width, 1, results->dp + m);
+        results->passes[m] = results->is_iterating[m] && is_finite ? 0 : TVI_NOT_MADE;
+        stats->expansions += results->passes[m] == 0;
     }
     return true;
 }

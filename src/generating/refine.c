@@ -3,7 +3,7 @@
  * 6):
  *     separable      d = h^2 M^-1 F(Q) - Q'',      dq = Q(1) - q + int (1 - s) d,   h M^-1 dp = Q'(1) - Q'(0) + int d,
  *     Hamiltonian    d = h (H_p, -H_q)(X) - X',    (dq, dp) = X(1) - X(0) + int d,
- * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of reach.h coefficient k is
+ * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of step_size.h coefficient k is
  * e^(-2 k) of the state, and its roundoff is the same part of the state's. High coefficients are therefore summed in
  * double precision, and d is nearly a polynomial of low degree, for which Gauss' two nodes suffice. */
 #include "generating/refine.h"
@@ -16,10 +16,11 @@ static const double BELOW = 1e-13;
 enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
 
-/* The indices of the sums over the coefficients: X at each node; Q'' or X' at each node; X(1); and Q'(1). */
+/* The indices of the sums over the coefficients: VALUE + j and RATE + j of X, and of X' or Q'', at node j; END of X(1);
+ * SLOPE of Q'(1). */
 enum { VALUE, RATE = NODES, END = 2 * NODES, SLOPE, LOW = TVI_REFINE_LOW };
 
-/* The step whose increments are computed: its curve, origin, size and work. */
+/* The step whose increments are computed. */
 typedef struct {
     const tvi_refinement *refinement;
     const tvi_curve *curve;
@@ -43,7 +44,7 @@ void tvi_allocate_refinement(tvi_refinement *refinement, tvi_arena *arena, const
         &refinement->start_values,    &refinement->drift,           &refinement->coefficient_sum, &refinement->defect,
         &refinement->single_integral, &refinement->double_integral, &refinement->field_slots};
     for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
-    refinement->first_order = system->form == TVI_SEPARABLE ? 2 : 1;
+    refinement->lowest_order = system->form == TVI_SEPARABLE ? 2 : 1;
     refinement->high_order_weight = tvi_arena_allocate_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
     refinement->high_order_sum = tvi_arena_allocate_doubles(arena, inputs);
     refinement->constants_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -57,10 +58,10 @@ void tvi_prepare_refinement(tvi_refinement *refinement, const tvi_curve *curve)
         for (int j = 0; j < NODES; j++) {
             weight[VALUE + j] = power[j];
             weight[RATE + j] =
-                refinement->first_order == 2 ? k * (k - 1) * power[j] / (node[j] * node[j]) : k * power[j] / node[j];
+                refinement->lowest_order == 2 ? k * (k - 1) * power[j] / (node[j] * node[j]) : k * power[j] / node[j];
             power[j] *= node[j];
         }
-        for (int sum = 0; sum < TVI_REFINE_SUMS && k >= refinement->first_order; sum++)
+        for (int sum = 0; sum < TVI_REFINE_SUMS && k >= refinement->lowest_order; sum++)
             if (k <= LOW) refinement->low_order_weight[sum][k] = weight[sum];
             else refinement->high_order_weight[sum * (curve->top + 1) + k] = (double)weight[sum];
     }
@@ -68,20 +69,20 @@ void tvi_prepare_refinement(tvi_refinement *refinement, const tvi_curve *curve)
 
 /* ---- The defect -------------------------------------------------------------------------------------------------- */
 
-static const long double *sum_coefficients(const refinement_step *step, int which)
+static const long double *sum_coefficients(const refinement_step *step, int sum_index)
 {
     const tvi_refinement *refinement = step->refinement;
     const tvi_curve *curve = step->curve;
     const size_t orders = (size_t)curve->top + 1, inputs = (size_t)step->system->inputs;
     const int top = curve->top < LOW ? curve->top : LOW;
     memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
-    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)which * orders, tvi_curve_slot_count(curve),
-                          inputs, curve->series_block, refinement->high_order_sum);
+    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)sum_index * orders,
+                          tvi_curve_slot_count(curve), inputs, curve->series_block, refinement->high_order_sum);
     for (size_t i = 0; i < inputs; i++) {
         refinement->coefficient_sum[i] = refinement->high_order_sum[i];
-        for (int k = top; k >= refinement->first_order; k--)
+        for (int k = top; k >= refinement->lowest_order; k--)
             refinement->coefficient_sum[i] +=
-                refinement->low_order_weight[which][k] * tvi_curve_inputs_of_order(curve, k)[i];
+                refinement->low_order_weight[sum_index][k] * tvi_curve_inputs_of_order(curve, k)[i];
     }
     return refinement->coefficient_sum;
 }
@@ -99,8 +100,8 @@ static void set_start_values(const refinement_step *step)
     }
 }
 
-/* Returns the rate of input i from the field that was last evaluated, times h^2 for a separable system, and times h
- * otherwise. */
+/* Returns the rate of input i from the last values of the field: h^2 M^-1 F for a separable system, otherwise h times
+ * the derivative. */
 static long double compute_rate(const refinement_step *step, int i)
 {
     const int n = step->system->n, *output = step->system->field_values->output_slot;

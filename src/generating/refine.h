@@ -10,9 +10,9 @@
 enum { TVI_REFINE_LOW = 4, TVI_REFINE_SUMS = 6 };
 
 typedef struct {
-    /* The sums begin with this order; lower orders are start_values and drift. */
-    int first_order;
-    long double *start_values, *drift; /* [inputs] x_0, and x_1 of a separable system */
+    /* The lowest order in the sums; lower orders are in start_values and drift. */
+    int lowest_order;
+    long double *start_values, *drift; /* [inputs] the terms of order 0, and of order 1 in a separable system */
     /* The weights of the low orders in each sum. */
     long double low_order_weight[TVI_REFINE_SUMS][TVI_REFINE_LOW + 1];
     /* The weights of the other orders, [sums][top + 1], and the sum of these orders, [inputs]. */

@@ -2,14 +2,13 @@
  * the curve's coefficients. action.c and the quick steps call it. Generated code includes this text (emit.c).
  *
  * With p the curve's momentum series, w_i the weights in scaled time, and a dot for d/ds,
- *   Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
- *   Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
- *              D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
+ *     Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
+ *     Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
+ *               D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
  * with q'_i = H_p. Both add, with e_r the error of the quadrature for s^r,
- *            + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j.
- * This is left by summation by parts of (p^T dg). if the quadrature is not exact to its degree: with it every
- * quadrature serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 if p has degree q_degree -
- * 1. */
+ *               + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j,
+ * the term that summation by parts of (p^T dg). leaves if the quadrature is not exact for it; thus every quadrature may
+ * be used with every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 if p has degree q_degree - 1. */
 #ifndef TVI_SRC_GENERATING_SEEDS_H
 #define TVI_SRC_GENERATING_SEEDS_H
 
@@ -18,7 +17,8 @@
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
 
-/* Computes the terms of a separable system: gradient_by_q = tau F; L_v = p on the curve. */
+/* Computes the only term of Lagrange's action for a separable system, gradient_by_q = tau F; L_v = p holds on the
+ * curve. */
 static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_status status = seeds_evaluate_field(action);
@@ -51,11 +51,11 @@ static inline tvi_status seeds_compute_lagrange_terms(tvi_action *action, tvi_cu
         memcpy(action->gradient_by_v, second, panel);
         break;
     }
-    seeds_subtract_panel(action, n, action->node_momentum, action->gradient_by_v);
+    seeds_subtract_rows(action, n, action->node_momentum, action->gradient_by_v);
     return status;
 }
 
-/* Computes the terms of on-curve nodes: gradient_by_q = -tau H_q, gradient_by_p = g. - tau H_p. */
+/* Computes the terms of Hamilton's action at on-curve nodes: gradient_by_q = -tau H_q, gradient_by_p = g. - tau H_p. */
 static inline tvi_status seeds_compute_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
@@ -106,16 +106,17 @@ static inline const double *seeds_sum_over_nodes(const tvi_action *action, const
 /* Returns a pointer to the seed of order k and component i. */
 static inline double *seeds_at_component(const tvi_curve *curve, double seed[], int k, int i)
 {
-    return seed + k * curve_numbers(curve) + i * curve_width(curve);
+    return seed + k * curve_vector_length(curve) + i * curve_width(curve);
 }
 
-/* Computes the seeds of dq_i^T gradient_by_q - dg_i^T p. as one defect, less the term that a truncated node leaves out
- * of dq_i. */
+/* Sets the seeds of dq_i^T gradient_by_q - dg_i^T dp/ds. The two are first subtracted at the nodes, where they nearly
+ * cancel. A truncated node does not contain the term of order N, but dg does; the last sum subtracts it from the seed
+ * of order N. */
 static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
     const int points = action->points, N = action->q_degree;
-    seeds_subtract_panel(action, n, action->node_force, action->gradient_by_q); /* the defect */
+    seeds_subtract_rows(action, n, action->node_force, action->gradient_by_q); /* the defect */
     for (int i = 0; i < n; i++) {
         const double *defect = action->gradient_by_q + i * lanes, *force = action->node_force + i * lanes;
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
@@ -125,7 +126,7 @@ static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve 
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
                                (action->power_table.all_orders[N * points + node] -
-                                action->node_power_table.all_orders[N * points + node]);
+                                action->node_rule_power_table.all_orders[N * points + node]);
     }
 }
 
@@ -138,7 +139,7 @@ static inline void seeds_add_velocity_terms(const tvi_action *action, int n, dou
     }
 }
 
-/* Adds dp^T gradient_by_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
+/* Adds the seeds of dp_i^T gradient_by_p; a separable system has kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                             double seed_U[])
 {
@@ -162,7 +163,7 @@ static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_
 
 static inline void seeds_add_quadrature_error_terms(const tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_numbers(curve);
+    const int n = curve_vector_length(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
             const double error = action->by_parts_error[k * (curve_highest_order(curve) + 1) + j];
@@ -173,20 +174,20 @@ static inline void seeds_add_quadrature_error_terms(const tvi_action *action, co
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* Evaluates the curve at the nodes. Seeds that are not set are 0; those of U, which a separable system does not have,
- * are never set. */
+/* Evaluates the curve at the nodes, and sets the seeds that are not computed later to 0. seed_U is not used for a
+ * separable system. */
 static inline void seeds_evaluate_curve_at_nodes(tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                  double seed_U[])
 {
-    const int seeds = (curve_highest_order(curve) + 1) * curve_numbers(curve);
-    for (int i = (action->q_degree + 1) * curve_numbers(curve); i < seeds; i++) seed_Q[i] = 0;
+    const int seeds = (curve_highest_order(curve) + 1) * curve_vector_length(curve);
+    for (int i = (action->q_degree + 1) * curve_vector_length(curve); i < seeds; i++) seed_Q[i] = 0;
     for (int i = 0; i < seeds && curve_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
     seeds_compute_node_momenta(action, curve);
     seeds_compute_node_forces(action, curve);
     seeds_set_node_positions(action, curve, action->field_block);
 }
 
-/* Computes the seeds from the terms at the nodes. */
+/* Computes the seeds from the factors of dq_i, dv_i and dp_i at the nodes. */
 static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                  double seed_U[])
 {
@@ -198,7 +199,7 @@ static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_c
     if (action->by_parts_error) seeds_add_quadrature_error_terms(action, curve, seed_Q);
 }
 
-/* Returns whether the seeds need the field alone, and no second derivatives. */
+/* Returns whether the seeds need only the field, and no second derivatives. */
 static inline bool seeds_need_only_field(const tvi_action *action)
 {
     return !(action->is_hamilton && action->has_truncated_nodes);
@@ -218,41 +219,45 @@ static inline tvi_status seeds_compute_from_field(tvi_action *action, tvi_curve 
 
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
 
-/* These are the functions of curve.h and action.h, for curves and actions of these sizes. */
+/* The structures that these functions use are declared in files that include this one. */
 struct tvi_curve_workspace;
 struct tvi_closure_solver;
-/* This is what a quick step of several members computes: the increments [n][width], and for each member the tail, the
- * last correction and the passes, or TVI_NOT_MADE. Members that do not move have no step. */
+/* The results of a quick step: the increments [n][width], and for each member the tail, the last correction, and the
+ * number of passes, or TVI_NOT_MADE if its step was not made. The step is made for the members whose is_iterating is
+ * set; it is cleared when their passes end. */
 enum { TVI_NOT_MADE = -1 };
 typedef struct {
     double *dq, *dp, *tail, *residual;
     int *passes;
-    long long *is_moving;
+    long long *is_iterating;
 } tvi_quick_step_results;
-/* This is step_by_quick_passes (curve_step.h), of generated code or compiled for one instruction set. */
+/* The type of the variants of step_by_quick_passes (curve_step.h): in generated code, and compiled for one instruction
+ * set. */
 typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                               const tvi_quick_step_results *end, tvi_stats *stats);
+                               const tvi_quick_step_results *results, tvi_stats *stats);
 typedef struct tvi_curve_code {
     int top;
     /* Expands the whole series from the centre data; NULL: the library expands it order by order. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
-    void (*sizes)(const tvi_curve *curve, double size[]);
-    void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-    void (*measure)(const tvi_curve *curve);
+    void (*data_sizes)(const tvi_curve *curve, double size[]);
+    void (*sum_combination)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+    void (*movement_sizes)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
-    /* Steps that adapt call these three. */
-    double (*reach)(const tvi_curve *curve, double log_tolerance);
-    void (*end_at)(tvi_curve *curve, double factor, double q[], double u[]);
-    double (*change)(const tvi_curve *curve);
+    /* The next three are for steps of adapted size; NULL: the library has its own. */
+    double (*usable_step)(const tvi_curve *curve, double log_tolerance);
+    void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
+    double (*energy_change_bound)(const tvi_curve *curve);
     void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
-    void (*aim)(tvi_curve *curve, const double dz[]);
-    void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-    void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
-    const struct tvi_closure_solver *solver; /* `take` is not in it; NULL: the library's own */
-    /* Computes plain seeds, finite or not; NULL: the library's own function serves. */
-    tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Makes a step by step_by_quick_passes (curve_step.h); NULL: there is no such code. */
+    void (*set_direction)(tvi_curve *curve, const double dz[]);
+    void (*multiply_direction)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+    void (*multiply_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+    const struct tvi_closure_solver
+        *solver; /* the solver by products, except for its allocation (`take`); NULL: the library has its own */
+    /* Computes the seeds of actions that need only the field, which may be not finite; NULL: the library has its own.
+     * */
+    tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+    /* Makes a quick step; NULL: the method has none. */
     tvi_quick_step_fn *step;
 } tvi_curve_code;
 

@@ -15,8 +15,8 @@
  * for any n. */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
 
-/* A combination of the curve's coefficients is sum_k weight_k Q_k or sum_k weight_k U_k. It is made once for a
- * method. */
+/* A linear combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. A method sets its
+ * combinations once. */
 typedef struct {
     bool is_of_momentum;
     double *order_weight; /* [top + 1] */
@@ -30,28 +30,31 @@ typedef struct {
     const struct tvi_curve_code *generated_code;
     tvi_jacobians jacobian_method;
     int n, top; /* the highest order of Q that is computed */
-    int width; /* how many curves of as many members there are, 1 for a single one; the members are the fastest lanes */
+    int width;  /* the number of members, each with a curve; the member is the fastest index of all arrays */
     double tau;
-    double *kappa;              /* [n] */
-    double *series_block;       /* block of the field's series, orders 0 .. top */
-    double *tangent_block;      /* tangents of x in TVI_CURVE_LANES directions; products, and several members: in one */
-    size_t tangent_block_lanes; /* the lanes of the tangents in tangent_block; 0: none */
-    bool keeps;                 /* several members: Jacobians of some are kept when those of others are taken: */
-    long long *is_taken;        /* [width] of which they are taken */
-    double *adjoint_block;      /* products: the adjoints of x */
-    double *dQ, *dU;            /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
-    double *product_direction;  /* [2n] the direction of pushes */
-    double *product_by_dU;      /* [2n] a pull's part by dU */
-    double *product_jacobian;   /* [n][2n] the Jacobian of a push */
-    double *reciprocal, *log_integer; /* [top + 2] 1 / k and log k */
-    int q_degree, p_degree;           /* the degrees of the tail */
+    double *kappa;        /* [n] */
+    double *series_block; /* block of the field's series, orders 0 .. top */
+    /* The tangents of the slots, in TVI_CURVE_LANES directions; in one direction for products, and for several members.
+     * */
+    double *tangent_block;
+    size_t tangent_block_lanes; /* the number of lanes with which tangent_block was last cleared; 0: never */
+    bool keeps_old_jacobians;   /* of several members: a new Jacobian is stored only for the members in is_due */
+    long long *is_due;          /* [width] the mask of the members whose Jacobians are computed anew */
+    double *adjoint_block;      /* of products: the adjoints of the slots */
+    double *dQ, *dU; /* of matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU is NULL for a separable system */
+    double *product_direction;    /* [2n] the direction set by tvi_curve_set_product_direction */
+    double *product_by_dU;        /* [2n] the part of tvi_curve_multiply_seeds that comes from dU */
+    double *combination_jacobian; /* [n][2n] the Jacobian of a combination, scratch of tvi_curve_multiply_direction */
+    double *reciprocal_integer, *log_integer; /* [top + 2] 1 / k and log k */
+    int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;
-    double *movement_size, *momentum_size; /* [n] the sums with q_size_weights and u_size_weights */
-    double *share, *ratio;                 /* [n] the shares and ratios of the tails */
+    double *movement_size, *momentum_size; /* [n] sum_k k |Q_k| and |U_0| + sum_k k |U_k|, summed with these weights */
+    double *tail_share, *tail_ratio;       /* [n] scratch for the tails (tail.h) */
     tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
-    bool is_hessian_inverted;              /* velocity_hessian.lu is its inverse */
-    double *velocity_derivatives;          /* [slots][n] derivatives of all slots in the second input at the centre */
-    double *velocity_residual, *column;    /* scratch of its solutions, [n][lanes] and [n] */
+    bool is_hessian_inverted;              /* whether velocity_hessian.lu contains the inverse */
+    double *velocity_derivatives; /* [slots][n] the derivatives of all slots by the second input at the centre */
+    double *velocity_residual,
+        *column; /* scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n] */
 } tvi_curve;
 
 static inline bool tvi_curve_uses_products(const tvi_curve *curve)
@@ -61,7 +64,7 @@ static inline bool tvi_curve_uses_products(const tvi_curve *curve)
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
-/* These functions return sizes, which are constants in generated code. CURVE_SLOT is there the array of the slots of
+/* The next functions return sizes, which are constants in generated code. There CURVE_SLOT is the array of the slots of
  * the field's outputs. */
 
 static inline int curve_dimension(const tvi_curve *curve)
@@ -76,8 +79,8 @@ static inline int curve_width(const tvi_curve *curve)
     return CURVE_WIDTH(curve);
 }
 
-/* Returns how many numbers a vector over the components of all members has. */
-static inline int curve_numbers(const tvi_curve *curve) { return curve_dimension(curve) * curve_width(curve); }
+/* Returns the length of a vector with all components of all members. */
+static inline int curve_vector_length(const tvi_curve *curve) { return curve_dimension(curve) * curve_width(curve); }
 
 static inline int curve_highest_order(const tvi_curve *curve)
 {
@@ -143,15 +146,15 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, cons
 /* the number of directions of one tangent sweep; more would not fit into the cache */
 enum { TVI_CURVE_LANES = 8 };
 
-/* Returns how many numbers an order of the block has. */
+/* Returns the length of one order of the series' block. */
 static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 {
     (void)curve;
     return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots) * (size_t)curve_width(curve);
 }
 
-/* Returns the number of tangent directions of one sweep. Generated code of small systems has a single sweep, since a
- * whole vector costs less than two parts of one. */
+/* Returns the number of tangent directions of one sweep. Generated code of small systems has all directions in one
+ * sweep, since a partly filled vector costs less than a second sweep. */
 static inline int tvi_choose_tangent_lanes(const tvi_system *system)
 {
     const int directions = 2 * system->n;
@@ -189,7 +192,7 @@ static inline void curve_set_time_unit(tvi_curve *curve, double tau)
 /* Writes the data z at the centre into the block of the series. The second half of z is tau v for a Lagrangian. */
 static inline void curve_set_centre_data(const tvi_curve *curve, const double z[])
 {
-    const int numbers = curve_numbers(curve);
+    const int numbers = curve_vector_length(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
     double *q = tvi_curve_inputs_of_order(curve, 0),
            *second = is_separable ? tvi_curve_inputs_of_order(curve, 1) : q + numbers;
@@ -200,32 +203,33 @@ static inline void curve_set_centre_data(const tvi_curve *curve, const double z[
     }
 }
 
-/* Returns the place of the times of the centres in the block, of a system that uses the time. */
-static inline double *curve_time(const tvi_curve *curve, int k)
+/* Returns the address of the time at order k in the block, [width], for systems that use the time. */
+static inline double *curve_time_slot(const tvi_curve *curve, int k)
 {
     return tvi_curve_inputs_of_order(curve, k) + curve_input_count(curve) * curve_width(curve);
 }
 
-/* Sets the times of the centres, t + (t_low + later) [width]. */
-static inline void curve_set_centre_time(const tvi_curve *curve, const double t[], const double t_low[], double later)
+/* Sets the times of the centres to t + (t_low + time_offset), each [width]. */
+static inline void curve_set_centre_time(const tvi_curve *curve, const double t[], const double t_low[],
+                                         double time_offset)
 {
     if (!curve_uses_time(curve)) return;
     for (int m = 0; m < curve_width(curve); m++) {
-        curve_time(curve, 0)[m] = t[m] + (t_low[m] + later);
-        if (curve_highest_order(curve) > 0) curve_time(curve, 1)[m] = curve->tau;
+        curve_time_slot(curve, 0)[m] = t[m] + (t_low[m] + time_offset);
+        if (curve_highest_order(curve) > 0) curve_time_slot(curve, 1)[m] = curve->tau;
     }
 }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-/* Returns U_k = kappa P_k of component i, or number i of all members. */
+/* Returns U_k = kappa P_k of component i; of several members, i counts the components of all members. */
 static inline double tvi_curve_momentum_coefficient(const tvi_curve *curve, int k, int i)
 {
     switch (curve_form(curve)) {
     case TVI_SEPARABLE:
         return k < curve_highest_order(curve) ? (k + 1) * tvi_curve_inputs_of_order(curve, k + 1)[i] : 0;
     case TVI_LAGRANGIAN: return tvi_curve_field_output(curve, k, curve_dimension(curve) + i);
-    default: return (tvi_curve_inputs_of_order(curve, k) + curve_numbers(curve))[i];
+    default: return (tvi_curve_inputs_of_order(curve, k) + curve_vector_length(curve))[i];
     }
 }
 
@@ -244,7 +248,7 @@ static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
 /* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 static inline void curve_compute_data_sizes(const tvi_curve *curve, double size[])
 {
-    const int numbers = curve_numbers(curve);
+    const int numbers = curve_vector_length(curve);
     const bool hamiltonian = curve_form(curve) == TVI_HAMILTONIAN;
     memset(size, 0, 2 * (size_t)numbers * sizeof *size);
     for (int k = curve_highest_order(curve); k >= 0; k--) {
@@ -276,7 +280,7 @@ typedef void curve_row_adder(size_t, const double[], size_t, size_t, const doubl
 static inline void curve_sum_combination_by(curve_row_adder *add, const tvi_curve *curve,
                                             const tvi_combination *combination, double out[])
 {
-    const int n = curve_dimension(curve), numbers = curve_numbers(curve);
+    const int n = curve_dimension(curve), numbers = curve_vector_length(curve);
     memset(out, 0, (size_t)numbers * sizeof *out);
     const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_slot_count(curve);
     if (curve_sums_momentum_coefficients(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
@@ -293,8 +297,8 @@ static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combi
     curve_sum_combination_by(tvi_add_weighted_rows, curve, combination, out);
 }
 
-/* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k| of number i of all components: the terms of p' and q' at the
- * ends, in a unit of scaled time. */
+/* Returns the sizes of component i from which the tail follows, in the unit of scaled time: |U_0| + sum k |U_k| and sum
+ * k |Q_k|, which bound p' and q' at the ends of the step, and the last terms of these sums. */
 static inline tvi_tail_component curve_tail_part_of_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
@@ -310,7 +314,7 @@ static inline tvi_tail_component curve_tail_part_of_component(const tvi_curve *c
         .inverse_movement = 1 / movement};
 }
 
-static inline void curve_compute_size_sums(const tvi_curve *curve)
+static inline void curve_compute_movement_sizes(const tvi_curve *curve)
 {
     curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->q_size_weights, curve->movement_size);
     curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
@@ -320,10 +324,10 @@ static inline void curve_compute_size_sums(const tvi_curve *curve)
 static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
 {
     const int width = curve_width(curve);
-    double *share = curve->share, *ratio = curve->ratio;
+    double *share = curve->tail_share, *ratio = curve->tail_ratio;
     for (int m = 0; m < width; m++) tail[m] = 0;
     if (curve_p_degree(curve) < 2) return;
-    for (int at = 0; at < curve_numbers(curve); at++) {
+    for (int at = 0; at < curve_vector_length(curve); at++) {
         const tvi_tail_component component = curve_tail_part_of_component(curve, at);
         share[at] = tvi_tail_component_share(&component, curve->system->compares_movements);
         ratio[at] = tvi_tail_component_ratio(&component);
@@ -338,8 +342,9 @@ static inline double curve_compute_tail(const tvi_curve *curve)
     return tail;
 }
 
-/* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:
- * terms that are each three quarters of the one before it add up to three times the last. */
+/* Returns a bound of the energy change |q'| |dp| + |p'| |dq| by the omitted terms dq and dp: a multiple of that by the
+ * last two terms, since one of these may be small by chance. If each term is at most three quarters of the one before
+ * it, all omitted terms add up to three times the last. */
 static inline double curve_bound_energy_change(const tvi_curve *curve)
 {
     enum { OFTEN = 8 };

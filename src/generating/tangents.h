@@ -13,13 +13,13 @@ typedef struct {
     int first_direction;
 } curve_tangent_block;
 
-/* Returns how many lanes of the block are directions: the last block may be wider. The lanes of several members are one
- * direction, that of each. */
-static inline int curve_count_directions(const tvi_curve *curve, const curve_tangent_block *b)
+/* Returns how many lanes of the block are directions, since the last block may be wider than the number of directions
+ * left. The lanes of several members contain one direction. */
+static inline int curve_count_directions(const tvi_curve *curve, const curve_tangent_block *block)
 {
     if (curve_width(curve) > 1) return 1;
-    const int left = 2 * curve_dimension(curve) - b->first_direction;
-    return left < (int)b->lanes ? left : (int)b->lanes;
+    const int left = 2 * curve_dimension(curve) - block->first_direction;
+    return left < (int)block->lanes ? left : (int)block->lanes;
 }
 
 static inline double *curve_tangent_row(const tvi_curve *curve, const curve_tangent_block *block, int k, int slot)
@@ -48,8 +48,8 @@ static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tange
     }
 }
 
-/* Clears the tangents of inputs that do not follow from earlier orders, and sets those of the directions. The
- * tangents of the time and of constants are 0 in all orders; their position depends on the number of lanes. */
+/* Sets the tangents of the centre data to 0, and then to 1 in their own directions. The tangents of the time and of
+ * constants are 0 in all orders; they are cleared when the number of lanes changes, which moves them. */
 static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
     const size_t inputs = (size_t)curve_input_count(curve) * block->lanes * sizeof(double);
@@ -64,16 +64,17 @@ static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tange
     curve_set_unit_directions(curve, block);
 }
 
-/* Copies one number of each member whose Jacobians are computed anew. */
-static inline void curve_store_due_members(const tvi_curve *curve, const double *in, double *restrict out)
+/* Copies one value of each member whose Jacobians are computed anew. */
+static inline void curve_store_due_values(const tvi_curve *curve, const double *in, double *restrict out)
 {
     const int width = curve_width(curve);
-    if (width > 1 && curve->keeps)
-        for (int m = 0; m < width; m++) out[m] = curve->is_taken[m] ? in[m] : out[m];
+    if (width > 1 && curve->keeps_old_jacobians)
+        for (int m = 0; m < width; m++) out[m] = curve->is_due[m] ? in[m] : out[m];
     else curve_scale_lanes((size_t)width, 1, in, out);
 }
 
-/* Copies the tangents of a slot for each coefficient and component into columns first .. of a Jacobian. */
+/* Copies the tangents of n slots, one of each component, to the columns of the block's directions in a Jacobian, for
+ * all orders. The slots are slot_of_component, or if that is NULL they follow first_slot. */
 static inline void curve_store_jacobian_columns(const tvi_curve *curve, const curve_tangent_block *block,
                                                 const int slot_of_component[], int first_slot, double *jacobian)
 {
@@ -83,13 +84,13 @@ static inline void curve_store_jacobian_columns(const tvi_curve *curve, const cu
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
             const double *tangent = curve_tangent_row(curve, block, k, slot);
             double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
-            if (width > 1) curve_store_due_members(curve, tangent, out);
+            if (width > 1) curve_store_due_values(curve, tangent, out);
             else curve_scale_lanes((size_t)curve_count_directions(curve, block), 1, tangent, out);
         }
 }
 
-/* Returns whether generated code reads the Jacobians from the block of tangents. That needs one block with all
- * directions, whose tangents stand in rows. */
+/* Returns whether generated code reads the Jacobians from the block of tangents in place, which it can if one block has
+ * all directions. */
 static inline bool curve_is_jacobian_in_tangent_block(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
 
 static inline void curve_store_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
@@ -122,31 +123,31 @@ static inline size_t curve_jacobian_stride(const tvi_curve *curve)
 static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
     CURVE_COMBINE_APART(curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
-                        2 * curve_dimension(curve) * curve_numbers(curve), curve_jacobian_stride(curve),
+                        2 * curve_dimension(curve) * curve_vector_length(curve), curve_jacobian_stride(curve),
                         curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)),
                         matrix);
 }
 
-#define CURVE_PUSH(V, S)                                                                                               \
+#define CURVE_MULTIPLY_DIRECTION(V, S)                                                                                 \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         for (int d = 0; d < directions; d++) sum += JET_OF(V, row, d) * JET_OF(V, curve->product_direction, d);        \
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-static inline void curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_combination *combination, double out[])
+static inline void curve_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const int directions = 2 * curve_dimension(curve), width = curve_width(curve);
     const size_t stride = (size_t)width;
-    curve_sum_jacobian(curve, combination, curve->product_jacobian);
+    curve_sum_jacobian(curve, combination, curve->combination_jacobian);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        const double *row = curve->product_jacobian + i * directions * width;
-        JET_BLOCKS(width, CURVE_PUSH, );
+        const double *row = curve->combination_jacobian + i * directions * width;
+        JET_BLOCKS(width, CURVE_MULTIPLY_DIRECTION, );
     }
 }
 
 /* Computes out = sum_k J_k^T seed[k], from Jacobians in the block of tangents. */
-#define CURVE_PULL(V, S)                                                                                               \
+#define CURVE_MULTIPLY_SEEDS(V, S)                                                                                     \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
         for (int k = curve_highest_order(curve); k >= 0; k--)                                                          \
@@ -158,8 +159,8 @@ static inline void curve_multiply_by_jacobian(const tvi_curve *curve, const tvi_
         JET_AT(V, out, 0) = sum + odd;                                                                                 \
     }
 
-/* Computes this sum of each member, in the order of CURVE_COMBINE. */
-#define CURVE_PULL_EACH(V, S)                                                                                          \
+/* Computes this sum for each member, adding in the order of CURVE_COMBINE. */
+#define CURVE_MULTIPLY_SEEDS_OF_MEMBERS(V, S)                                                                          \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
         int r = rows;                                                                                                  \
@@ -174,7 +175,7 @@ static inline void curve_multiply_by_transpose_in_lanes(int width, int rows, int
                                                         const double *J, double *out)
 {
     const size_t stride = (size_t)width;
-    for (int d = 0; d < directions; d++) JET_BLOCKS(width, CURVE_PULL_EACH, );
+    for (int d = 0; d < directions; d++) JET_BLOCKS(width, CURVE_MULTIPLY_SEEDS_OF_MEMBERS, );
 }
 
 static inline void curve_multiply_by_transposed_jacobians(const tvi_curve *curve, bool of_momentum, const double seed[],
@@ -183,19 +184,18 @@ static inline void curve_multiply_by_transposed_jacobians(const tvi_curve *curve
     const int n = curve_dimension(curve), directions = 2 * n, rows = (curve_highest_order(curve) + 1) * n;
     const size_t stride = (size_t)directions;
     const double *J = curve_coefficient_jacobians(curve, of_momentum);
-    if (curve_is_jacobian_in_tangent_block()) JET_BLOCKS(directions, CURVE_PULL, );
+    if (curve_is_jacobian_in_tangent_block()) JET_BLOCKS(directions, CURVE_MULTIPLY_SEEDS, );
     else if (curve_width(curve) > 1)
         curve_multiply_by_transpose_in_lanes(curve_width(curve), rows, directions, seed, J, out);
     else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
 }
 
-static inline void curve_multiply_by_transposes(tvi_curve *curve, const double seed_Q[], const double seed_U[],
-                                                double out[])
+static inline void curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
     curve_multiply_by_transposed_jacobians(curve, false, seed_Q, out);
     if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
     curve_multiply_by_transposed_jacobians(curve, true, seed_U, curve->product_by_dU);
-    for (int d = 0; d < 2 * curve_numbers(curve); d++) out[d] += curve->product_by_dU[d];
+    for (int d = 0; d < 2 * curve_vector_length(curve); d++) out[d] += curve->product_by_dU[d];
 }
 
 #endif

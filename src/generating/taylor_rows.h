@@ -2,13 +2,14 @@
  * taylor_sweep.h includes this text once for each vector type V. The including file defines V, SIZE(x), which is
  * |x|, and SWEPT(f), which gives function f its name for V; this file undefines them. */
 
-/* A chain holds the sums of one of two chains of orders, which do not wait for each other. */
+/* The partial sums over the even or over the odd orders. The additions of the two chains do not depend on each other,
+ * so that a processor makes them at the same time. */
 typedef struct {
     V rise, size, slope, bend;
 } SWEPT(chain);
 
-/* Adds row k with weight k. */
-JET_INLINE void SWEPT(add)(SWEPT(chain) * chain, V *row, double power, double weight, bool has_slope)
+/* Multiplies a row by `power`, and adds it to the sums of the chain; weight is its order k. */
+JET_INLINE void SWEPT(add_row)(SWEPT(chain) * chain, V *row, double power, double weight, bool has_slope)
 {
     const V none = {0}, now = *row * power, size = SIZE(now);
     *row = now;
@@ -25,10 +26,10 @@ JET_INLINE void SWEPT(rows)(const tvi_taylor_rows *rows, const double *power, do
     SWEPT(chain) a = {none, none, none, none}, b = a;
     int k = rows->degree;
     for (; k > rows->least; k -= 2) {
-        SWEPT(add)(&a, (V *)(x + (size_t)k * rows->order_stride + here), power[k], k, has_slope);
-        SWEPT(add)(&b, (V *)(x + (size_t)(k - 1) * rows->order_stride + here), power[k - 1], k - 1, has_slope);
+        SWEPT(add_row)(&a, (V *)(x + (size_t)k * rows->order_stride + here), power[k], k, has_slope);
+        SWEPT(add_row)(&b, (V *)(x + (size_t)(k - 1) * rows->order_stride + here), power[k - 1], k - 1, has_slope);
     }
-    if (k == rows->least) SWEPT(add)(&a, (V *)(x + (size_t)k * rows->order_stride + here), power[k], k, has_slope);
+    if (k == rows->least) SWEPT(add_row)(&a, (V *)(x + (size_t)k * rows->order_stride + here), power[k], k, has_slope);
     V rise = a.rise + b.rise, size = a.size + b.size;
     if (has_slope) {
         V *const row = (V *)(x + rows->order_stride + here);

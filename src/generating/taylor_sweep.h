@@ -1,5 +1,5 @@
-/* taylor_sweep.h - rescales the coefficients of a Taylor curve to another unit of time and sums them, in one sweep
- * over the coefficients. reach.h calls it for steps of adapted size. Generated code includes this text (emit.c) with
+/* taylor_sweep.h - rescales the coefficients of a Taylor curve to another unit of time and sums them, in one sweep over
+ * the coefficients. step_size.h calls it for steps of adapted size. Generated code includes this text (emit.c) with
  * every size as a constant. */
 #ifndef TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 #define TVI_SRC_GENERATING_TAYLOR_SWEEP_H
@@ -44,8 +44,8 @@ typedef struct {
 #define SWEPT(f) taylor_one_##f
 #include "generating/taylor_rows.h"
 
-/* Computes x_k *= power[k], and the sums of these x_k, the small terms first; has_slope is a constant. */
-JET_INLINE void taylor_rescale_and_sum_kind(const tvi_taylor_rows *rows, const double *power, double *x,
+/* Multiplies the rows x_k by power[k], and sums them, small terms first; has_slope is a constant. */
+JET_INLINE void taylor_rescale_and_sum_rows(const tvi_taylor_rows *rows, const double *power, double *x,
                                             const tvi_taylor_sums *sums, bool has_slope)
 {
     const int components = rows->component_count;
@@ -63,8 +63,8 @@ JET_INLINE void taylor_rescale_and_sum_kind(const tvi_taylor_rows *rows, const d
 JET_INLINE void taylor_rescale_and_sum(const tvi_taylor_rows *rows, const double *power, double *x,
                                        const tvi_taylor_sums *sums)
 {
-    if (rows->has_slope) taylor_rescale_and_sum_kind(rows, power, x, sums, true);
-    else taylor_rescale_and_sum_kind(rows, power, x, sums, false);
+    if (rows->has_slope) taylor_rescale_and_sum_rows(rows, power, x, sums, true);
+    else taylor_rescale_and_sum_rows(rows, power, x, sums, false);
 }
 
 #endif

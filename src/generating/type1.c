@@ -3,10 +3,10 @@
  *     G+^T d1 - G-^T d0 = D_z.                                                                          (I-defect) */
 #include "generating/closure.h"
 
-/* Closes the equations with z = (q0, v) or (q1, v). The Jacobians there and at the other end are (I, 0) and (A, B), and
- * R = G+ - G- is (A - I, B) or (I - A, -B). With the other end's d,
+/* Computes the corrections with z = (q0, v) or (q1, v). The Jacobians of q are (I, 0) at this end, and (A, B) at the
+ * other end; R = G+ - G- is (A - I, B) or (I - A, -B). With d the correction of the momentum at the other end,
  *     R_v^T d = D_v,   d1 - d0 = D_q - R_q^T d. */
-tvi_status tvi_close_type1_end(tvi_closure *closure)
+tvi_status tvi_correct_type1_ends(tvi_closure *closure)
 {
     const tvi_status status = tvi_solve_transposed_half(closure, &closure->q_rise, TVI_SECOND);
     const double part = closure->span.to / (closure->span.to - closure->span.from), *rise = closure->D,

@@ -18,6 +18,6 @@ const tvi_descriptor tvi_type1_end = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends = tvi_close_type1_end,
+              .correct_ends = tvi_correct_type1_ends,
               .is_first_pass_rough = true},
 };

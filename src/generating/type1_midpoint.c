@@ -20,6 +20,6 @@ const tvi_descriptor tvi_type1_midpoint = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 1, 0.5},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends = tvi_close_by_mean_of_ends,
+              .correct_ends = tvi_correct_ends_by_mean,
               .mean_factors = {false, .from_p_factor = {-0.5, 1}, .rise_p_factor = {1, 0}}},
 };

@@ -16,5 +16,5 @@ const tvi_descriptor tvi_type1_start = {
     .quadrature = TVI_FREE_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_LAGRANGE, .correct_ends = tvi_close_type1_end},
+    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_LAGRANGE, .correct_ends = tvi_correct_type1_ends},
 };

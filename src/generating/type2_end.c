@@ -3,9 +3,9 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Closes the equations with z = (w, p1), q- = q0, p1 = p+:
+/* Computes the corrections with z = (w, p1), q- = q0, p1 = p+:
  *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0. */
-static tvi_status close_type2_end(tvi_closure *closure)
+static tvi_status correct_ends(tvi_closure *closure)
 {
     const int n = closure->n;
     double *minus_d0 = closure->D, *rise_u = closure->D + n;
@@ -34,6 +34,6 @@ const tvi_descriptor tvi_type2_end = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends = close_type2_end,
+              .correct_ends = correct_ends,
               .is_first_pass_rough = true},
 };

@@ -3,9 +3,9 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Closes the equations with z = (q0, w), p1 = p+. With u = kappa p the solution is l / kappa.
+/* Computes the corrections with z = (q0, w), p1 = p+. With u = kappa p the solution is l / kappa.
  *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l. */
-static tvi_status close_type2_start(tvi_closure *closure)
+static tvi_status correct_ends(tvi_closure *closure)
 {
     const int n = closure->n;
     double *from_p = closure->D, *minus_l = closure->D + n;
@@ -34,7 +34,7 @@ const tvi_descriptor tvi_type2_start = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends = close_type2_start,
+              .correct_ends = correct_ends,
               .is_first_pass_rough = true},
 };
 

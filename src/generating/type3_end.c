@@ -3,9 +3,9 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Closes the equations with z = (q1, w), p- = p0:
+/* Computes the corrections with z = (q1, w), p- = p0:
  *     (p-_w)^T l = D_w,   q0 = q- + l,   p1 = w + D_q - (p-_q)^T l. */
-static tvi_status close_type3_end(tvi_closure *closure)
+static tvi_status correct_ends(tvi_closure *closure)
 {
     const int n = closure->n;
     double *rise_p = closure->D, *l = closure->D + n;
@@ -34,6 +34,6 @@ const tvi_descriptor tvi_type3_end = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends = close_type3_end,
+              .correct_ends = correct_ends,
               .is_first_pass_rough = true},
 };

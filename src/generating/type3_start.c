@@ -3,9 +3,9 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Closes the equations with z = (w, p0), q1 = q+:
+/* Computes the corrections with z = (w, p0), q1 = q+:
  *     (q+_w)^T d = D_w,   p1 = p+ + d,   q0 = w + D_p - (q+_p)^T d. */
-static tvi_status close_type3_start(tvi_closure *closure)
+static tvi_status correct_ends(tvi_closure *closure)
 {
     const int n = closure->n;
     double *d = closure->D, *from_u = closure->D + n;
@@ -34,6 +34,6 @@ const tvi_descriptor tvi_type3_start = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends = close_type3_start,
+              .correct_ends = correct_ends,
               .is_first_pass_rough = true},
 };

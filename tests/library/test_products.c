@@ -77,13 +77,13 @@ START_TEST(products_are_those_of_the_matrices)
     double seed[(DEGREE + 1) * N_MAX], x[2 * N_MAX], got[2 * N_MAX], want[2 * N_MAX], matrix[2 * N_MAX * N_MAX];
     for (int i = 0; i < (DEGREE + 1) * n; i++) seed[i] = wave(3 * i);
     for (int i = 0; i < 2 * n; i++) x[i] = wave(i);
-    tvi_curve_multiply_by_transposes(&matrices.curve, seed, NULL, want);
-    tvi_curve_multiply_by_transposes(&products.curve, seed, NULL, got);
+    tvi_curve_multiply_seeds(&matrices.curve, seed, NULL, want);
+    tvi_curve_multiply_seeds(&products.curve, seed, NULL, got);
     check_close(2 * n, got, want);
     tvi_curve_set_product_direction(&matrices.curve, x);
     tvi_curve_set_product_direction(&products.curve, x);
-    tvi_curve_multiply_by_jacobian(&matrices.curve, &matrices.u, want);
-    tvi_curve_multiply_by_jacobian(&products.curve, &products.u, got);
+    tvi_curve_multiply_direction(&matrices.curve, &matrices.u, want);
+    tvi_curve_multiply_direction(&products.curve, &products.u, got);
     check_close(n, got, want);
     memset(want, 0, sizeof want);
     for (int second = 0; second < 2; second++) {

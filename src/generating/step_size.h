@@ -1,0 +1,224 @@
+/* step_size.h - estimates the largest step for which a Taylor curve meets a tolerance, from its last coefficients, and
+ * rescales the curve to it. The estimate is that of Jorba and Zou (A software package for the numerical integration of
+ * ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005), section 3): the step whose last term,
+ * of degree M, is a part tolerance / e^5 of the state. With M = 1 - ln(tolerance) / 2 this is their step, the radius of
+ * convergence over e^2, times e^(-3/M). Their state is one vector, their tolerance is absolute if that is below 1, and
+ * they use the last two coefficients. Here q and p are measured separately, each by its size or by its movement in the
+ * step, so that units have no effect and a body may start at rest or at 0.
+ *
+ * This file is part of the text of generated code (emit.c), where every size is a constant. Other files call the
+ * functions of curve.h. */
+#ifndef TVI_SRC_GENERATING_STEP_SIZE_H
+#define TVI_SRC_GENERATING_STEP_SIZE_H
+
+#include "generating/series.h"
+#include "generating/taylor_sweep.h"
+
+/* The last term is e^-REACH_SAFETY of the tolerance: 2 of the exponent is that of the paper, and 3 allows for the
+ * growth of errors in tens of revolutions. */
+static const double REACH_SAFETY = 5;
+/* The numbers of coefficients that are used: of the first ones, and of the last ones, of which two in a row may
+ * happen to be small. One more of the first coefficients of q is used, since p_k = (k + 1) q_{k+1} in a separable
+ * system. */
+enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
+/* A step is at most this part of the radius of convergence, which the ratios of the last coefficients show: each to the
+ * one REACH_APART orders before it, which has the same phase if a pair of singularities makes the coefficients swing.
+ * Beside a state that is large the coefficients may be so small that they would allow any step. */
+static const double REACH_PART_OF_RADIUS = 0.7;
+enum { REACH_APART = 4 };
+
+/* A term of a series: its order k, and log_size = log max_i |x_k| over the components i, which is -INFINITY if there is
+ * no such term. */
+typedef struct {
+    int order;
+    double log_size;
+} step_size_term;
+
+/* The first and the last terms of a series that are not 0. */
+typedef struct {
+    step_size_term first_terms[REACH_FIRST], last_terms[REACH_LAST];
+} step_size_end_terms;
+
+/* Returns max_i of the absolute values of coefficient k of q, or of the scaled momentum kappa p, in which masses do not
+ * show. */
+static inline double step_size_largest_component(const tvi_curve *curve, bool of_momentum, int k)
+{
+    double size = 0;
+    for (int i = 0; i < curve_dimension(curve); i++)
+        size = tvi_larger(fabs(of_momentum ? tvi_curve_momentum_coefficient(curve, k, i)
+                                           : tvi_curve_position_coefficients(curve, k)[i]),
+                          size);
+    JET_ALONE(size);
+    return size;
+}
+
+/* A coefficient below this has lost digits to underflow, and counts as 0. */
+static const double REACH_LEAST = 1e-280;
+
+/* Returns the first nonzero term among the orders k, k + step, ... before the order `end`. */
+static inline step_size_term step_size_find_nonzero_term(const tvi_curve *curve, bool of_momentum, int k, int step,
+                                                         int end)
+{
+    double size = 0;
+    while (step * (end - k) > 0 && (size = step_size_largest_component(curve, of_momentum, k)) < REACH_LEAST) k += step;
+    return (step_size_term){k, size < REACH_LEAST ? -INFINITY : log(size)};
+}
+
+static inline void step_size_find_end_terms(const tvi_curve *curve, bool of_momentum, int degree,
+                                            step_size_end_terms *ends)
+{
+    for (int i = 0, k = 0; i < REACH_FIRST; i++, k++) {
+        ends->first_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, 1, degree);
+        k = ends->first_terms[i].order;
+    }
+    for (int i = 0, k = degree; i < REACH_LAST; i++, k--) {
+        ends->last_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, -1, 1);
+        k = ends->last_terms[i].order;
+    }
+}
+
+/* Returns the term of order q.order - 1 of the derivative of q, k |q_k|. If the term q does not exist, its order may be
+ * beyond the table of logarithms. */
+static inline step_size_term step_size_derivative_of_term(const tvi_curve *curve, step_size_term q)
+{
+    const bool is_there = q.log_size > -INFINITY;
+    return (step_size_term){q.order - 1, is_there ? q.log_size + curve->log_integer[q.order] : q.log_size};
+}
+
+static inline void step_size_find_derivative_terms(const tvi_curve *curve, const step_size_end_terms *q,
+                                                   step_size_end_terms *p)
+{
+    const bool has_place = q->first_terms[0].order == 0;
+    for (int i = 0; i < REACH_SIZED_BY; i++)
+        p->first_terms[i] = step_size_derivative_of_term(curve, has_place ? q->first_terms[i + 1] : q->first_terms[i]);
+    for (int i = 0; i < REACH_LAST; i++) p->last_terms[i] = step_size_derivative_of_term(curve, q->last_terms[i]);
+}
+
+/* Returns the logarithm of the largest s at which the term x is at most a fraction, whose logarithm is
+ * log_relative_size, of the size of the series: s^k |x_k| <= fraction * max_j |x_j| s^j over the first terms j. It has
+ * no branches, since these would be mispredicted. */
+static inline double step_size_log_by_term(const tvi_curve *curve, const step_size_term first_terms[], step_size_term x,
+                                           double log_relative_size)
+{
+    double farthest = -INFINITY;
+    for (int i = 0; i < REACH_SIZED_BY; i++) {
+        const int apart = x.order - first_terms[i].order;
+        double usable_step =
+            apart > 0 ? (log_relative_size + first_terms[i].log_size - x.log_size) * curve->reciprocal_integer[apart]
+                      : -INFINITY;
+        JET_ALONE(usable_step);
+        farthest = tvi_larger(usable_step, farthest);
+    }
+    return farthest > -INFINITY ? farthest : INFINITY;
+}
+
+/* Returns the logarithm of the smallest of the steps that the last terms allow. */
+static inline double step_size_log_by_last_terms(const tvi_curve *curve, const step_size_end_terms *ends, int degree,
+                                                 double log_relative_size)
+{
+    double least = INFINITY;
+    for (int i = 0; i < REACH_LAST; i++) {
+        const step_size_term x = ends->last_terms[i];
+        double usable_step =
+            x.order > 1 ? step_size_log_by_term(curve, ends->first_terms, x,
+                                                log_relative_size * x.order * curve->reciprocal_integer[degree])
+                        : INFINITY;
+        JET_ALONE(usable_step);
+        least = tvi_smaller(usable_step, least);
+    }
+    return least;
+}
+
+/* Returns |q_{k - REACH_APART}| / |q_k|, or INFINITY if there is no such term or q_k is 0. */
+static inline double step_size_coefficient_ratio(const tvi_curve *curve, int k)
+{
+    const double last = k > REACH_APART + 1 ? step_size_largest_component(curve, false, k) : 0;
+    return last > REACH_LEAST ? step_size_largest_component(curve, false, k - REACH_APART) / last : INFINITY;
+}
+
+/* Returns the usable step, or REACH_PART_OF_RADIUS of the radius of convergence if that is less. The radius follows
+ * from the second largest of the last three ratios of coefficients. */
+static inline double step_size_limit_to_convergence_radius(const tvi_curve *curve, double usable_step)
+{
+    const int k = curve_q_degree(curve);
+    const double part = usable_step / REACH_PART_OF_RADIUS, fourth = (part * part) * (part * part);
+    const double first = step_size_coefficient_ratio(curve, k), second = step_size_coefficient_ratio(curve, k - 1);
+    if (tvi_smaller(first, second) >= fourth) return usable_step;
+    const double third = step_size_coefficient_ratio(curve, k - 2), smaller = tvi_smaller(first, second);
+    const double middle = tvi_larger(smaller, tvi_smaller(tvi_larger(first, second), third));
+    return middle >= fourth ? usable_step : REACH_PART_OF_RADIUS * sqrt(sqrt(middle));
+}
+
+static inline double curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)
+{
+    const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
+    const double log_relative_size = log_tolerance - REACH_SAFETY;
+    step_size_end_terms q, p;
+    step_size_find_end_terms(curve, false, q_degree, &q);
+    if (curve_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
+    else step_size_find_end_terms(curve, true, p_degree, &p);
+    const double usable_step = exp(tvi_smaller(step_size_log_by_last_terms(curve, &q, q_degree, log_relative_size),
+                                               step_size_log_by_last_terms(curve, &p, p_degree, log_relative_size)));
+    return step_size_limit_to_convergence_radius(curve, usable_step);
+}
+
+/* ---- The end of the step ----------------------------------------------------------------------------------------- */
+
+/* Rescales the rows x_k of all orders, and sums those up to this degree. */
+static inline void step_size_rescale_rows(const tvi_curve *curve, int components, int degree, const double power[],
+                                          double *x, double *rise, double *size)
+{
+    const tvi_taylor_rows rows = {components, 1, degree, tvi_curve_slot_count(curve), false};
+    const tvi_taylor_sums sums = {rise, size, NULL, NULL};
+    for (int k = degree + 1; k <= curve_highest_order(curve); k++)
+        for (int i = 0; i < components; i++) x[(size_t)k * rows.order_stride + (size_t)i] *= power[k];
+    taylor_rescale_and_sum(&rows, power, x, &sums);
+}
+
+/* Rescales and sums the rows of a separable system, all of which are coefficients of Q. du is the increment of kappa p,
+ * which U_0 = Q_1 does not enter. */
+static inline void step_size_rescale_separable(const tvi_curve *curve, const double power[], double dq[], double du[])
+{
+    const tvi_taylor_rows rows = {curve_vector_length(curve), 2, curve_highest_order(curve),
+                                  tvi_curve_slot_count(curve), true};
+    const tvi_taylor_sums sums = {dq, curve->movement_size, du, curve->momentum_size};
+    taylor_rescale_and_sum(&rows, power, curve->series_block, &sums);
+    for (int i = 0; i < curve_dimension(curve); i++) curve->kappa[i] *= power[1];
+}
+
+/* Computes power[k] = factor^k, k = 0 .. top and up to 3 more, in chains that do not wait for each other. */
+enum { REACH_CHAINS = 4 };
+static inline void step_size_compute_powers(double factor, int top, double power[])
+{
+    const double second = factor * factor, fourth = second * second;
+    double next[REACH_CHAINS] = {1, factor, second, second * factor};
+    for (int k = 0; k <= top; k += REACH_CHAINS)
+        for (int i = 0; i < REACH_CHAINS; i++) {
+            power[k + i] = next[i];
+            next[i] *= fourth;
+        }
+}
+
+static inline void curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
+{
+    const int n = curve_dimension(curve), q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
+    const int numbers = curve_vector_length(curve);
+    const tvi_form form = curve_form(curve);
+    double power[TVI_MAX_DEGREE + 1 + REACH_CHAINS];
+    step_size_compute_powers(factor, curve_highest_order(curve), power);
+    curve->tau *= factor;
+    if (form == TVI_SEPARABLE) {
+        step_size_rescale_separable(curve, power, dq, du);
+        return;
+    }
+    step_size_rescale_rows(curve, numbers, q_degree, power, curve->series_block, dq, curve->movement_size);
+    if (form == TVI_HAMILTONIAN)
+        step_size_rescale_rows(curve, numbers, p_degree, power, curve->series_block + numbers, du,
+                               curve->momentum_size);
+    for (int i = 0; i < n && form == TVI_LAGRANGIAN; i++)
+        step_size_rescale_rows(curve, 1, p_degree, power, curve->series_block + curve_output_slot(curve, n + i), du + i,
+                               curve->momentum_size + i);
+    for (int i = 0; i < numbers; i++) curve->momentum_size[i] += fabs(tvi_curve_momentum_coefficient(curve, 0, i));
+}
+
+#endif
