@@ -61,7 +61,6 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
 /* Returns whether the method corrects the ends of the curve; all generated steps do. */
 static inline bool step_has_corrections(const tvi_curve_workspace *work)
 {
-    (void)work;
     return CURVE_SIZE(true, work->has_corrections);
 }
 

@@ -4,9 +4,9 @@
 #ifndef TVI_SRC_GENERATING_IN_GENERATED_H
 #define TVI_SRC_GENERATING_IN_GENERATED_H
 
-#define CURVE_SIZE(constant, otherwise) (constant)
-#define CURVE_WIDTH(work)               1
-#define CURVE_CALL(function, ...)       curve_##function(__VA_ARGS__)
+#define CURVE_SIZE(constant, variable) ((void)sizeof(variable), constant)
+#define CURVE_WIDTH(work)              ((void)(work), 1)
+#define CURVE_CALL(function, ...)      curve_##function(__VA_ARGS__)
 
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine_rows(__VA_ARGS__))
 #define CURVE_COMBINE_APART(tape, count, c, c_stride, width, apart, table, out)                                        \

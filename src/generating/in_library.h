@@ -6,7 +6,7 @@
 #include "algebra/width.h"
 
 /* CURVE_SIZE is the constant in generated code, and the variable in the library. */
-#define CURVE_SIZE(constant, otherwise) (otherwise)
+#define CURVE_SIZE(constant, variable) (variable)
 
 /* CURVE_WIDTH is the number of members. It is 1, unless the file defines CURVE_MEMBERS to handle several members. The
  * mask tells the compiler that a width is a multiple of the least width. */

@@ -141,20 +141,17 @@ typedef struct {
 /* These return sizes, which are constants in generated code, as in series.h. */
 static inline int newton_count_unknowns(const tvi_newton *newton)
 {
-    (void)newton;
     return CURVE_SIZE(2 * CURVE_N, newton->unknown_count);
 }
 
 static inline int newton_count_group_unknowns(const tvi_newton *newton)
 {
-    (void)newton;
     return CURVE_SIZE(CURVE_N, newton->group_size);
 }
 
 /* Returns the index of unknown i of member m in arrays [unknown_count][width]. */
 static inline int newton_index_of_unknown(const tvi_newton *newton, int i, int m)
 {
-    (void)newton;
     return i * CURVE_WIDTH(newton) + m;
 }
 

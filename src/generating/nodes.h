@@ -180,7 +180,6 @@ static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve
 static inline const double *seeds_field_output_row(const tvi_action *action, const jet_tape *tape, const double *x,
                                                    int i)
 {
-    (void)tape;
     return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output_slot)[i] * (size_t)seeds_count_lanes(action);
 }
 

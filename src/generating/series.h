@@ -67,68 +67,37 @@ static inline bool tvi_curve_uses_products(const tvi_curve *curve)
 /* The next functions return sizes, which are constants in generated code. There CURVE_SLOT is the array of the slots of
  * the field's outputs. */
 
-static inline int curve_dimension(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_SIZE(CURVE_N, curve->n);
-}
+static inline int curve_dimension(const tvi_curve *curve) { return CURVE_SIZE(CURVE_N, curve->n); }
 
-static inline int curve_width(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_WIDTH(curve);
-}
+static inline int curve_width(const tvi_curve *curve) { return CURVE_WIDTH(curve); }
 
 /* Returns the length of a vector with all components of all members. */
 static inline int curve_vector_length(const tvi_curve *curve) { return curve_dimension(curve) * curve_width(curve); }
 
-static inline int curve_highest_order(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_SIZE(CURVE_TOP, curve->top);
-}
+static inline int curve_highest_order(const tvi_curve *curve) { return CURVE_SIZE(CURVE_TOP, curve->top); }
 
 /* These return the degrees to which Q and P are summed. */
-static inline int curve_q_degree(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_SIZE(CURVE_Q_DEGREE, curve->q_degree);
-}
+static inline int curve_q_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_Q_DEGREE, curve->q_degree); }
 
-static inline int curve_p_degree(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree);
-}
+static inline int curve_p_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree); }
 
-static inline int curve_input_count(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_SIZE(CURVE_INPUTS, curve->system->inputs);
-}
+static inline int curve_input_count(const tvi_curve *curve) { return CURVE_SIZE(CURVE_INPUTS, curve->system->inputs); }
 
 static inline int curve_constant_count(const tvi_curve *curve)
 {
-    (void)curve;
     return CURVE_SIZE(tvi_series.constants, curve->system->field_series->constants);
 }
 
 static inline bool curve_uses_time(const tvi_curve *curve)
 {
-    (void)curve;
     return CURVE_SIZE(CURVE_USES_TIME, curve->system->uses_time);
 }
 
-static inline tvi_form curve_form(const tvi_curve *curve)
-{
-    (void)curve;
-    return CURVE_SIZE(CURVE_FORM, curve->system->form);
-}
+static inline tvi_form curve_form(const tvi_curve *curve) { return CURVE_SIZE(CURVE_FORM, curve->system->form); }
 
 /* Returns the slots of the field's outputs. */
 static inline const int *curve_output_slots(const tvi_curve *curve)
 {
-    (void)curve;
     return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot);
 }
 
@@ -149,7 +118,6 @@ enum { TVI_CURVE_LANES = 8 };
 /* Returns the length of one order of the series' block. */
 static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 {
-    (void)curve;
     return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots) * (size_t)curve_width(curve);
 }
 
