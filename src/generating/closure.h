@@ -58,7 +58,7 @@ typedef struct tvi_closure {
     int p_degree;                          /* the degree to which the momentum is summed */
     double *momentum_size;                 /* [n] sum_k |P_k| */
     tvi_correct_ends_fn *correct_ends;     /* computes the corrections by the equations of the generating function */
-    const tvi_mean_factors *mean_factors;  /* the factors by which tvi_correct_ends_by_mean computes the corrections */
+    const tvi_mean_factors *mean_factors;  /* the factors of the solution in the corrections */
     double *seed_Q, *seed_U;               /* [top + 1][n] the seeds of D_z */
     double *D;                             /* [2n] D_z, then the solution of the equations */
     const tvi_closure_solver *solver;
@@ -66,26 +66,21 @@ typedef struct tvi_closure {
     double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections of the ends */
 } tvi_closure;
 
-/* Solves J^T x = D_z, with J the n x n block `half` of the combination's Jacobian and the same half of D_z. In D, x
- * replaces this half; the other half becomes D_other - J_other^T x, with the other block of the Jacobian. Returns the
- * statuses of tvi_closure_solver.solve. */
-TVI_NODISCARD tvi_status tvi_solve_transposed_half(tvi_closure *closure, const tvi_combination *combination,
-                                                   tvi_half half);
-
-/* Solves [J1; J2]^T (x, y) = D_z with the Jacobians of two combinations, and replaces D by (x, y). */
-TVI_NODISCARD tvi_status tvi_solve_transposed_pair(tvi_closure *closure, const tvi_combination *first,
-                                                   const tvi_combination *second);
-
-/* Returns the second combination of tvi_solve_transposed_pair for the methods whose first one is the mean of the ends.
- * */
+/* Returns the second combination of tvi_correct_ends_by_mean. */
 static inline const tvi_combination *closure_get_second_combination(const tvi_closure *closure)
 {
     return closure->mean_factors->uses_mean_momentum ? &closure->u_mean : &closure->q_rise;
 }
 
-/* Solves the equations of tvi_solve_transposed_pair with the mean of the ends as the first combination, and computes
- * the corrections by mean_factors. */
+/* Solves [J1; J2]^T (x, y) = D_z with the Jacobians of q_mean and of the second combination, and computes the
+ * corrections from (x, y) by mean_factors. */
 tvi_correct_ends_fn tvi_correct_ends_by_mean;
+
+/* Solves J^T x = D_z, with J the n x n block `half` of the combination's Jacobian and the same half of D_z. In D, x
+ * replaces this half; the other half becomes D_other - J_other^T x, with the other block of the Jacobian. Computes the
+ * corrections from the halves (x, y) of D by mean_factors. */
+TVI_NODISCARD tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination,
+                                                   tvi_half half);
 
 /* Computes the corrections of the ends from the solution (x, y) in D by mean_factors. */
 static inline void closure_set_corrections(const tvi_closure *closure)
@@ -115,8 +110,5 @@ static inline void closure_compute_momentum_sizes(const tvi_closure *closure)
         for (int at = i * width; at < (i + 1) * width; at++)
             closure->momentum_size[at] /= fabs(closure->curve.kappa[i]);
 }
-
-/* Computes the corrections of type I, with the curve expanded at the start or the end of the step. */
-tvi_correct_ends_fn tvi_correct_type1_ends;
 
 #endif

@@ -4,6 +4,13 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
+/* Computes the corrections with z = (q1, v). With G+ = (I, 0), G- = (A, B) and R = G+ - G- = (I - A, -B),
+ *     R_v^T d0 = D_v,   d1 - d0 = D_q - R_q^T d0. */
+static tvi_status correct_ends(tvi_closure *closure)
+{
+    return tvi_correct_ends_by_block(closure, &closure->q_rise, TVI_SECOND);
+}
+
 const tvi_descriptor tvi_type1_end = {
     .method = TVI_TYPE1,
     .expansion = TVI_AT_END,
@@ -18,6 +25,7 @@ const tvi_descriptor tvi_type1_end = {
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends = tvi_correct_type1_ends,
+              .correct_ends = correct_ends,
+              .mean_factors = {.from_p = {0, 1}, .rise_p = {1, 0}},
               .is_first_pass_rough = true},
 };

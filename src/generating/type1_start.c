@@ -4,6 +4,13 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
+/* Computes the corrections with z = (q0, v). With G- = (I, 0), G+ = (A, B) and R = G+ - G- = (A - I, B),
+ *     R_v^T d1 = D_v,   d1 - d0 = D_q - R_q^T d1. */
+static tvi_status correct_ends(tvi_closure *closure)
+{
+    return tvi_correct_ends_by_block(closure, &closure->q_rise, TVI_SECOND);
+}
+
 const tvi_descriptor tvi_type1_start = {
     .method = TVI_TYPE1,
     .expansion = TVI_AT_START,
@@ -16,5 +23,8 @@ const tvi_descriptor tvi_type1_start = {
     .quadrature = TVI_FREE_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_LAGRANGE, .correct_ends = tvi_correct_type1_ends},
+    .curve = {.span = {0, 1, 1},
+              .action = TVI_ACTION_LAGRANGE,
+              .correct_ends = correct_ends,
+              .mean_factors = {.from_p = {-1, 1}, .rise_p = {1, 0}}},
 };

@@ -7,17 +7,7 @@
  *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    const int n = closure->n;
-    double *minus_d0 = closure->D, *rise_u = closure->D + n;
-    const tvi_status status = tvi_solve_transposed_half(closure, &closure->q_from, TVI_FIRST);
-    if (status != TVI_OK) return status;
-    for (int i = 0; i < n; i++) {
-        closure->from_q[i] = 0;
-        closure->from_p[i] = -minus_d0[i];
-        closure->rise_q[i] = -closure->curve.kappa[i] * rise_u[i];
-        closure->rise_p[i] = minus_d0[i];
-    }
-    return TVI_OK;
+    return tvi_correct_ends_by_block(closure, &closure->q_from, TVI_FIRST);
 }
 
 const tvi_descriptor tvi_type2_end = {
@@ -35,5 +25,6 @@ const tvi_descriptor tvi_type2_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
+              .mean_factors = {.from_p = {-1, 0}, .rise_q = -1, .rise_p = {1, 0}},
               .is_first_pass_rough = true},
 };

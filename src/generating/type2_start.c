@@ -7,17 +7,7 @@
  *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    const int n = closure->n;
-    double *from_p = closure->D, *minus_l = closure->D + n;
-    const tvi_status status = tvi_solve_transposed_half(closure, &closure->u_to, TVI_SECOND);
-    if (status != TVI_OK) return status;
-    for (int i = 0; i < n; i++) {
-        closure->from_q[i] = 0;
-        closure->from_p[i] = -from_p[i];
-        closure->rise_q[i] = -closure->curve.kappa[i] * minus_l[i];
-        closure->rise_p[i] = from_p[i];
-    }
-    return TVI_OK;
+    return tvi_correct_ends_by_block(closure, &closure->u_to, TVI_SECOND);
 }
 
 const tvi_descriptor tvi_type2_start = {
@@ -35,6 +25,7 @@ const tvi_descriptor tvi_type2_start = {
     .curve = {.span = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
+              .mean_factors = {.from_p = {-1, 0}, .rise_q = -1, .rise_p = {1, 0}},
               .is_first_pass_rough = true},
 };
 

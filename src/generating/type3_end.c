@@ -7,17 +7,7 @@
  *     (p-_w)^T l = D_w,   q0 = q- + l,   p1 = w + D_q - (p-_q)^T l. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    const int n = closure->n;
-    double *rise_p = closure->D, *l = closure->D + n;
-    const tvi_status status = tvi_solve_transposed_half(closure, &closure->u_from, TVI_SECOND);
-    if (status != TVI_OK) return status;
-    for (int i = 0; i < n; i++) {
-        closure->from_q[i] = closure->curve.kappa[i] * l[i];
-        closure->from_p[i] = 0;
-        closure->rise_q[i] = -closure->from_q[i];
-        closure->rise_p[i] = rise_p[i];
-    }
-    return TVI_OK;
+    return tvi_correct_ends_by_block(closure, &closure->u_from, TVI_SECOND);
 }
 
 const tvi_descriptor tvi_type3_end = {
@@ -35,5 +25,6 @@ const tvi_descriptor tvi_type3_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
+              .mean_factors = {.from_q = 1, .rise_q = -1, .rise_p = {1, 0}},
               .is_first_pass_rough = true},
 };

@@ -7,17 +7,7 @@
  *     (q+_w)^T d = D_w,   p1 = p+ + d,   q0 = w + D_p - (q+_p)^T d. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    const int n = closure->n;
-    double *d = closure->D, *from_u = closure->D + n;
-    const tvi_status status = tvi_solve_transposed_half(closure, &closure->q_to, TVI_FIRST);
-    if (status != TVI_OK) return status;
-    for (int i = 0; i < n; i++) {
-        closure->from_q[i] = closure->curve.kappa[i] * from_u[i];
-        closure->from_p[i] = 0;
-        closure->rise_q[i] = -closure->from_q[i];
-        closure->rise_p[i] = d[i];
-    }
-    return TVI_OK;
+    return tvi_correct_ends_by_block(closure, &closure->q_to, TVI_FIRST);
 }
 
 const tvi_descriptor tvi_type3_start = {
@@ -35,5 +25,6 @@ const tvi_descriptor tvi_type3_start = {
     .curve = {.span = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
+              .mean_factors = {.from_q = 1, .rise_q = -1, .rise_p = {1, 0}},
               .is_first_pass_rough = true},
 };
