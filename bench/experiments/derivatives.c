@@ -35,7 +35,8 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
         z[i] = s->q[i];
         z[s->n + i] = tau * s->p[i] / (s->mass ? s->mass[i] : 1);
     }
-    tvi_curve_set_time_unit_and_data(&x.curve, tau, z);
+    curve_set_time_unit(&x.curve, tau);
+    curve_set_centre_data(&x.curve, z);
     return x;
 }
 

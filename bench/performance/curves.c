@@ -40,6 +40,7 @@ void curve_close(open_curve *c)
 void curve_expand(void *opened)
 {
     open_curve *c = opened;
-    tvi_curve_set_time_unit_and_data(&c->curve, c->tau, c->z);
+    curve_set_time_unit(&c->curve, c->tau);
+    curve_set_centre_data(&c->curve, c->z);
     experiment_insist(tvi_curve_expand(&c->curve, 0), "an expansion");
 }

@@ -1,7 +1,7 @@
 /* action.c - computes the gradient of the discrete action as seeds: vectors that multiply the transposed Jacobians
  * of the curve's coefficients. The terms with first derivatives are computed by seeds.h, those with second
  * derivatives here. curve_stepper.c and both_ends_nodes.c call it. */
-#include "generating/action.h"
+#include "generating/curve_stepper.h"
 #include "algebra/passes.h"
 #include "algebra/sizes.h"
 
@@ -75,11 +75,12 @@ static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, 
 {
     if (seeds_need_only_field(action)) {
         if (!curve->generated_code || !curve->generated_code->compute_seeds)
-            return tvi_choose_seeds_function(action)(action, curve, seed_Q, seed_U);
+            return tvi_choose_curve_variant(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         const tvi_status status = curve->generated_code->compute_seeds(action, curve, seed_Q, seed_U);
         /* Generated code does not know the roundoff of momenta. If its iteration for the momenta is stuck, the library
          * solves for them again, and measures whether their last corrections are roundoff. */
-        if (status == TVI_ENOCONV) return tvi_choose_seeds_function(action)(action, curve, seed_Q, seed_U);
+        if (status == TVI_ENOCONV)
+            return tvi_choose_curve_variant(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
             (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;

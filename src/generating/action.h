@@ -27,11 +27,6 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
 TVI_NODISCARD tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
                                                   double seed_U[]);
 
-/* The type of the variants of seeds_compute_from_field (seeds.h), each of which is compiled for one instruction set. */
-typedef tvi_status tvi_seeds_fn(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-tvi_seeds_fn tvi_seeds_from_field_base, tvi_seeds_from_field_avx2, tvi_seeds_from_field_avx512;
-tvi_seeds_fn *tvi_choose_seeds_function(const tvi_action *action);
-
 /* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times. From positions q, velocities
  * v and momenta p, [n][points] each, it computes gradient_by_q = tau L_q and gradient_by_v = L_v - p. */
 TVI_NODISCARD tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[],

@@ -152,7 +152,8 @@ typedef struct {
 static tvi_status expand_end_curve(const step_attempt *attempt, tvi_end_curve *x, const double z[], double centre)
 {
     attempt->stats->expansions++;
-    tvi_curve_set_time_unit_and_data(&x->curve, attempt->h, z);
+    curve_set_time_unit(&x->curve, attempt->h);
+    curve_set_centre_data(&x->curve, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 

@@ -41,8 +41,7 @@ typedef struct tvi_closure_solver {
     bool (*jacobian)(const struct tvi_closure *closure, double matrix[]);
     void (*correct)(struct tvi_closure *closure, double correction[]);
 } tvi_closure_solver;
-extern const tvi_closure_solver tvi_solver_by_matrices, tvi_solver_by_products_base, tvi_solver_by_products_avx2,
-    tvi_solver_by_products_avx512;
+extern const tvi_closure_solver tvi_solver_by_matrices;
 
 typedef struct tvi_closure {
     const tvi_system *system;

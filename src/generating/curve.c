@@ -100,12 +100,6 @@ void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_c
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_set_time_unit_and_data(tvi_curve *curve, double tau, const double z[])
-{
-    curve_set_time_unit(curve, tau);
-    curve_set_centre_data(curve, z);
-}
-
 static tvi_status expand_by_generated_code(tvi_curve *curve)
 {
     const tvi_status status = curve->generated_code->expand(curve);

@@ -10,7 +10,6 @@
 #define TVI_SRC_GENERATING_CURVE_H
 
 #include "compiled/code.h"
-#include "generating/advance.h"
 #include "generating/series.h"
 #include "method/stepper.h"
 
@@ -27,9 +26,6 @@ void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *
 /* Sets the weights to weight_k = a s_a^k + b s_b^k for k <= degree, and to 0 above. */
 void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
                                        int degree, double a, double s_a, double b, double s_b);
-
-/* Sets tau, and writes the centre data z into the block of the series. */
-void tvi_curve_set_time_unit_and_data(tvi_curve *curve, double tau, const double z[]);
 
 /* Expands the curve from the centre data; `centre` is the time there. Returns TVI_EDOMAIN, TVI_ENONFINITE, or
  * TVI_ESINGULAR if L_vv is singular. */
@@ -91,11 +87,5 @@ double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_toleran
 /* Rescales tau and the coefficients of q and p to the time unit factor * tau. In the same sweep it computes the
  * increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_movement_sizes. */
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[]);
-
-/* The type of the variants of curve_rescale_and_sum (step_size.h), each of which is compiled for one instruction set.
- * */
-typedef void tvi_rescale_and_sum_fn(tvi_curve *curve, double factor, double dq[], double du[]);
-tvi_rescale_and_sum_fn tvi_rescale_and_sum_base, tvi_rescale_and_sum_avx2, tvi_rescale_and_sum_avx512;
-tvi_rescale_and_sum_fn *tvi_choose_rescale_and_sum(const tvi_system *system);
 
 #endif

@@ -32,7 +32,8 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     c->correct_ends = definition->correct_ends;
     c->mean_factors = &definition->mean_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
-    const tvi_closure_solver *solver = has_products ? tvi_choose_product_solver(system) : &tvi_solver_by_matrices;
+    const tvi_closure_solver *solver =
+        has_products ? tvi_choose_curve_variant(system->field_series)->product_solver : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, degree + one_more, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise,
@@ -75,7 +76,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     }
     if (!definition->correct_ends) {
         w.last_adapted_step = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *w.last_adapted_step);
-        if (width > 1) w.quick_step = tvi_choose_taylor_batch_step(system);
+        if (width > 1) w.quick_step = tvi_choose_curve_variant(system->field_series)->taylor_step_of_members;
         else tvi_allocate_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
             w.end_field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -147,7 +148,8 @@ static tvi_status expand_curve(const step_attempt *attempt, const double z[], do
 {
     tvi_curve *curve = &attempt->work->closure.curve;
     attempt->stats->expansions++;
-    tvi_curve_set_time_unit_and_data(curve, attempt->tau, z);
+    curve_set_time_unit(curve, attempt->tau);
+    curve_set_centre_data(curve, z);
     return tvi_curve_expand(curve, centre);
 }
 

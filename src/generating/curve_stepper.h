@@ -10,11 +10,16 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* The quick steps (curve_step.h) of one member and of several members, compiled for each instruction set. */
-tvi_quick_step_fn tvi_quick_step_single_base, tvi_quick_step_single_avx2, tvi_quick_step_single_avx512;
-tvi_quick_step_fn tvi_quick_step_batch_base, tvi_quick_step_batch_avx2, tvi_quick_step_batch_avx512;
-/* The steps of several members by the plain Taylor method, compiled for each instruction set. */
-tvi_quick_step_fn tvi_taylor_step_batch_base, tvi_taylor_step_batch_avx2, tvi_taylor_step_batch_avx512;
+/* The functions of a curve that are compiled for one instruction set: for one member, or for several members. */
+typedef struct {
+    void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
+    tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+    tvi_quick_step_fn *quick_step, *quick_step_of_members;
+    tvi_quick_step_fn *taylor_step_of_members;
+    const tvi_closure_solver *product_solver;
+} tvi_curve_variant;
+extern const tvi_curve_variant tvi_curve_variant_base, tvi_curve_variant_avx2, tvi_curve_variant_avx512;
+const tvi_curve_variant *tvi_choose_curve_variant(const jet_tape *tape);
 
 typedef struct tvi_curve_workspace {
     tvi_closure closure;
@@ -48,16 +53,11 @@ typedef struct tvi_curve_workspace {
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
 void tvi_curve_workspace_fill_tables(void *work);
 
-/* Returns the solver by products with Jacobians that is compiled for the system's instruction set. */
-const tvi_closure_solver *tvi_choose_product_solver(const tvi_system *system);
 /* Returns whether the method has a quick step: its ends are corrected by the mean, its matrices are small, and its
  * seeds need no second derivatives. */
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options);
 /* Returns the quick step, or NULL if there is none. */
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options);
-/* Returns the function that makes plain Taylor steps of several members. */
-tvi_quick_step_fn *tvi_choose_taylor_batch_step(const tvi_system *system);
-
 /* Returns whether dp/ds = h F holds at the end of the curve, to the tolerance. The coefficients at the start do not
  * show a force that the body meets only within the step. */
 bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,

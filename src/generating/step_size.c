@@ -1,8 +1,7 @@
 /* step_size.c - estimates the usable step of a curve, and rescales the curve to it: calls the functions of step_size.h,
  * or those of the system's generated code if it has them. curve_stepper.c calls it for steps of adapted size. */
 #include "generating/step_size.h"
-#include "generating/curve.h"
-#include "generating/seeds.h"
+#include "generating/curve_stepper.h"
 
 static bool has_generated_functions(const tvi_curve *curve)
 {
@@ -18,7 +17,7 @@ double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_toleran
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
 {
     if (has_generated_functions(curve)) curve->generated_code->rescale_and_sum(curve, factor, dq, du);
-    else tvi_choose_rescale_and_sum(curve->system)(curve, factor, dq, du);
+    else tvi_choose_curve_variant(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
 }
 
 double tvi_curve_bound_energy_change(const tvi_curve *curve)

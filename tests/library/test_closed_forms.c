@@ -170,7 +170,8 @@ static expansion expand(const test_problem *problem)
         z[i] = start.q[i];
         z[n + i] = TAU * start.p[i] / problem_mass(problem, i);
     }
-    tvi_curve_set_time_unit_and_data(&e.curve, TAU, z);
+    curve_set_time_unit(&e.curve, TAU);
+    curve_set_centre_data(&e.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&e.curve, start.t), TVI_OK);
     tvi_curve_differentiate(&e.curve);
     return e;

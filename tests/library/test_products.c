@@ -47,7 +47,8 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
         z[i] = start.q[i];
         z[system->n + i] = tau * start.p[i] / system->mass[i];
     }
-    tvi_curve_set_time_unit_and_data(&x.curve, tau, z);
+    curve_set_time_unit(&x.curve, tau);
+    curve_set_centre_data(&x.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
     tvi_combination_set_power_weights(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
     tvi_combination_set_power_weights(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
