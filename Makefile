@@ -194,7 +194,7 @@ $(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h width.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
-                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h advance.h tangents.h orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
+                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h tangents.h orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)

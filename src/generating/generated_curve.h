@@ -6,7 +6,6 @@
 #ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
 #define TVI_SRC_GENERATING_GENERATED_CURVE_H
 
-#include "generating/advance.h"
 #include "generating/curve_step.h"
 #include "generating/orders.h"
 #include "generating/products.h"

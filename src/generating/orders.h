@@ -7,8 +7,22 @@
 #ifndef TVI_SRC_GENERATING_ORDERS_H
 #define TVI_SRC_GENERATING_ORDERS_H
 
-#include "generating/advance.h"
+#include "fused.h"
 #include "generating/tangents.h"
+
+/* Computes out = x / divisor, by a multiplication with the reciprocal of the divisor. The reciprocal is kept in two
+ * parts, and is known before x is; thus the following orders wait for x only. Rounding is that of a division, except
+ * for ties. It needs a fused multiply-add. */
+#ifdef __FMA__
+#define TVI_QUOTIENT(V, out, x, divisor)                                                                               \
+    {                                                                                                                  \
+        const double by = 1 / (divisor), by_low = JET_FMA_OF_NUMBERS(-by, divisor, 1) * by;                            \
+        const V zero = {0}, dividend = x;                                                                              \
+        out = JET_FMA(V, dividend, by + zero, dividend * by_low);                                                      \
+    }
+#else
+#define TVI_QUOTIENT(V, out, x, divisor) out = (x) / (divisor);
+#endif
 
 /* Generated code defines CURVE_FOLLOWS, which tells whether a slot depends on the velocity (emit.c). */
 #ifdef CURVE_FOLLOWS
@@ -167,13 +181,85 @@ static inline void orders_differentiate_lagrangian_order(tvi_curve *curve, const
     if (k > 0) orders_solve_velocity_order(curve, k, lanes, order - block->order_stride, order);
 }
 
-/* ---- Any form of system ------------------------------------------------------------------------------------------ */
+/* ---- The recurrence of separable systems and of Hamiltonians ----------------------------------------------------- */
 
-static inline tvi_series_recurrence curve_get_recurrence(const tvi_curve *curve, size_t order, double *block)
+/* These macros store whole vectors, since the next orders load whole vectors: a load that covers several short stores
+ * has to wait for the cache. */
+#define ORDERS_ADVANCE_SEPARABLE(V, S)                                                                                 \
+    TVI_QUOTIENT(V, JET_AT(V, next, 0), JET_OF(V, kappa, 0) * JET_GATHER(V, field, output + here) * tau, divisor)
+#define ORDERS_ADVANCE_HAMILTONIAN(V, S)                                                                               \
+    {                                                                                                                  \
+        TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, output + n + here) * tau, divisor)                       \
+        TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, output + here) * -tau, divisor)                          \
+    }
+
+/* Advances component i of all members. */
+#define ORDERS_ADVANCE_COMPONENT_OF_MEMBERS(V, S)                                                                      \
+    TVI_QUOTIENT(V, JET_AT(V, next, i), factor *JET_OF(V, field, slot) * tau, divisor)
+static inline void orders_advance_component_of_members(int width, double factor, double tau, double divisor,
+                                                       const double *field, int slot, double *next, int i)
 {
-    return (tvi_series_recurrence){curve_dimension(curve), curve_width(curve), order, curve_output_slots(curve), block,
-                                   curve->kappa,           curve->tau};
+    const size_t stride = (size_t)width;
+    JET_BLOCKS(width, ORDERS_ADVANCE_COMPONENT_OF_MEMBERS, );
 }
+
+/* The coefficients are divided by k, and not tau: tau / k would have the same roundoff in every step, and the energy
+ * would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
+static inline void orders_advance_separable(const tvi_curve *curve, int k)
+{
+    enum { stride = 0 };
+    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_output_slots(curve);
+    const double divisor = (k + 1) * (k + 2), tau = curve->tau, *kappa = curve->kappa,
+                 *field = tvi_curve_inputs_of_order(curve, k);
+    double *next = tvi_curve_inputs_of_order(curve, k + 2);
+    if (width == 1) JET_BLOCKS(n, ORDERS_ADVANCE_SEPARABLE, );
+    for (int i = 0; width > 1 && i < n; i++)
+        orders_advance_component_of_members(width, kappa[i], tau, divisor, field, output[i], next, i);
+}
+
+static inline void orders_advance_hamiltonian(const tvi_curve *curve, int k)
+{
+    enum { stride = 0 };
+    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_output_slots(curve);
+    const double divisor = k + 1, tau = curve->tau, *field = tvi_curve_inputs_of_order(curve, k);
+    double *q = tvi_curve_inputs_of_order(curve, k + 1), *p = q + n;
+    if (width == 1) JET_BLOCKS(n, ORDERS_ADVANCE_HAMILTONIAN, );
+    for (int i = 0; width > 1 && i < n; i++) {
+        orders_advance_component_of_members(width, 1, tau, divisor, field, output[n + i], q, i);
+        orders_advance_component_of_members(width, 1, -tau, divisor, field, output[i], q, n + i);
+    }
+}
+
+/* Computes next = factor * field, of one component's tangents in `lanes` directions, in whole vectors, since the next
+ * orders load vectors. Tangents only give small corrections, so that their factor may contain the rounded tau / k. */
+#define ORDERS_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
+static inline void orders_advance_tangent_row(int lanes, double factor, const double *field, double *next)
+{
+    enum { stride = 0 };
+    JET_BLOCKS(lanes, ORDERS_ADVANCE_TANGENT, );
+}
+
+static inline void orders_advance_separable_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
+{
+    const int lanes = (int)block->lanes, *output = curve_output_slots(curve);
+    const double factor = curve->tau / ((k + 1) * (k + 2)), *field = curve_tangent_row(curve, block, k, 0);
+    double *next = curve_tangent_row(curve, block, k + 2, 0);
+    for (int i = 0; i < curve_dimension(curve); i++)
+        orders_advance_tangent_row(lanes, curve->kappa[i] * factor, field + output[i] * lanes, next + i * lanes);
+}
+
+static inline void orders_advance_hamiltonian_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
+{
+    const int n = curve_dimension(curve), lanes = (int)block->lanes, *output = curve_output_slots(curve);
+    const double factor = curve->tau / (k + 1), *field = curve_tangent_row(curve, block, k, 0);
+    double *next = curve_tangent_row(curve, block, k + 1, 0);
+    for (int i = 0; i < n; i++) {
+        orders_advance_tangent_row(lanes, factor, field + output[n + i] * lanes, next + i * lanes);
+        orders_advance_tangent_row(lanes, -factor, field + output[i] * lanes, next + (n + i) * lanes);
+    }
+}
+
+/* ---- Any form of system ------------------------------------------------------------------------------------------ */
 
 /* Returns whether order k of the field gives a coefficient of the curve. */
 static inline bool curve_has_order(const tvi_curve *curve, int k)
@@ -185,13 +271,12 @@ static inline bool curve_has_order(const tvi_curve *curve, int k)
  * expansion of a Lagrangian's curve ends; other systems continue, because other members may be valid. */
 static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *status)
 {
-    const tvi_series_recurrence series = curve_get_recurrence(curve, tvi_curve_slot_count(curve), curve->series_block);
     if (curve_form(curve) == TVI_LAGRANGIAN) {
         if (*status == TVI_OK) *status = orders_expand_lagrangian_order(curve, k);
     } else if (curve_has_order(curve, k)) {
         if (!ORDERS_SERIES(curve, k)) *status = TVI_EDOMAIN;
-        if (curve_form(curve) == TVI_SEPARABLE) tvi_advance_separable(&series, k);
-        else tvi_advance_hamiltonian(&series, k);
+        if (curve_form(curve) == TVI_SEPARABLE) orders_advance_separable(curve, k);
+        else orders_advance_hamiltonian(curve, k);
     }
 }
 
@@ -207,14 +292,12 @@ static inline tvi_status curve_expand_series(tvi_curve *curve)
 /* Computes order k of the tangents of a block of directions. */
 static inline void curve_differentiate_order(tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const tvi_series_recurrence tangents = curve_get_recurrence(curve, block->order_stride, curve->tangent_block);
-    const int lanes = (int)block->lanes;
     if (curve_form(curve) == TVI_LAGRANGIAN) {
         orders_differentiate_lagrangian_order(curve, block, k);
     } else if (curve_has_order(curve, k)) {
-        ORDERS_TANGENTS(curve, curve->tangent_block, k, lanes);
-        if (curve_form(curve) == TVI_SEPARABLE) tvi_advance_separable_tangents(&tangents, k, lanes);
-        else tvi_advance_hamiltonian_tangents(&tangents, k, lanes);
+        ORDERS_TANGENTS(curve, curve->tangent_block, k, (int)block->lanes);
+        if (curve_form(curve) == TVI_SEPARABLE) orders_advance_separable_tangents(curve, block, k);
+        else orders_advance_hamiltonian_tangents(curve, block, k);
     }
 }
 
