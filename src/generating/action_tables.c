@@ -71,7 +71,6 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     *action = choose_action_shape(system, options, kind, q_degree, p_degree, top, has_mirrored_nodes, width);
     const size_t points = (size_t)action->points;
     action->field_tape = tvi_select_node_tape(system, kind);
-    action->sweeps = action->field_tape->sweeps;
     action->node_s = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
     tvi_node_table *const at_nodes[] = {&action->power_table, &action->slope_table, &action->second_slope_table,

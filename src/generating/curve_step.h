@@ -227,13 +227,12 @@ static inline void step_judge_correction(const step_state *state, tvi_newton_pas
                                          const tvi_quick_step_results *results)
 {
     const tvi_newton *newton = &state->work->newton;
-    const tvi_correction_size size = {sizes->largest_relative[m], sizes->group_relative[m]};
     tvi_passes_verdict verdict = TVI_PASSES_STUCK;
-    if (isfinite(size.largest_relative)) verdict = tvi_newton_judge_pass(passes, &newton->rules, size);
+    if (isfinite(sizes->largest_relative[m])) verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
     if (verdict != TVI_PASSES_GO_ON) state->is_iterating[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
     tvi_newton_store_contraction_loss(&newton->history[m], passes);
-    results->residual[m] = size.largest_relative;
+    results->residual[m] = sizes->largest_relative[m];
     results->passes[m] = passes->by_unknown.count;
 }
 
@@ -256,7 +255,7 @@ static inline void step_run_passes(step_state *state, const tvi_quick_step_resul
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
         tvi_newton_begin_passes(&passes[m], &newton->history[m], &newton->rules, newton->needs_extra_pass);
-    matrices_discard_factors(matrices_get_factors(&state->work->closure));
+    matrices_discard_factors(&state->work->closure);
     for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {
         tvi_correction_sizes sizes;
         if (!step_run_pass(state, count == 1)) return;

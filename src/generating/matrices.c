@@ -23,14 +23,6 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
     closure->solver_data = allocated;
 }
 
-static void discard_jacobians(tvi_closure *closure) { matrices_discard_factors(matrices_get_factors(closure)); }
-
-static void differentiate_curve_at(tvi_closure *closure, const double z[])
-{
-    tvi_curve_differentiate(&closure->curve);
-    matrices_record_jacobians(closure, z);
-}
-
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
 static tvi_status factor_half(tvi_closure *closure, const tvi_transposed_equations *equations)
@@ -93,12 +85,13 @@ static tvi_status compute_corrections(tvi_closure *closure, const double z[], co
     long long is_due;
     matrices_find_due_members(closure, z, scale, &is_single_iterating, &is_due);
     if (is_due) {
-        differentiate_curve_at(closure, z);
+        tvi_curve_differentiate(&closure->curve);
+        matrices_record_jacobians(closure, z);
         stats->factorisations++;
     }
     return closure->correct_ends(closure);
 }
 
-const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, discard_jacobians,
+const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, matrices_discard_factors,
                                                    compute_corrections,       solve_by_factors,
                                                    renew_corrector_jacobian,  NULL};

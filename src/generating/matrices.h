@@ -32,8 +32,9 @@ typedef struct {
 
 static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solver_data; }
 
-static inline void matrices_discard_factors(tvi_jacobian_factors *factors)
+static inline void matrices_discard_factors(tvi_closure *closure)
 {
+    tvi_jacobian_factors *factors = matrices_get_factors(closure);
     factors->jacobian_count = factors->factored_jacobian_count = 0;
     factors->has_corrector_jacobian = false;
 }

@@ -170,9 +170,8 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         if (status != TVI_OK) return status;
         tvi_correction_sizes sizes;
         newton_measure_corrections(newton, newton->scale, &sizes);
-        const tvi_correction_size size = {sizes.largest_relative[0], sizes.group_relative[0]};
-        stats->residual = size.largest_relative;
-        tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, size);
+        stats->residual = sizes.largest_relative[0];
+        tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, &sizes, 0);
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {

@@ -37,12 +37,8 @@ typedef struct {
     double contraction_loss;
 } tvi_newton_history;
 
-/* The sizes of the corrections of a pass: the largest correction relative to its unknown's scale, and the largest
- * correction of a group relative to the largest scale of the group. */
-typedef struct {
-    double largest_relative, group_relative;
-} tvi_correction_size;
-/* These sizes for all members. */
+/* The sizes of the corrections of a pass, for each member: the largest correction relative to its unknown's scale, and
+ * the largest correction of a group relative to the largest scale of the group. */
 typedef struct {
     double largest_relative[CURVE_MOST_WIDTH], group_relative[CURVE_MOST_WIDTH];
 } tvi_correction_sizes;
@@ -102,23 +98,23 @@ static inline void tvi_newton_update_contraction_loss(tvi_newton_passes *passes,
     passes->unconfirmed_loss = shows && size > NEWTON_SHOWS_SLACK ? slack : 0;
 }
 
-/* Adds a pass with a correction of this size, and judges it. If it returns TVI_PASSES_STUCK, the caller measures
- * whether the correction is roundoff. */
+/* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
+ * measures whether the correction is roundoff. */
 static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes, const tvi_newton_rules *rules,
-                                                       tvi_correction_size size)
+                                                       const tvi_correction_sizes *sizes, int m)
 {
+    const double largest_relative = sizes->largest_relative[m], group_relative = sizes->group_relative[m];
     const double expected = passes->by_unknown.next;
-    tvi_newton_update_contraction_loss(passes, rules, size.largest_relative);
+    tvi_newton_update_contraction_loss(passes, rules, largest_relative);
     passes->by_unknown.slack = tvi_larger(passes->contraction_loss, passes->unconfirmed_loss);
     const tvi_passes_verdict verdict =
-        tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, size.largest_relative);
-    const tvi_passes_verdict settled =
-        tvi_passes_add_and_judge(&passes->by_group, &rules->by_group, size.group_relative);
-    const bool is_confirmed = expected <= rules->by_unknown.correction_goal && size.largest_relative <= NEWTON_CONFIRMS;
-    if (verdict == TVI_PASSES_MAY_END && passes->must_confirm && size.largest_relative > 0 && !is_confirmed)
+        tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative);
+    const tvi_passes_verdict settled = tvi_passes_add_and_judge(&passes->by_group, &rules->by_group, group_relative);
+    const bool is_confirmed = expected <= rules->by_unknown.correction_goal && largest_relative <= NEWTON_CONFIRMS;
+    if (verdict == TVI_PASSES_MAY_END && passes->must_confirm && largest_relative > 0 && !is_confirmed)
         return TVI_PASSES_GO_ON;
     if (verdict != TVI_PASSES_STUCK) return verdict;
-    if (size.group_relative <= NEWTON_STAGNATION) return TVI_PASSES_MAY_END;
+    if (group_relative <= NEWTON_STAGNATION) return TVI_PASSES_MAY_END;
     return settled == TVI_PASSES_STUCK ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 

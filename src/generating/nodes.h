@@ -23,7 +23,6 @@ typedef struct {
 typedef struct tvi_action {
     bool is_hamilton; /* whether the action is that of Hamilton's principle in phase space */
     bool has_truncated_nodes;
-    const jet_sweeps *sweeps;
     /* The tape of the field at the nodes; it also has tangents if momenta must be found from velocities. */
     const jet_tape *field_tape;
     bool has_velocity_defect;               /* L_v - p is not 0 by construction */
@@ -79,7 +78,7 @@ static inline void seeds_combine_rows(const tvi_action *action, int count, const
                                       int out_count, const double *table, double *out)
 {
     const int width = CURVE_WIDTH(action);
-    if (width == 1) CURVE_COMBINE(action, count, coefficient, stride, out_count, table, out);
+    if (width == 1) CURVE_COMBINE(action->field_tape, count, coefficient, stride, out_count, table, out);
     for (int o = 0; width > 1 && o < out_count; o++)
         CURVE_COMBINE_EACH(count, table + o, (size_t)out_count, width, stride, coefficient, out + o * width);
 }

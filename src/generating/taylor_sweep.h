@@ -13,7 +13,6 @@
 typedef struct {
     int component_count, least, degree;
     size_t order_stride;
-    bool has_slope;
 } tvi_taylor_rows;
 
 /* The sums over the rows, [component_count] each: value_sum = sum x_k and size_sum = sum k |x_k|. Rows with a slope
@@ -45,8 +44,8 @@ typedef struct {
 #include "generating/taylor_rows.h"
 
 /* Multiplies the rows x_k by power[k], and sums them, small terms first; has_slope is a constant. */
-JET_INLINE void taylor_rescale_and_sum_rows(const tvi_taylor_rows *rows, const double *power, double *x,
-                                            const tvi_taylor_sums *sums, bool has_slope)
+JET_INLINE void taylor_rescale_and_sum(const tvi_taylor_rows *rows, const double *power, double *x,
+                                       const tvi_taylor_sums *sums, bool has_slope)
 {
     const int components = rows->component_count;
     int here = 0;
@@ -58,13 +57,6 @@ JET_INLINE void taylor_rescale_and_sum_rows(const tvi_taylor_rows *rows, const d
 #endif
     for (; here + 2 <= components; here += 2) taylor_two_rows(rows, power, x, sums, has_slope, here);
     for (; here < components; here++) taylor_one_rows(rows, power, x, sums, has_slope, here);
-}
-
-JET_INLINE void taylor_rescale_and_sum(const tvi_taylor_rows *rows, const double *power, double *x,
-                                       const tvi_taylor_sums *sums)
-{
-    if (rows->has_slope) taylor_rescale_and_sum_rows(rows, power, x, sums, true);
-    else taylor_rescale_and_sum_rows(rows, power, x, sums, false);
 }
 
 #endif
