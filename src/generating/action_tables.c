@@ -45,7 +45,7 @@ tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *opt
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = definition->uses_top_momentum ? degree : degree - 1;
-    const bool one_more = definition->uses_top_momentum && system->form == TVI_SEPARABLE;
+    const bool one_more = definition->uses_top_momentum && system->form == TVI_SEPARABLE; /* p of degree N: Q_{N+1} */
     return choose_action_shape(system, options, definition->action, degree, p_degree, degree + one_more,
                                definition->span.from == -definition->span.to, 1);
 }

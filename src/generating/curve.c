@@ -40,6 +40,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->tail_share = tvi_arena_allocate_doubles(arena, numbers);
     curve->tail_ratio = tvi_arena_allocate_doubles(arena, numbers);
+    curve->is_due = tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->is_due : 0);
     curve->q_size_weights = tvi_combination_allocate(curve, arena);
     curve->u_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);

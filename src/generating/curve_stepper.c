@@ -18,23 +18,23 @@ typedef struct {
     tvi_stats *stats;
 } step_attempt;
 
-static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system,
-                             const tvi_curve_definition *definition, int degree, bool has_corrections, int width)
+static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                             bool has_corrections, int width)
 {
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const tvi_action sizes = tvi_get_action_sizes(system, options);
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
-    const bool one_more =
-        definition->uses_top_momentum && system->form == TVI_SEPARABLE; /* p of degree N needs Q_{N+1} */
     c->system = system;
     c->n = system->n;
     c->span = definition->span;
-    c->p_degree = definition->uses_top_momentum ? degree : degree - 1;
+    c->p_degree = sizes.p_degree;
     c->correct_ends = definition->correct_ends;
     c->mean_factors = &definition->mean_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_closure_solver *solver =
         has_products ? tvi_choose_curve_variant(system->field_series)->product_solver : &tvi_solver_by_matrices;
-    tvi_curve_allocate(&c->curve, arena, system, degree + one_more, jacobians, width);
+    tvi_curve_allocate(&c->curve, arena, system, sizes.orders - 1, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise,
                                              &c->q_mean, &c->u_from, &c->u_to,
@@ -58,13 +58,12 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
-    const int degree = options->degree;
     const size_t n = (size_t)system->n * (size_t)width;
     work w = {.has_corrections = has_corrections,
               .needs_extra_pass = definition->is_first_pass_rough,
               .options = options,
-              .q_degree = degree};
-    allocate_closure(&w.closure, arena, system, definition, degree, has_corrections, width);
+              .q_degree = options->degree};
+    allocate_closure(&w.closure, arena, system, options, has_corrections, width);
     const tvi_curve *curve = &w.closure.curve;
     tvi_combination *const combinations[] = {&w.q_centre_to_start,   &w.q_at_centre, &w.velocity_at_centre,
                                              &w.scaled_end_velocity, &w.dense_q,     &w.dense_u};
@@ -86,12 +85,11 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_z = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_corrections) {
-        tvi_allocate_action(&w.action, arena, system, options, definition->action, degree, w.closure.p_degree,
+        tvi_allocate_action(&w.action, arena, system, options, definition->action, w.q_degree, w.closure.p_degree,
                             curve->top, definition->span.from == -definition->span.to, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quick_step = tvi_choose_quick_step(&w.closure, options);
     }
-    if (width > 1) w.closure.curve.is_due = tvi_arena_allocate(arena, (size_t)width * sizeof(long long));
     if (workspace) *workspace = w;
     return workspace;
 }
