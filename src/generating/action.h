@@ -9,17 +9,14 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Returns an action of one member in which only the sizes are set. They are those of the method that the options
- * choose; generated code has them as constants. */
-tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options);
+/* Returns an action of `width` members in which only the sizes are set. They are those of the method that the options,
+ * all of which are resolved, choose; generated code has them as constants. */
+tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options, int width);
 /* Returns the tape that evaluates the field at the nodes. */
-const jet_tape *tvi_select_node_tape(const tvi_system *system, tvi_action_kind kind);
-/* Allocates an action. q_degree and p_degree are the degrees to which it sums the curve's q and p; all options are
- * resolved. has_mirrored_nodes says that the span is symmetric about the centre, so that nodes may mirror each other
- * (nodes.h). width is the number of members, as in tvi_curve. */
+const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool has_mirrored_nodes, int width);
-void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top);
+                         int width);
+void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span);
 
 /* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns
  * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong to a Hamiltonian's velocities

@@ -19,73 +19,61 @@ static int choose_half_node_row_length(const tvi_system *system, int points, int
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
-static tvi_action choose_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind,
-                                      int q_degree, int p_degree, int top, bool has_mirrored_nodes, int width)
-{
-    const int points = options->quadrature_points;
-    const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
-    tvi_action shape = {.is_hamilton = is_hamilton,
-                        .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
-                        .has_velocity_defect = !is_hamilton && !is_separable,
-                        .has_momentum_defect = is_hamilton && (!is_separable || p_degree >= q_degree),
-                        .q_degree = q_degree,
-                        .p_degree = p_degree,
-                        .points = points,
-                        .orders = top + 1,
-                        .width = width};
-    if (has_mirrored_nodes && seeds_need_only_field(&shape) &&
-        tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        shape.half_points = choose_half_node_row_length(system, points, width);
-        shape.points = 2 * shape.half_points;
-    }
-    return shape;
-}
-
-tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options)
+tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const int degree = options->degree, p_degree = definition->uses_top_momentum ? degree : degree - 1;
-    const bool one_more = definition->uses_top_momentum && system->form == TVI_SEPARABLE; /* p of degree N: Q_{N+1} */
-    return choose_action_shape(system, options, definition->action, degree, p_degree, degree + one_more,
-                               definition->span.from == -definition->span.to, 1);
+    const int degree = options->degree, p_degree = definition->has_top_momentum ? degree : degree - 1;
+    const int points = options->quadrature_points;
+    const bool is_hamilton = definition->action == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
+    const bool one_more = definition->has_top_momentum && is_separable; /* p of degree N needs Q_{N+1} */
+    tvi_action sizes = {.is_hamilton = is_hamilton,
+                        .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
+                        .has_velocity_defect = !is_hamilton && !is_separable,
+                        .has_momentum_defect = is_hamilton && (!is_separable || p_degree >= degree),
+                        .q_degree = degree,
+                        .p_degree = p_degree,
+                        .points = points,
+                        .orders = degree + one_more + 1,
+                        .width = width};
+    if (definition->span.from == -definition->span.to && seeds_need_only_field(&sizes) &&
+        tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
+        sizes.half_points = choose_half_node_row_length(system, points, width);
+        sizes.points = 2 * sizes.half_points;
+    }
+    return sizes;
 }
 
-const jet_tape *tvi_select_node_tape(const tvi_system *system, tvi_action_kind kind)
+const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action)
 {
-    return system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_LAGRANGE ? system->field_series : system->field_values;
+    return system->form == TVI_HAMILTONIAN && !action->is_hamilton ? system->field_series : system->field_values;
 }
 
-static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, size_t rows, size_t columns, size_t half_rows,
-                                int half)
+static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const tvi_action *action)
 {
-    const size_t halves = half_rows * (size_t)seeds_round_up_to_vectors(half);
-    table->all_orders = tvi_arena_allocate_doubles(arena, rows * columns);
-    table->even_orders = tvi_arena_allocate_doubles(arena, halves);
-    table->odd_orders = tvi_arena_allocate_doubles(arena, halves);
+    const size_t half_rows = (size_t)seeds_round_up_to_vectors((action->orders + 1) / 2) *
+                             (size_t)seeds_round_up_to_vectors(action->half_points);
+    table->all_orders = tvi_arena_allocate_doubles(arena, (size_t)(action->orders * action->points));
+    table->even_orders = tvi_arena_allocate_doubles(arena, half_rows);
+    table->odd_orders = tvi_arena_allocate_doubles(arena, half_rows);
 }
 
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         tvi_action_kind kind, int q_degree, int p_degree, int top, bool has_mirrored_nodes, int width)
+                         int width)
 {
-    const size_t orders = (size_t)top + 1, n = (size_t)system->n * (size_t)width;
-    *action = choose_action_shape(system, options, kind, q_degree, p_degree, top, has_mirrored_nodes, width);
-    const size_t points = (size_t)action->points;
-    action->field_tape = tvi_select_node_tape(system, kind);
+    *action = tvi_get_action_sizes(system, options, width);
+    const size_t orders = (size_t)action->orders, points = (size_t)action->points, n = (size_t)(system->n * width);
+    action->field_tape = tvi_select_node_tape(system, action);
     action->node_s = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
-    tvi_node_table *const at_nodes[] = {&action->power_table, &action->slope_table, &action->second_slope_table,
-                                        &action->node_rule_power_table};
-    for (int i = 0; i < 4; i++)
-        allocate_node_table(at_nodes[i], arena, orders, points, (orders + 1) / 2, action->half_points);
-    allocate_node_table(&action->weighted_power_table, arena, points, orders, (size_t)action->half_points,
-                        (int)(orders + 1) / 2);
-    allocate_node_table(&action->weighted_slope_table, arena, points, orders, (size_t)action->half_points,
-                        (int)(orders + 1) / 2);
+    tvi_node_table *const tables[] = {&action->power_table,          &action->slope_table,
+                                      &action->second_slope_table,   &action->node_rule_power_table,
+                                      &action->weighted_power_table, &action->weighted_slope_table};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) allocate_node_table(tables[i], arena, action);
     action->order_row = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
     if (!is_integration_by_parts_exact(action, options))
         action->by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
-    if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->has_truncated_nodes)
+    if (system->form == TVI_HAMILTONIAN && action->is_hamilton && action->has_truncated_nodes)
         action->second_derivative_block =
             tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
     action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);
@@ -152,7 +140,7 @@ static int find_rule_node(const tvi_action *action, int rule_points, int point, 
     return half > 0 && point >= half ? rule_points - 1 - node : node;
 }
 
-void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span, int top)
+void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span)
 {
     const int count = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, count);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
@@ -180,6 +168,6 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     if (!action->by_parts_error) return;
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)
-            action->by_parts_error[k * (top + 1) + j] =
+            action->by_parts_error[k * action->orders + j] =
                 j + k == 0 ? 0 : (j + k) * compute_quadrature_error(order, count, s, weight, j + k - 1, span);
 }

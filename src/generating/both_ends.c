@@ -28,7 +28,7 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     const size_t n = (size_t)system->n;
     x->sign = x->other_end_s = sign;
     tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
-    tvi_allocate_action(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false, 1);
+    tvi_allocate_action(&x->action, arena, system, &plain, 1);
     tvi_combination *const combinations[] = {&x->q_rise, &x->u_at_own_end, &x->dense_q, &x->dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&x->curve, arena);
@@ -79,7 +79,7 @@ static void prepare_end_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_s, k);
     tvi_curve_fill_constant_tables(&x->curve);
     tvi_curve_prepare_tail(&x->curve, w->degree, w->degree - 1);
-    tvi_prepare_action_tables(&x->action, w->options, span, w->degree);
+    tvi_prepare_action_tables(&x->action, w->options, span);
     tvi_combination_set_weights(&x->q_rise, &x->curve, false, powers);
     tvi_combination_set_weights(&x->u_at_own_end, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++)
@@ -161,22 +161,13 @@ static void compute_unknown_scales(void *self, double scale[])
 {
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const int n = w->n;
-    const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
-    memset(scale, 0, 3 * (size_t)n * sizeof *scale);
-    for (int k = w->degree; k >= 0; k--) {
-        const double *a = tvi_curve_position_coefficients(&w->start_curve.curve, k),
-                     *b = tvi_curve_position_coefficients(&w->end_curve.curve, k);
-        for (int i = 0; i < n; i++) {
-            scale[n + i] += fabs(b[i]);
-            if (k == 0 && !hamiltonian) continue;
-            scale[i] += fabs(a[i + (hamiltonian ? n : 0)]);
-            scale[2 * n + i] += fabs(b[i + (hamiltonian ? n : 0)]);
-        }
-    }
-    for (int i = 0; w->degree == 1 && i < n;
-         /* A curve of degree 1 from a state of rest has size 0; then the corrections of the momenta are the only other
-         * measure of an unknown. */
-         i++) {
+    tvi_curve_compute_data_sizes(&w->start_curve.curve, scale);
+    memcpy(scale, scale + n, (size_t)n * sizeof *scale);
+    tvi_curve_compute_data_sizes(&w->end_curve.curve, scale + n);
+    if (w->degree > 1) return;
+    /* A curve of degree 1 from a state of rest has size 0; then the corrections of the momenta are the only other
+     * measure of an unknown. */
+    for (int i = 0; i < n; i++) {
         const double change = fabs(w->start_curve.curve.kappa[i]) * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;

@@ -16,7 +16,7 @@ const tvi_curve_variant *tvi_choose_curve_variant(const jet_tape *tape) { return
 
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_action action = tvi_get_action_sizes(system, options);
+    const tvi_action action = tvi_get_action_sizes(system, options, 1);
     return tvi_find_method(options)->curve.correct_ends == tvi_correct_ends_by_mean &&
            options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action) && 2 * system->n <= LINEAR_SMALL &&
            tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;

@@ -101,13 +101,6 @@ void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_c
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-static tvi_status expand_by_generated_code(tvi_curve *curve)
-{
-    const tvi_status status = curve->generated_code->expand(curve);
-    if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->series_block, 1);
-    return status;
-}
-
 tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve)
 {
     orders_differentiate_by_velocity(curve);
@@ -119,10 +112,13 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     static const double none = 0;
     curve_set_centre_time(curve, &centre, &none, 0);
-    const bool has_code = curve->generated_code && curve->generated_code->expand;
-    const tvi_status status = has_code ? expand_by_generated_code(curve) : curve_expand_series(curve);
-    if (has_code || status != TVI_OK) return status;
-    return curve_has_finite_coefficients(curve) ? TVI_OK : TVI_ENONFINITE;
+    if (!curve->generated_code) {
+        const tvi_status status = curve_expand_series(curve);
+        return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
+    }
+    const tvi_status status = curve->generated_code->expand(curve);
+    if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->series_block, 1);
+    return status;
 }
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */

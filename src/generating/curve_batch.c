@@ -36,7 +36,8 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 {
     if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN : !can_batch_corrected_steps(system, options))
         return 1;
-    const int orders = tvi_get_action_sizes(system, options).orders, blocks = is_plain_taylor_method(options) ? 1 : 2;
+    const int orders = tvi_get_action_sizes(system, options, 1).orders,
+              blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
     int width = TVI_LEAST_WIDTH;
     if (TVI_LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
@@ -71,31 +72,24 @@ static void prepare_batch(void *work)
     tvi_curve_workspace_fill_tables(members->lane_work);
 }
 
-/* Copies the history of a member from one workspace to another. Plain Taylor steps of a given size have no history. A
- * step to a tolerance leaves its size, from which the member continues in later runs. */
-static void copy_member_history(const tvi_curve_workspace *source, int source_lane, const tvi_curve_workspace *target,
-                                int target_lane)
+/* Returns the history of each member, [width]. Plain Taylor steps of a given size have none. A step to a tolerance
+ * leaves its size, from which the member continues in later runs. */
+static double *get_history(const tvi_curve_workspace *work)
 {
-    if (source->has_corrections) target->newton.history[target_lane] = source->newton.history[source_lane];
-    else target->last_adapted_step[target_lane] = source->last_adapted_step[source_lane];
+    return work->has_corrections ? work->newton.measured_loss : work->last_adapted_step;
 }
 
 static void copy_lane_to_member(const void *work, int lane, void *member_work)
 {
-    copy_member_history(((const batch *)work)->lane_work, lane, member_work, 0);
+    *get_history(member_work) = get_history(((const batch *)work)->lane_work)[lane];
 }
 
 static void copy_member_to_lane(void *work, int lane, const void *member_work)
 {
-    copy_member_history(member_work, 0, ((const batch *)work)->lane_work, lane);
+    get_history(((const batch *)work)->lane_work)[lane] = *get_history(member_work);
 }
 
-static void forget_lane_history(void *work, int lane)
-{
-    const tvi_curve_workspace *lane_work = ((const batch *)work)->lane_work;
-    if (lane_work->has_corrections) lane_work->newton.history[lane] = (tvi_newton_history){0};
-    else lane_work->last_adapted_step[lane] = 0;
-}
+static void forget_lane_history(void *work, int lane) { get_history(((const batch *)work)->lane_work)[lane] = 0; }
 
 static void step_single_member(batch *members, double h, const tvi_batch_origin *origin,
                                const tvi_batch_results *results, int m, tvi_stats *stats)

@@ -231,7 +231,7 @@ static inline void step_judge_correction(const step_state *state, tvi_newton_pas
     if (isfinite(sizes->largest_relative[m])) verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
     if (verdict != TVI_PASSES_GO_ON) state->is_iterating[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
-    tvi_newton_store_contraction_loss(&newton->history[m], passes);
+    newton->measured_loss[m] = tvi_larger(newton->measured_loss[m], passes->contraction_loss);
     results->residual[m] = sizes->largest_relative[m];
     results->passes[m] = passes->by_unknown.count;
 }
@@ -254,7 +254,7 @@ static inline void step_run_passes(step_state *state, const tvi_quick_step_resul
     const int width = curve_width(&state->work->closure.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
-        tvi_newton_begin_passes(&passes[m], &newton->history[m], &newton->rules, newton->needs_extra_pass);
+        tvi_newton_begin_passes(&passes[m], newton->measured_loss[m], &newton->rules, newton->needs_extra_pass);
     matrices_discard_factors(&state->work->closure);
     for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {
         tvi_correction_sizes sizes;

@@ -22,7 +22,7 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
                              bool has_corrections, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action sizes = tvi_get_action_sizes(system, options);
+    const tvi_action sizes = tvi_get_action_sizes(system, options, 1);
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
@@ -85,8 +85,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_z = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_corrections) {
-        tvi_allocate_action(&w.action, arena, system, options, definition->action, w.q_degree, w.closure.p_degree,
-                            curve->top, definition->span.from == -definition->span.to, width);
+        tvi_allocate_action(&w.action, arena, system, options, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quick_step = tvi_choose_quick_step(&w.closure, options);
     }
@@ -135,7 +134,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
     tvi_combination_set_power_weights(&w->q_centre_to_start, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre_weights(w);
     if (!w->has_corrections) return;
-    tvi_prepare_action_tables(&w->action, w->options, c->span, c->curve.top);
+    tvi_prepare_action_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant: passes correct q and p alternately, and the first contraction is no measure. */
     tvi_newton_set_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
 }
@@ -378,7 +377,7 @@ static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_option
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
-    const tvi_action shape = tvi_get_action_sizes(system, options);
+    const tvi_action shape = tvi_get_action_sizes(system, options, 1);
     return tvi_curve_find_used_tapes(system, options, shape.orders - 1, shape.points,
                                      has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }

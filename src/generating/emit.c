@@ -60,8 +60,7 @@ static void emit_velocity_dependence(jet_text *text, const tvi_system *system)
  * series computes. */
 static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seed)
 {
-    const jet_tape *field =
-        tvi_select_node_tape(system, action->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
+    const jet_tape *field = tvi_select_node_tape(system, action);
     const bool has_velocities = has_seed && field == system->field_series;
     const int points = action->points;
     emit_output_slots(text, field, "code_values", "CURVE_VALUES_SLOT");
@@ -95,7 +94,7 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
                                  bool has_products)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action action = tvi_get_action_sizes(system, options);
+    const tvi_action action = tvi_get_action_sizes(system, options, 1);
     const bool has_seed =
         definition->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
     const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);

@@ -61,11 +61,6 @@ tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_opt
 
 /* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
-static void multiply_seeds_by_adjoint_sweep(tvi_curve *curve, const double seed_Q[], double out[])
-{
-    products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
-}
-
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
 {
     if (curve->generated_code && curve->generated_code->set_direction) curve->generated_code->set_direction(curve, dz);
@@ -83,7 +78,8 @@ void tvi_curve_multiply_direction(const tvi_curve *curve, const tvi_combination 
 
 void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (tvi_curve_uses_products(curve)) multiply_seeds_by_adjoint_sweep(curve, seed_Q, out);
+    if (tvi_curve_uses_products(curve))
+        products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
     else if (curve->generated_code) curve->generated_code->multiply_seeds(curve, seed_Q, seed_U, out);
     else curve_multiply_seeds(curve, seed_Q, seed_U, out);
 }

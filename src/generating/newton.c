@@ -43,7 +43,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
     if (has_jacobian) tvi_factor_allocate(&newton->factor, arena, size, width);
-    newton->history = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->history);
+    newton->measured_loss = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->measured_loss);
 }
 
 /* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
@@ -159,7 +159,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes passes;
-    tvi_newton_begin_passes(&passes, newton->history, &newton->rules, newton->needs_extra_pass);
+    tvi_newton_begin_passes(&passes, *newton->measured_loss, &newton->rules, newton->needs_extra_pass);
     int refreshes = 0;
     bool by_differences = false;
     for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
@@ -175,7 +175,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_store_contraction_loss(newton->history, &passes);
+            *newton->measured_loss = tvi_larger(*newton->measured_loss, passes.contraction_loss);
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];

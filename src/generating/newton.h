@@ -31,12 +31,6 @@ typedef struct {
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 
-/* The results of earlier solutions that the corrector keeps. */
-typedef struct {
-    /* The largest ratio of the contraction factors of two successive passes; 0: not yet measured. */
-    double contraction_loss;
-} tvi_newton_history;
-
 /* The sizes of the corrections of a pass, for each member: the largest correction relative to its unknown's scale, and
  * the largest correction of a group relative to the largest scale of the group. */
 typedef struct {
@@ -67,20 +61,15 @@ typedef struct {
 /* Begins the passes of a solution. The first contraction is often better than the later ones: first corrections are
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
-static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, const tvi_newton_history *history,
+static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double measured_loss,
                                            const tvi_newton_rules *rules, bool needs_extra_pass)
 {
     tvi_passes_begin(&passes->by_unknown, 0);
     tvi_passes_begin(&passes->by_group, 0);
-    passes->contraction_loss = tvi_larger(history->contraction_loss, 1);
+    passes->contraction_loss = tvi_larger(measured_loss, 1);
     passes->unconfirmed_loss = 0;
     passes->must_confirm = rules->by_unknown.exact_passes == 0 && rules->by_unknown.max_trusted_ratio > 0 &&
-                           (history->contraction_loss == 0 || needs_extra_pass);
-}
-
-static inline void tvi_newton_store_contraction_loss(tvi_newton_history *history, const tvi_newton_passes *passes)
-{
-    history->contraction_loss = tvi_larger(history->contraction_loss, passes->contraction_loss);
+                           (measured_loss == 0 || needs_extra_pass);
 }
 
 /* Accepts a contraction loss that one correction suggests only if the next correction contracts again, because roundoff
@@ -131,7 +120,9 @@ typedef struct {
     double *trial_unknowns,
         *trial_residual; /* the unknowns, one of them shifted, and their residual, for differences */
     tvi_lu_factor factor;
-    tvi_newton_history *history; /* [width] */
+    /* [width] The largest ratio of the contraction factors of two successive passes in earlier solutions, or 0 if there
+     * was none; part of the history. */
+    double *measured_loss;
 } tvi_newton;
 
 /* These return sizes, which are constants in generated code, as in series.h. */

@@ -136,12 +136,6 @@ static inline int products_padded_length(const tvi_closure *closure)
 
 static inline void products_discard_guess(tvi_closure *closure) { products_get_iteration(closure)->has_guess = false; }
 
-/* Returns the number of rows that are solved for. */
-static inline int products_count_unknowns(const tvi_closure *closure, const tvi_transposed_equations *equations)
-{
-    return equations->second_combination ? 2 * curve_dimension(&closure->curve) : curve_dimension(&closure->curve);
-}
-
 static inline int products_find_first_unknown(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     return equations->second_combination || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
@@ -324,7 +318,7 @@ static inline tvi_status products_solve_equations(tvi_closure *closure, const tv
     const tvi_status status = products_iterate_to_solution(closure, equations);
     memcpy(closure->D, iteration->residual, 2 * (size_t)n * sizeof *closure->D);
     memcpy(closure->D + place, iteration->solution + place,
-           (size_t)products_count_unknowns(closure, equations) * sizeof *closure->D);
+           (size_t)(equations->second_combination ? 2 * n : n) * sizeof *closure->D);
     return status;
 }
 

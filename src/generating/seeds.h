@@ -237,7 +237,7 @@ typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, con
                                const tvi_quick_step_results *results, tvi_stats *stats);
 typedef struct tvi_curve_code {
     int top;
-    /* Expands the whole series from the centre data; NULL: the library expands it order by order. */
+    /* Expands the whole series from the centre data. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
     void (*data_sizes)(const tvi_curve *curve, double size[]);
