@@ -4,11 +4,6 @@
 #include "algebra/quadrature.h"
 #include "method/method.h"
 
-static bool is_integration_by_parts_exact(const tvi_action *action, const tvi_options *options)
-{
-    return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
-}
-
 /* Returns the number of nodes in a mirrored half, padded to whole vectors, unless the tape would then process more
  * vectors. */
 static int choose_half_node_row_length(const tvi_system *system, int points, int width)
@@ -22,10 +17,10 @@ static int choose_half_node_row_length(const tvi_system *system, int points, int
 tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const int degree = options->degree, p_degree = definition->has_top_momentum ? degree : degree - 1;
+    const int degree = options->degree, p_degree = definition->uses_top_momentum ? degree : degree - 1;
     const int points = options->quadrature_points;
     const bool is_hamilton = definition->action == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
-    const bool one_more = definition->has_top_momentum && is_separable; /* p of degree N needs Q_{N+1} */
+    const bool one_more = definition->uses_top_momentum && is_separable; /* p of degree N needs Q_{N+1} */
     tvi_action sizes = {.is_hamilton = is_hamilton,
                         .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
                         .has_velocity_defect = !is_hamilton && !is_separable,
@@ -70,7 +65,7 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
                                       &action->weighted_power_table, &action->weighted_slope_table};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) allocate_node_table(tables[i], arena, action);
     action->order_row = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
-    if (!is_integration_by_parts_exact(action, options))
+    if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
         action->by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
     if (system->form == TVI_HAMILTONIAN && action->is_hamilton && action->has_truncated_nodes)

@@ -28,6 +28,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n, numbers = n * (size_t)width,
                  jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
+    const size_t tangent_lanes = width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(system);
     memset(curve, 0, sizeof *curve);
     curve->system = system;
     curve->generated_code = width > 1 ? NULL : find_generated_code(system, top);
@@ -51,7 +52,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
         curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
     }
     if (jacobians == TVI_JACOBIAN_MATRICES) {
-        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tvi_curve_tangent_lanes(curve));
+        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
         curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
         curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
         curve->product_by_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
@@ -61,7 +62,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
         curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
-        curve->velocity_residual = tvi_arena_allocate_doubles(arena, n * tvi_curve_tangent_lanes(curve));
+        curve->velocity_residual = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
         curve->column = tvi_arena_allocate_doubles(arena, n);
     }
 }

@@ -9,12 +9,6 @@
 #include "generating/orders.h"
 #include "generating/matrices.h"
 
-/* Returns the time from the start of the step to the centre of the curve's expansion. */
-static inline double step_compute_time_to_centre(const tvi_curve_workspace *work, double tau)
-{
-    return -work->closure.span.from * tau;
-}
-
 /* Moves z to the centre, along the curve that starts at the start of the step. */
 static inline void step_move_to_centre(const tvi_curve_workspace *work, double z[])
 {
@@ -325,7 +319,7 @@ static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_cu
         !step_drop_failed_members(&state, functions->expand(curve), false))
         return false;
     step_move_to_centre(work, work->newton.x);
-    curve_set_centre_time(curve, origin->t, origin->t_low, step_compute_time_to_centre(work, tau));
+    curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.from * tau);
     step_run_passes(&state, results);
     for (int m = 0; m < curve_width(curve); m++) {
         if (results->passes[m] == TVI_NOT_MADE) continue;

@@ -165,7 +165,7 @@ static tvi_status predict_centre_data(const step_attempt *attempt)
 
 static double compute_centre_time(const step_attempt *attempt)
 {
-    return attempt->origin->t + (attempt->origin->t_low + step_compute_time_to_centre(attempt->work, attempt->tau));
+    return attempt->origin->t + (attempt->origin->t_low + -attempt->work->closure.span.from * attempt->tau);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */

@@ -21,23 +21,17 @@ static void emit_output_slots(jet_text *text, const jet_tape *tape, const char *
     jet_text_append(text, "};\n#define %s %s\n", macro, table);
 }
 
-/* Returns the number of directions in the last block, if blocks of `lanes` directions leave some over; otherwise 0. */
-static int count_directions_of_last_block(const tvi_system *system, int lanes)
-{
-    return lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0;
-}
-
 static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const form[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
+    const int rest = lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0; /* directions of a last block */
     const int p_degree = tvi_find_method(options)->curve.uses_top_momentum ? options->degree : options->degree - 1;
     jet_text_append(text,
                     "enum {\n    CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d, CURVE_TOP = tvi_series_top,\n"
                     "    CURVE_INPUTS = %d, CURVE_USES_TIME = %d, CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d,\n"
                     "    CURVE_IN_PLACE = %d\n};\n#define CURVE_FORM %s\n",
-                    lanes, count_directions_of_last_block(system, lanes), system->n, system->inputs, system->uses_time,
-                    options->degree, p_degree, lanes == 2 * system->n && system->form != TVI_LAGRANGIAN,
-                    form[system->form]);
+                    lanes, rest, system->n, system->inputs, system->uses_time, options->degree, p_degree,
+                    lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
 }
 
 /* Defines CURVE_FOLLOWS(slot), which says whether a slot depends on the velocity, the second input of a Lagrangian. */

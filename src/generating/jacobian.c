@@ -64,7 +64,7 @@ tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_opt
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
 {
     if (curve->generated_code && curve->generated_code->set_direction) curve->generated_code->set_direction(curve, dz);
-    else if (tvi_curve_uses_products(curve)) products_compute_tangents(curve, dz);
+    else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) products_compute_tangents(curve, dz);
     else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
@@ -72,13 +72,13 @@ void tvi_curve_multiply_direction(const tvi_curve *curve, const tvi_combination 
 {
     if (curve->generated_code && curve->generated_code->multiply_direction)
         curve->generated_code->multiply_direction(curve, combination, out);
-    else if (tvi_curve_uses_products(curve)) products_multiply_direction(curve, combination, out);
+    else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) products_multiply_direction(curve, combination, out);
     else curve_multiply_direction(curve, combination, out);
 }
 
 void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (tvi_curve_uses_products(curve))
+    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
         products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
     else if (curve->generated_code) curve->generated_code->multiply_seeds(curve, seed_Q, seed_U, out);
     else curve_multiply_seeds(curve, seed_Q, seed_U, out);

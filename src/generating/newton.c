@@ -102,20 +102,14 @@ static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equ
     }
 }
 
-/* Returns the rules of the passes. Without a Jacobian, or if the first contraction is no measure of the later ones,
- * corrections are compared over two passes, since those of q follow from those of p, and those of p from those of q. */
-static tvi_newton_rules rules_from_options(const tvi_options *options, bool has_jacobian, bool needs_extra_pass)
-{
-    tvi_newton_rules rules = {tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
-    if (has_jacobian) rules.by_group = (tvi_passes_rule){.stall_lag = 1};
-    if (!has_jacobian || needs_extra_pass) rules.by_unknown.stall_lag = 2;
-    return rules;
-}
-
 void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass)
 {
+    tvi_newton_rules *rules = &newton->rules;
+    *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
     newton->needs_extra_pass = needs_extra_pass;
-    newton->rules = rules_from_options(options, newton->has_jacobian, needs_extra_pass);
+    if (newton->has_jacobian) rules->by_group = (tvi_passes_rule){.stall_lag = 1};
+    /* Two passes are compared, since corrections of q follow from those of p, and those of p from those of q. */
+    if (!newton->has_jacobian || needs_extra_pass) rules->by_unknown.stall_lag = 2;
 }
 
 /* Returns whether the last correction, which did not shrink, is roundoff by the roundoff of the residual. */

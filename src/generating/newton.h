@@ -136,12 +136,6 @@ static inline int newton_count_group_unknowns(const tvi_newton *newton)
     return CURVE_SIZE(CURVE_N, newton->group_size);
 }
 
-/* Returns the index of unknown i of member m in arrays [unknown_count][width]. */
-static inline int newton_index_of_unknown(const tvi_newton *newton, int i, int m)
-{
-    return i * CURVE_WIDTH(newton) + m;
-}
-
 /* Measures the corrections of one subsystem in each group of unknowns. The subsystem has the components
  * `component[begin .. end - 1]`, or begin .. end - 1 if component is NULL. `scale` is newton->scale or
  * newton->roundoff_scale. A correction that is not finite makes the sizes NaN, since x - x is 0 for finite x only. */
@@ -153,7 +147,7 @@ static inline void newton_measure_subsystem(const tvi_newton *newton, const doub
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
         double largest[CURVE_MOST_WIDTH] = {0}, largest_scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
-            const int at = newton_index_of_unknown(newton, first + (component ? component[k] : k), 0);
+            const int at = (first + (component ? component[k] : k)) * width;
             for (int m = 0; m < width; m++) {
                 const double correction = newton->correction[at + m], size = fabs(correction);
                 rest[m] += correction - correction;
@@ -187,12 +181,12 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
 static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m, const int *component, int begin,
                                                 int end)
 {
+    const int width = CURVE_WIDTH(newton);
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
-        double largest = 0, *scale = newton->scale + newton_index_of_unknown(newton, first, m);
-        for (int k = begin; k < end; k++)
-            largest = tvi_larger(scale[newton_index_of_unknown(newton, component ? component[k] : k, 0)], largest);
+        double largest = 0, *scale = newton->scale + first * width + m;
+        for (int k = begin; k < end; k++) largest = tvi_larger(scale[(component ? component[k] : k) * width], largest);
         for (int k = begin; k < end; k++) {
-            const int i = newton_index_of_unknown(newton, component ? component[k] : k, 0);
+            const int i = (component ? component[k] : k) * width;
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
             else scale[i] = tvi_larger(TVI_LEAST_RELATIVE_SCALE * largest, scale[i]);
         }

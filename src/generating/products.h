@@ -153,15 +153,6 @@ static inline tvi_transpose_terms products_get_operator_terms(const tvi_closure 
                                  .y = vector + curve_dimension(&closure->curve)};
 }
 
-/* Computes the residual D_z - A^T x, in both halves of its rows, by one transposed product. */
-static inline void products_compute_residual(tvi_closure *closure, const tvi_transposed_equations *equations)
-{
-    const tvi_conjugate_residuals *iteration = products_get_iteration(closure);
-    tvi_transpose_terms left = products_get_operator_terms(closure, equations, -1, iteration->solution);
-    left.seed_Q = closure->seed_Q;
-    products_multiply_by_transpose(&closure->curve, curve_highest_order(&closure->curve), &left, iteration->residual);
-}
-
 /* Computes out = A^T vector, in both halves of its rows, from the orders of the curve up to last_order. */
 static inline void products_multiply_by_operator(tvi_closure *closure, int last_order,
                                                  const tvi_transposed_equations *equations, const double vector[],
@@ -283,7 +274,10 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
     tvi_passes_begin(&passes, 0);
     if (!iteration->has_guess)
         memset(iteration->solution, 0, (size_t)products_padded_length(closure) * sizeof *iteration->solution);
-    products_compute_residual(closure, equations);
+    tvi_transpose_terms residual = products_get_operator_terms(closure, equations, -1, iteration->solution);
+    residual.seed_Q = closure->seed_Q;
+    products_multiply_by_transpose(&closure->curve, curve_highest_order(&closure->curve), &residual,
+                                   iteration->residual);
     for (int step = 0; step < PRODUCTS_MOST; step++) {
         double *s = iteration->direction + step * products_padded_length(closure);
         products_apply_preconditioner(closure, equations, iteration->residual, s);

@@ -57,11 +57,6 @@ typedef struct {
         *column; /* scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n] */
 } tvi_curve;
 
-static inline bool tvi_curve_uses_products(const tvi_curve *curve)
-{
-    return curve->jacobian_method == TVI_JACOBIAN_PRODUCTS;
-}
-
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
 /* The next functions return sizes, which are constants in generated code. There CURVE_SLOT is the array of the slots of
@@ -128,11 +123,6 @@ static inline int tvi_choose_tangent_lanes(const tvi_system *system)
     const int directions = 2 * system->n;
     const bool is_small = directions <= 4 || (directions > TVI_CURVE_LANES && directions <= 2 * TVI_CURVE_LANES);
     return is_small ? directions : TVI_CURVE_LANES;
-}
-
-static inline size_t tvi_curve_tangent_lanes(const tvi_curve *curve)
-{
-    return curve->width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(curve->system);
 }
 
 /* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */

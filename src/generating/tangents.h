@@ -27,10 +27,9 @@ static inline double *curve_tangent_row(const tvi_curve *curve, const curve_tang
     return curve->tangent_block + (size_t)k * block->order_stride + (size_t)slot * block->lanes;
 }
 
-/* Computes out = factor * in, over the lanes. */
-static inline void curve_scale_lanes(size_t lanes, double factor, const double *in, double *restrict out)
+static inline void curve_copy_lanes(size_t lanes, const double *in, double *restrict out)
 {
-    for (size_t lane = 0; lane < lanes; lane++) out[lane] = factor * in[lane];
+    for (size_t lane = 0; lane < lanes; lane++) out[lane] = in[lane];
 }
 
 /* Sets the tangents of the inputs to unit vectors, one for each component of z. */
@@ -70,7 +69,7 @@ static inline void curve_store_due_values(const tvi_curve *curve, const double *
     const int width = curve_width(curve);
     if (width > 1 && curve->keeps_old_jacobians)
         for (int m = 0; m < width; m++) out[m] = curve->is_due[m] ? in[m] : out[m];
-    else curve_scale_lanes((size_t)width, 1, in, out);
+    else curve_copy_lanes((size_t)width, in, out);
 }
 
 /* Copies the tangents of n slots, one of each component, to the columns of the block's directions in a Jacobian, for
@@ -85,7 +84,7 @@ static inline void curve_store_jacobian_columns(const tvi_curve *curve, const cu
             const double *tangent = curve_tangent_row(curve, block, k, slot);
             double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
             if (width > 1) curve_store_due_values(curve, tangent, out);
-            else curve_scale_lanes((size_t)curve_count_directions(curve, block), 1, tangent, out);
+            else curve_copy_lanes((size_t)curve_count_directions(curve, block), tangent, out);
         }
 }
 

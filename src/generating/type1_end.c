@@ -26,6 +26,6 @@ const tvi_descriptor tvi_type1_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_LAGRANGE,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_p = {0, 1}, .rise_p = {1, 0}},
+              .mean_factors = {.from_p_factor = {0, 1}, .rise_p_factor = {1, 0}},
               .is_first_pass_rough = true},
 };

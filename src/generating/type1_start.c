@@ -26,5 +26,5 @@ const tvi_descriptor tvi_type1_start = {
     .curve = {.span = {0, 1, 1},
               .action = TVI_ACTION_LAGRANGE,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_p = {-1, 1}, .rise_p = {1, 0}}},
+              .mean_factors = {.from_p_factor = {-1, 1}, .rise_p_factor = {1, 0}}},
 };

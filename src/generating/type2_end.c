@@ -25,6 +25,6 @@ const tvi_descriptor tvi_type2_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_p = {-1, 0}, .rise_q = -1, .rise_p = {1, 0}},
+              .mean_factors = {.from_p_factor = {-1, 0}, .rise_q_factor = -1, .rise_p_factor = {1, 0}},
               .is_first_pass_rough = true},
 };
