@@ -1,11 +1,13 @@
-/* action.c - computes the gradient of the discrete action as seeds: vectors that multiply the transposed Jacobians
- * of the curve's coefficients. The terms with first derivatives are computed by seeds.h, those with second
- * derivatives here. curve_stepper.c and both_ends_nodes.c call it. */
+/* action.c - computes the gradient of the discrete action as seeds: vectors that multiply the transposed Jacobians of
+ * the curve's coefficients. The terms with first derivatives are computed by seeds.h, those with second derivatives
+ * here. If passes no longer converge, it also estimates the roundoff of the ends of a step from that of the field at
+ * the nodes (docs/method.md section 5). curve_stepper.c, both_ends.c and both_ends_nodes.c call it. */
 #include "generating/curve_stepper.h"
 #include "algebra/passes.h"
 #include "algebra/sizes.h"
 
 #include <float.h>
+#include <math.h>
 #include <string.h>
 
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
@@ -20,6 +22,29 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
     }
     tvi_factor_solve(&curve->velocity_hessian, action->momentum_correction);
     return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(n, action->momentum_correction, 1);
+}
+
+int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                              double q_roundoff[], double p_roundoff[])
+{
+    const tvi_system *system = curve->system;
+    const double *change = action->field_roundoff.change;
+    const bool separable = system->form == TVI_SEPARABLE;
+    const int n = curve->n, points = action->points;
+    memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
+    memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
+    if (!tvi_roundoff_is_motion_small(system, h, q, p, action->field_block, action->node_momentum, points, points))
+        return 0;
+    const int values =
+        tvi_roundoff_estimate_of_field(&action->field_roundoff, system, action->field_block, points, points);
+    for (int i = 0; i < n; i++) {
+        const double of_force = fabs(h) * change[i], of_second = separable ? 0 : change[n + i];
+        p_roundoff[i] = of_force + DBL_EPSILON * fabs(p[i]);
+        if (separable) q_roundoff[i] = fabs(h) / system->mass[i] * of_force;
+        else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * of_second;
+        else p_roundoff[i] += of_second;
+    }
+    return values;
 }
 
 tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[], const double v[],

@@ -9,9 +9,9 @@
  *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
  *
  * The field is evaluated as a power series along the curve, one order after the other. */
-#include "generating/curve.h"
+#include "generating/curve_stepper.h"
 #include "generating/orders.h"
-#include "generating/seeds.h"
+#include "generating/step_size.h"
 
 #include <math.h>
 #include <string.h>
@@ -156,4 +156,29 @@ void tvi_curve_compute_movement_sizes(const tvi_curve *curve)
 double tvi_curve_compute_tail(const tvi_curve *curve)
 {
     return curve->generated_code ? curve->generated_code->tail(curve) : curve_compute_tail(curve);
+}
+
+/* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
+
+static bool has_generated_functions(const tvi_curve *curve)
+{
+    return curve->generated_code && curve->generated_code->usable_step;
+}
+
+double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)
+{
+    return has_generated_functions(curve) ? curve->generated_code->usable_step(curve, log_tolerance)
+                                          : curve_estimate_usable_step(curve, log_tolerance);
+}
+
+void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
+{
+    if (has_generated_functions(curve)) curve->generated_code->rescale_and_sum(curve, factor, dq, du);
+    else tvi_choose_curve_variant(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
+}
+
+double tvi_curve_bound_energy_change(const tvi_curve *curve)
+{
+    return has_generated_functions(curve) ? curve->generated_code->energy_change_bound(curve)
+                                          : curve_bound_energy_change(curve);
 }
