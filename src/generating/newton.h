@@ -136,18 +136,18 @@ static inline int newton_count_group_unknowns(const tvi_newton *newton)
     return CURVE_SIZE(CURVE_N, newton->group_size);
 }
 
-/* Measures the corrections of one subsystem in each group of unknowns. The subsystem has the components
- * `component[begin .. end - 1]`, or begin .. end - 1 if component is NULL. `scale` is newton->scale or
- * newton->roundoff_scale. A correction that is not finite makes the sizes NaN, since x - x is 0 for finite x only. */
-static inline void newton_measure_subsystem(const tvi_newton *newton, const double scale[], const int *component,
-                                            int begin, int end, tvi_correction_sizes *sizes)
+/* Measures the corrections of one subsystem in each group of unknowns, for the entries begin .. end - 1 of the list of
+ * components. `scale` is newton->scale or newton->roundoff_scale. A correction that is not finite makes the sizes NaN,
+ * since x - x is 0 for finite x only. */
+static inline void newton_measure_subsystem(const tvi_newton *newton, const double scale[], int begin, int end,
+                                            tvi_correction_sizes *sizes)
 {
     const int width = CURVE_WIDTH(newton);
     double *restrict relative = sizes->largest_relative, *restrict group_relative = sizes->group_relative;
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
         double largest[CURVE_MOST_WIDTH] = {0}, largest_scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
-            const int at = (first + (component ? component[k] : k)) * width;
+            const int at = (first + tvi_subsystems_component(newton->subsystems, k)) * width;
             for (int m = 0; m < width; m++) {
                 const double correction = newton->correction[at + m], size = fabs(correction);
                 rest[m] += correction - correction;
@@ -169,24 +169,23 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int m = 0; m < CURVE_WIDTH(newton); m++) sizes->largest_relative[m] = sizes->group_relative[m] = 0;
-    if (subsystems->count == 1)
-        newton_measure_subsystem(newton, scale, NULL, 0, newton_count_group_unknowns(newton), sizes);
-    for (int k = 0, first = 0; subsystems->count > 1 && k < subsystems->count; first = subsystems->end[k++])
-        newton_measure_subsystem(newton, scale, subsystems->component, first, subsystems->end[k], sizes);
+    for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
+        end = tvi_subsystems_end(subsystems, k, newton_count_group_unknowns(newton));
+        newton_measure_subsystem(newton, scale, begin, end, sizes);
+    }
 }
 
 /* Fills in the scale of unknowns whose scale is 0: the largest of the group in the subsystem, or 1. An unknown that is
- * much smaller than the others of its group, such as a body that a wave has not reached, needs no accuracy of its own.
- * */
-static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m, const int *component, int begin,
-                                                int end)
+ * much smaller than the others of its group, such as a body that a wave has not reached, is measured by these. */
+static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m, int begin, int end)
 {
     const int width = CURVE_WIDTH(newton);
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
         double largest = 0, *scale = newton->scale + first * width + m;
-        for (int k = begin; k < end; k++) largest = tvi_larger(scale[(component ? component[k] : k) * width], largest);
+        for (int k = begin; k < end; k++)
+            largest = tvi_larger(scale[tvi_subsystems_component(newton->subsystems, k) * width], largest);
         for (int k = begin; k < end; k++) {
-            const int i = (component ? component[k] : k) * width;
+            const int i = tvi_subsystems_component(newton->subsystems, k) * width;
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
             else scale[i] = tvi_larger(TVI_LEAST_RELATIVE_SCALE * largest, scale[i]);
         }
@@ -196,9 +195,10 @@ static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m,
 static inline void newton_fill_missing_scales(const tvi_newton *newton, int m)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
-    if (subsystems->count == 1) newton_fill_subsystem_scales(newton, m, NULL, 0, newton_count_group_unknowns(newton));
-    for (int k = 0, first = 0; subsystems->count > 1 && k < subsystems->count; first = subsystems->end[k++])
-        newton_fill_subsystem_scales(newton, m, subsystems->component, first, subsystems->end[k]);
+    for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
+        end = tvi_subsystems_end(subsystems, k, newton_count_group_unknowns(newton));
+        newton_fill_subsystem_scales(newton, m, begin, end);
+    }
 }
 
 /* Allocates the corrector of equations with group_count groups of n unknowns. has_jacobian says whether it has memory

@@ -205,11 +205,9 @@ static const double PRODUCTS_STALLED = 1e-12;
 static inline double products_compute_scaled_maximum(const tvi_closure *closure, const double vector[])
 {
     const double *unit = products_get_iteration(closure)->inverse_unknown_size;
-    double most[PRODUCTS_VECTOR] = {0};
-    for (int here = 0; here < products_padded_length(closure); here += PRODUCTS_VECTOR)
-        for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
-            most[lane] = tvi_larger(fabs(vector[here + lane]) * unit[here + lane], most[lane]);
-    return tvi_largest_magnitude(PRODUCTS_VECTOR, most, 1);
+    double most = 0;
+    for (int i = 0; i < products_padded_length(closure); i++) most = tvi_larger(fabs(vector[i]) * unit[i], most);
+    return most;
 }
 
 /* Returns sum_i vector_i y_i / size_i^2. */

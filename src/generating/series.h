@@ -222,15 +222,10 @@ static inline void curve_compute_data_sizes(const tvi_curve *curve, double size[
 static inline void curve_compute_momentum_coefficients(const tvi_curve *curve, int degree, double out[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve);
-    const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
-    for (int k = 0; k <= degree; k++, out += n * width) {
-        const bool is_next = is_separable && k < curve_highest_order(curve);
-        const double *next = is_next ? tvi_curve_inputs_of_order(curve, k + 1) : NULL;
-        double *restrict to = out;
+    for (int k = 0; k <= degree; k++, out += n * width)
         for (int i = 0; i < n; i++)
             for (int at = i * width; at < (i + 1) * width; at++)
-                to[at] = is_next ? (k + 1) * next[at] / curve->kappa[i] : tvi_curve_momentum_coefficient(curve, k, at);
-    }
+                out[at] = tvi_curve_momentum_coefficient(curve, k, at) / curve->kappa[i];
 }
 
 typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
