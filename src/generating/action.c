@@ -28,7 +28,7 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
                               double q_roundoff[], double p_roundoff[])
 {
     const tvi_system *system = curve->system;
-    const double *change = action->field_roundoff.change;
+    const double *field_change = action->field_roundoff.change;
     const bool separable = system->form == TVI_SEPARABLE;
     const int n = curve->n, points = action->points;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
