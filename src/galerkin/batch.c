@@ -20,15 +20,15 @@ typedef struct {
 } galerkin_batch_history;
 
 typedef struct {
-    tvi_member_stepper single_member;
-    galerkin_stepper *galerkin; /* the work of single_member, which contains all tables */
+    tvi_member_stepper member_stepper;
+    galerkin_stepper *single_stepper; /* the work of single_member, which contains all tables */
     galerkin_nodes nodes;
     galerkin_tail_inputs tail_inputs;
     galerkin_step_data step_data;
-    galerkin_batch_convergence convergence;
+    galerkin_batch_iteration iteration;
     /* [member_count] Masks, with all bits set or none: is_in_lanes if the member steps together with others, and the
-     * result of galerkin_is_prediction_rough. */
-    long long *is_in_lanes, *is_rough;
+     * result of galerkin_mask_rough_prediction. */
+    long long *lanes_mask, *last_step_mask;
     tvi_increments increments;       /* [n][member_count] the increments of the state */
     double *tail_share, *tail_ratio; /* [n][width] */
     double *tail;                    /* [width] */
@@ -65,143 +65,146 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system *system, int node_count,
                                  int member_count)
 {
-    const size_t of_unknowns = (size_t)system->inputs * (size_t)member_count,
-                 numbers = of_unknowns * (size_t)node_count;
-    *nodes = (galerkin_nodes){
-        .unknowns = system->inputs, .half_unknowns = system->n, .node_count = node_count, .member_count = member_count};
+    const size_t row_arrays = (size_t)system->inputs * (size_t)member_count,
+                 impulse_count = row_arrays * (size_t)node_count;
+    *nodes = (galerkin_nodes){.unknowns = system->inputs,
+                              .unknowns_per_half = system->n,
+                              .node_count = node_count,
+                              .member_count = member_count};
     nodes->values = tvi_arena_allocate_block(arena, system->field_values, 1, node_count * member_count, 0);
-    nodes->start_values = tvi_arena_allocate_doubles(arena, of_unknowns);
-    nodes->free_values = tvi_arena_allocate_doubles(arena, numbers);
-    nodes->free_values_low = tvi_arena_allocate_doubles(arena, numbers);
-    nodes->inverse_size = tvi_arena_allocate_doubles(arena, of_unknowns);
+    nodes->start_values = tvi_arena_allocate_doubles(arena, row_arrays);
+    nodes->drift_values = tvi_arena_allocate_doubles(arena, impulse_count);
+    nodes->drift_values_low = tvi_arena_allocate_doubles(arena, impulse_count);
+    nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, row_arrays);
 }
 
-static void allocate_batch_history(galerkin_batch_stepper *batch, tvi_arena *arena, size_t numbers)
+static void allocate_batch_history(galerkin_batch_stepper *stepper, tvi_arena *arena, size_t impulse_count)
 {
-    const size_t member_count = (size_t)batch->nodes.member_count;
-    double **const of_last[] = {&batch->history.step_size, &batch->history.previous_step_size,
-                                &batch->history.start_time};
+    const size_t member_count = (size_t)stepper->nodes.member_count;
+    double **const of_last[] = {&stepper->history.step_size, &stepper->history.previous_step_size,
+                                &stepper->history.start_time};
     for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_in_history(arena, member_count * sizeof(double));
-    batch->history.convergence =
-        tvi_arena_allocate_in_history(arena, member_count * sizeof *batch->history.convergence);
-    batch->last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *batch->last_ring_index);
+    stepper->history.convergence =
+        tvi_arena_allocate_in_history(arena, member_count * sizeof *stepper->history.convergence);
+    stepper->last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *stepper->last_ring_index);
     for (int i = 0; i < GALERKIN_RING; i++)
-        batch->impulse_ring[i] = tvi_arena_allocate_in_history(arena, numbers * sizeof(double));
+        stepper->impulse_ring[i] = tvi_arena_allocate_in_history(arena, impulse_count * sizeof(double));
 }
 
 static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                     int member_count)
 {
     galerkin_batch_stepper *taken = tvi_arena_allocate(arena, sizeof *taken);
-    galerkin_batch_stepper batch = {.last_ring_index = NULL};
-    tvi_member_stepper_allocate(&batch.single_member, arena, &tvi_stepper_galerkin, system, options, member_count,
+    galerkin_batch_stepper stepper = {.last_ring_index = NULL};
+    tvi_member_stepper_allocate(&stepper.member_stepper, arena, &tvi_stepper_galerkin, system, options, member_count,
                                 options->degree);
-    batch.galerkin = batch.single_member.stepper_work;
-    allocate_node_arrays(&batch.nodes, arena, system, options->degree, member_count);
+    stepper.single_stepper = stepper.member_stepper.stepper_work;
+    allocate_node_arrays(&stepper.nodes, arena, system, options->degree, member_count);
     const size_t count = (size_t)member_count, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
-    galerkin_impulse_sums *sums = &batch.tail_inputs.impulse_sums;
-    double **const of_unknowns[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
-                                    &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low,
-                                    &batch.step_data.drift,  &batch.step_data.drift_low};
-    double **const of_n[] = {&batch.increments.dq,     &batch.increments.dp, &batch.increments.dq_low,
-                             &batch.increments.dp_low, &batch.tail_share,    &batch.tail_ratio};
-    for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_allocate_doubles(arena, unknowns);
+    galerkin_impulse_sums *sums = &stepper.tail_inputs.impulse_sums;
+    double **const row_arrays[] = {&sums->single_integral,   &sums->double_integral,      &sums->last_term,
+                                   &sums->end_impulse_size,  &sums->single_integral_low,  &sums->double_integral_low,
+                                   &stepper.step_data.drift, &stepper.step_data.drift_low};
+    double **const of_n[] = {&stepper.increments.dq,     &stepper.increments.dp, &stepper.increments.dq_low,
+                             &stepper.increments.dp_low, &stepper.tail_share,    &stepper.tail_ratio};
+    for (size_t i = 0; i < 8; i++) *row_arrays[i] = tvi_arena_allocate_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
-    batch.tail = tvi_arena_allocate_doubles(arena, count);
-    batch.is_in_lanes = tvi_arena_allocate(arena, count * sizeof *batch.is_in_lanes);
-    batch.is_rough = tvi_arena_allocate(arena, count * sizeof *batch.is_rough);
-    allocate_batch_history(&batch, arena, unknowns * (size_t)options->degree);
-    if (taken) *taken = batch;
+    stepper.tail = tvi_arena_allocate_doubles(arena, count);
+    stepper.lanes_mask = tvi_arena_allocate(arena, count * sizeof *stepper.lanes_mask);
+    stepper.last_step_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_mask);
+    allocate_batch_history(&stepper, arena, unknowns * (size_t)options->degree);
+    if (taken) *taken = stepper;
     return taken;
 }
 
 static void prepare_batch_stepper(void *work)
 {
-    galerkin_batch_stepper *batch = work;
-    galerkin_stepper *single = batch->galerkin;
-    galerkin_nodes *nodes = &batch->nodes;
-    double *const drift = batch->step_data.drift, *const drift_low = batch->step_data.drift_low;
-    tvi_member_stepper_set_tables(&batch->single_member);
-    const galerkin_nodes *of_one = &single->field.nodes;
-    nodes->is_member_moving = batch->convergence.is_moving;
-    nodes->lanes = of_one->lanes;
-    nodes->moving_unknowns = of_one->moving_unknowns;
-    nodes->impulse_weight = of_one->impulse_weight;
-    nodes->impulse_scale = of_one->impulse_scale;
-    nodes->momentum_per_movement = of_one->momentum_per_movement;
-    nodes->subsystems = of_one->subsystems;
-    const galerkin_impulse_sums sums = batch->tail_inputs.impulse_sums;
-    batch->tail_inputs = single->tail_inputs;
-    batch->tail_inputs.impulse_sums = sums;
-    batch->step_data = single->step_data;
-    batch->step_data.kernels = *kernel_tables[single->field.system->field_values->sweeps->isa];
-    batch->step_data.nodes = nodes;
-    batch->step_data.tail_inputs = &batch->tail_inputs;
-    batch->step_data.drift = drift;
-    batch->step_data.drift_low = drift_low;
-    batch->step_data.tail_share = batch->tail_share;
-    batch->step_data.tail_ratio = batch->tail_ratio;
-    batch->step_data.impulse_ring = batch->impulse_ring;
+    galerkin_batch_stepper *stepper = work;
+    galerkin_stepper *single_stepper = stepper->single_stepper;
+    galerkin_nodes *nodes = &stepper->nodes;
+    double *const drift = stepper->step_data.drift, *const drift_low = stepper->step_data.drift_low;
+    tvi_member_stepper_set_tables(&stepper->member_stepper);
+    const galerkin_nodes *member_nodes = &single_stepper->field.nodes;
+    nodes->moving_mask = stepper->iteration.moving_mask;
+    nodes->lanes = member_nodes->lanes;
+    nodes->moving_unknowns = member_nodes->moving_unknowns;
+    nodes->impulse_weight = member_nodes->impulse_weight;
+    nodes->impulse_scale = member_nodes->impulse_scale;
+    nodes->momentum_per_unit_drift = member_nodes->momentum_per_unit_drift;
+    nodes->subsystems = member_nodes->subsystems;
+    const galerkin_impulse_sums sums = stepper->tail_inputs.impulse_sums;
+    stepper->tail_inputs = single_stepper->tail_inputs;
+    stepper->tail_inputs.impulse_sums = sums;
+    stepper->step_data = single_stepper->step_data;
+    stepper->step_data.kernels = *kernel_tables[single_stepper->field.system->field_values->sweeps->isa];
+    stepper->step_data.nodes = nodes;
+    stepper->step_data.tail_inputs = &stepper->tail_inputs;
+    stepper->step_data.drift = drift;
+    stepper->step_data.drift_low = drift_low;
+    stepper->step_data.tail_share = stepper->tail_share;
+    stepper->step_data.tail_ratio = stepper->tail_ratio;
+    stepper->step_data.impulse_ring = stepper->impulse_ring;
 }
 
 /* ---- Members one by one ------------------------------------------------------------------------------------------ */
 
 /* Copies the impulses of one member from the batch's array [unknowns][node_count][member_count] to an array
  * [unknowns][lanes]. */
-static void gather_member_impulses(const galerkin_batch_stepper *batch, const double *source, int member,
+static void gather_member_impulses(const galerkin_batch_stepper *stepper, const double *source, int member,
                                    double *destination)
 {
-    const galerkin_nodes *nodes = &batch->nodes;
+    const galerkin_nodes *nodes = &stepper->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
         tvi_gather_member(nodes->node_count, nodes->member_count, source + u * nodes->node_count * nodes->member_count,
                           member, destination + u * nodes->lanes);
 }
 
-static void scatter_member_impulses(const galerkin_batch_stepper *batch, const double *source, int member,
+static void scatter_member_impulses(const galerkin_batch_stepper *stepper, const double *source, int member,
                                     double *destination)
 {
-    const galerkin_nodes *nodes = &batch->nodes;
+    const galerkin_nodes *nodes = &stepper->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
         tvi_scatter_member(nodes->node_count, nodes->member_count, source + u * nodes->lanes, member,
                            destination + u * nodes->node_count * nodes->member_count);
 }
 
-static double *impulses_of_step(const galerkin_batch_stepper *batch, int steps_after_last)
+static double *impulses_of_step(const galerkin_batch_stepper *stepper, int steps_after_last)
 {
-    return galerkin_impulses_in_ring(&batch->step_data, (int)*batch->last_ring_index + steps_after_last);
+    return galerkin_impulses_in_ring(&stepper->step_data, (int)*stepper->last_ring_index + steps_after_last);
 }
 
 /* Copies the history of one lane to the history of a stepper for a single member. */
 static void copy_history_from_lane(const void *work, int lane, void *single_stepper)
 {
-    const galerkin_batch_stepper *batch = work;
+    const galerkin_batch_stepper *stepper = work;
     const galerkin_predictor *predictor = &((galerkin_stepper *)single_stepper)->predictor;
-    const galerkin_batch_history *last = &batch->history;
+    const galerkin_batch_history *last = &stepper->history;
     *predictor->history = (galerkin_history){.step_size = last->step_size[lane],
                                              .previous_step_size = last->previous_step_size[lane],
                                              .start_time = last->start_time[lane],
                                              .convergence = last->convergence[lane]};
     for (int i = 0; i < 2; i++)
-        gather_member_impulses(batch, impulses_of_step(batch, -i), lane, tvi_galerkin_impulses_of_step(predictor, -i));
+        gather_member_impulses(stepper, impulses_of_step(stepper, -i), lane, galerkin_impulses_of_step(predictor, -i));
 }
 
 static void copy_history_to_lane(void *work, int lane, const void *single_stepper)
 {
-    const galerkin_batch_stepper *batch = work;
+    const galerkin_batch_stepper *stepper = work;
     const galerkin_predictor *predictor = &((const galerkin_stepper *)single_stepper)->predictor;
-    batch->history.step_size[lane] = predictor->history->step_size;
-    batch->history.previous_step_size[lane] = predictor->history->previous_step_size;
-    batch->history.start_time[lane] = predictor->history->start_time;
-    batch->history.convergence[lane] = predictor->history->convergence;
+    stepper->history.step_size[lane] = predictor->history->step_size;
+    stepper->history.previous_step_size[lane] = predictor->history->previous_step_size;
+    stepper->history.start_time[lane] = predictor->history->start_time;
+    stepper->history.convergence[lane] = predictor->history->convergence;
     for (int i = 0; i < 2; i++)
-        scatter_member_impulses(batch, tvi_galerkin_impulses_of_step(predictor, -i), lane, impulses_of_step(batch, -i));
+        scatter_member_impulses(stepper, galerkin_impulses_of_step(predictor, -i), lane, impulses_of_step(stepper, -i));
 }
 
 static void forget_lane_history(void *work, int lane)
 {
-    const galerkin_batch_stepper *batch = work;
-    batch->history.step_size[lane] = batch->history.previous_step_size[lane] = batch->history.start_time[lane] = 0;
-    batch->history.convergence[lane] = (galerkin_convergence){0};
+    const galerkin_batch_stepper *stepper = work;
+    stepper->history.step_size[lane] = stepper->history.previous_step_size[lane] = stepper->history.start_time[lane] =
+        0;
+    stepper->history.convergence[lane] = (galerkin_convergence){0};
 }
 
 static bool is_ring_index_valid(const void *work)
@@ -210,32 +213,33 @@ static bool is_ring_index_valid(const void *work)
     return ring_index >= 0 && ring_index < GALERKIN_RING;
 }
 
-static void step_member_alone(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
-                              const tvi_batch_results *end, int member, tvi_stats *stats)
+static void step_member_alone(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
+                              const tvi_batch_results *results, int member, tvi_stats *stats)
 {
-    const jet_tape *tape = batch->galerkin->field.system->field_values;
-    copy_history_from_lane(batch, member, batch->galerkin);
-    if (tvi_step_member(&batch->single_member, tape, batch->nodes.values, batch->nodes.node_count, h, origin, end,
-                        member, stats))
-        copy_history_to_lane(batch, member, batch->galerkin);
+    const jet_tape *tape = stepper->single_stepper->field.system->field_values;
+    copy_history_from_lane(stepper, member, stepper->single_stepper);
+    if (tvi_step_member(&stepper->member_stepper, tape, stepper->nodes.values, stepper->nodes.node_count, h, origins,
+                        results, member, stats))
+        copy_history_to_lane(stepper, member, stepper->single_stepper);
 }
 
 /* ---- Members in lanes -------------------------------------------------------------------------------------------- */
 
 /* Selects the members whose last step had size h and ended at the time t, so that this step can be made in lanes.
  * Returns how many they are. */
-static int select_members_that_continue(galerkin_batch_stepper *batch, double h, const double t[],
-                                        const tvi_status status[])
+static int select_members_for_lanes(galerkin_batch_stepper *stepper, double h, const double t[],
+                                    const tvi_status status[])
 {
-    const galerkin_batch_history *last = &batch->history;
+    const galerkin_batch_history *last = &stepper->history;
     int count = 0;
-    for (int member = 0; member < batch->nodes.member_count; member++) {
+    for (int member = 0; member < stepper->nodes.member_count; member++) {
         const bool goes_on = status[member] == TVI_OK && last->step_size[member] == h &&
                              fabs(t[member] - (last->start_time[member] + h)) < 0.25 * fabs(h);
-        batch->convergence.slowest_contraction[member] = last->convergence[member].slowest_contraction;
-        batch->is_in_lanes[member] = batch->convergence.is_moving[member] = goes_on ? -1 : 0;
-        batch->is_rough[member] = galerkin_is_prediction_rough(
-            &batch->step_data, last->previous_step_size[member] == h ? 2 : 1, last->convergence[member].first_movement);
+        stepper->iteration.largest_contraction_ratio[member] = last->convergence[member].largest_contraction_ratio;
+        stepper->lanes_mask[member] = stepper->iteration.moving_mask[member] = goes_on ? -1 : 0;
+        stepper->last_step_mask[member] =
+            galerkin_mask_rough_prediction(&stepper->step_data, last->previous_step_size[member] == h ? 2 : 1,
+                                           last->convergence[member].first_movement);
         count += goes_on;
     }
     return count;
@@ -243,134 +247,137 @@ static int select_members_that_continue(galerkin_batch_stepper *batch, double h,
 
 /* Sets the unknowns of a member that is stepped alone to the start of its step, where the field can be evaluated,
  * and lets no pass move them. */
-static void freeze_member_at_start(galerkin_batch_stepper *batch, int member)
+static void freeze_member_at_start(galerkin_batch_stepper *stepper, int member)
 {
-    const galerkin_nodes *nodes = &batch->nodes;
-    batch->convergence.is_moving[member] = 0;
+    const galerkin_nodes *nodes = &stepper->nodes;
+    stepper->iteration.moving_mask[member] = 0;
     for (int at = member; at < nodes->unknowns * nodes->node_count * nodes->member_count; at += nodes->member_count) {
-        nodes->impulses[at] = nodes->free_values_low[at] = 0;
-        nodes->free_values[at] =
+        nodes->impulses[at] = nodes->drift_values_low[at] = 0;
+        nodes->drift_values[at] =
             nodes->start_values[at / (nodes->node_count * nodes->member_count) * nodes->member_count + member];
     }
 }
 
-static void set_node_times(const galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin)
+static void set_node_times(const galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins)
 {
-    const galerkin_nodes *nodes = &batch->nodes;
+    const galerkin_nodes *nodes = &stepper->nodes;
     double *t = nodes->values + nodes->unknowns * nodes->node_count * nodes->member_count;
-    if (!batch->galerkin->field.system->uses_time) return;
+    if (!stepper->single_stepper->field.system->uses_time) return;
     for (int i = 0; i < nodes->node_count; i++)
         for (int member = 0; member < nodes->member_count; member++)
-            *t++ = origin->t[member] + (origin->t_low[member] + h * batch->galerkin->coefficients.node_abscissa[i]);
+            *t++ = origins->t[member] +
+                   (origins->t_low[member] + h * stepper->single_stepper->coefficients.node_abscissa[i]);
 }
 
 /* The data of a pass of all members that are stepped in lanes. */
 typedef struct {
-    galerkin_batch_stepper *batch;
+    galerkin_batch_stepper *stepper;
     tvi_stats *stats;
 } batch_pass_work;
 
 /* Makes a pass of all members in lanes. Members whose unknowns leave the field's domain are stepped alone
  * afterwards. */
-static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff)
+static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff)
 {
-    const batch_pass_work *step = work;
-    galerkin_batch_stepper *batch = step->batch;
-    const galerkin_field *field = &batch->galerkin->field;
+    const batch_pass_work *pass_work = work;
+    galerkin_batch_stepper *stepper = pass_work->stepper;
+    const galerkin_field *field = &stepper->single_stepper->field;
     const jet_tape *tape = field->system->field_values;
     const bool is_inside = tape->sweeps->values(tape, nodes->values, nodes->node_count * nodes->member_count);
     (void)roundoff;
     for (int member = 0; member < nodes->member_count; member++) {
-        if (!nodes->is_member_moving[member]) continue;
-        step->stats->force_evaluations += nodes->node_count;
-        step->stats->passes++;
+        if (!nodes->moving_mask[member]) continue;
+        pass_work->stats->force_evaluations += nodes->node_count;
+        pass_work->stats->passes++;
         if (!is_inside &&
-            !tvi_is_member_inside_domain(&batch->single_member, tape, nodes->values, nodes->node_count, member))
-            freeze_member_at_start(batch, member);
+            !tvi_is_member_inside_domain(&stepper->member_stepper, tape, nodes->values, nodes->node_count, member))
+            freeze_member_at_start(stepper, member);
     }
-    batch->step_data.kernels->move(nodes, batch->step_data.impulse_matrix, nodes->values, field->rate_row, moved);
+    stepper->step_data.kernels->move(nodes, stepper->step_data.impulse_matrix, nodes->values, field->rate_row,
+                                     movement);
     return TVI_OK;
 }
 
-static void solve_members_in_lanes(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
-                                   const tvi_step_origin *lanes_origin, tvi_stats *stats)
+static void solve_members_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
+                                   const tvi_step_origin *origin, tvi_stats *stats)
 {
-    const galerkin_nodes *nodes = &batch->nodes;
-    const galerkin_extrapolation by =
-        galerkin_extrapolate_last_steps(&batch->step_data, (int)*batch->last_ring_index, batch->is_rough);
-    batch_pass_work step = {batch, stats};
-    galerkin_start_unknowns(&batch->step_data, nodes, lanes_origin);
+    const galerkin_nodes *nodes = &stepper->nodes;
+    const galerkin_extrapolation extrapolation =
+        galerkin_select_extrapolation(&stepper->step_data, (int)*stepper->last_ring_index, stepper->last_step_mask);
+    batch_pass_work pass_work = {stepper, stats};
+    galerkin_set_drift_values(&stepper->step_data, nodes, origin);
     for (int member = 0; member < nodes->member_count; member++)
-        if (!batch->is_in_lanes[member]) freeze_member_at_start(batch, member);
-    batch->step_data.kernels->predict(nodes, &by);
-    set_node_times(batch, h, origin);
-    batch->step_data.kernels->set_sizes(nodes, batch->galerkin->n);
-    galerkin_iterate_members(&batch->step_data, nodes,
-                             &(galerkin_pass_functions){.pass = make_batch_pass, .work = &step}, &batch->convergence);
+        if (!stepper->lanes_mask[member]) freeze_member_at_start(stepper, member);
+    stepper->step_data.kernels->predict(nodes, &extrapolation);
+    set_node_times(stepper, h, origins);
+    stepper->step_data.kernels->set_sizes(nodes, stepper->single_stepper->n);
+    galerkin_iterate_members(&stepper->step_data, nodes,
+                             &(galerkin_pass_functions){.make_pass = make_batch_pass, .work = &pass_work},
+                             &stepper->iteration);
     for (int member = 0; member < nodes->member_count; member++)
-        batch->is_in_lanes[member] = batch->convergence.has_ended[member];
+        stepper->lanes_mask[member] = stepper->iteration.converged_mask[member];
 }
 
 /* Moves the impulses of members that are not stepped in lanes by one place in the ring, so that their history stays
  * the same when the ring advances. */
-static void keep_impulses_of_other_members(const galerkin_batch_stepper *batch)
+static void shift_impulses_of_lone_members(const galerkin_batch_stepper *stepper)
 {
-    const int member_count = batch->nodes.member_count, rows = batch->nodes.unknowns * batch->nodes.node_count;
-    double *const before = impulses_of_step(batch, -1), *const last = impulses_of_step(batch, 0),
-                  *const next = impulses_of_step(batch, 1);
+    const int member_count = stepper->nodes.member_count, rows = stepper->nodes.unknowns * stepper->nodes.node_count;
+    double *const before = impulses_of_step(stepper, -1), *const last = impulses_of_step(stepper, 0),
+                  *const next = impulses_of_step(stepper, 1);
     for (int member = 0; member < member_count; member++)
-        for (int at = member; at < rows * member_count && !batch->is_in_lanes[member]; at += member_count) {
+        for (int at = member; at < rows * member_count && !stepper->lanes_mask[member]; at += member_count) {
             next[at] = last[at];
             last[at] = before[at];
         }
-    *batch->last_ring_index = (*batch->last_ring_index + 1) % GALERKIN_RING;
+    *stepper->last_ring_index = (*stepper->last_ring_index + 1) % GALERKIN_RING;
 }
 
 /* Copies the numbers of all members that were stepped in lanes. */
-static void copy_members_in_lanes(const galerkin_batch_stepper *batch, int rows, const double *source,
+static void copy_members_in_lanes(const galerkin_batch_stepper *stepper, int rows, const double *source,
                                   double *destination)
 {
-    const int member_count = batch->nodes.member_count;
+    const int member_count = stepper->nodes.member_count;
     for (int i = 0; i < rows; i++, source += member_count, destination += member_count)
         for (int member = 0; member < member_count; member++)
-            destination[member] = batch->is_in_lanes[member] ? source[member] : destination[member];
+            destination[member] = stepper->lanes_mask[member] ? source[member] : destination[member];
 }
 
-static void finish_step_in_lanes(galerkin_batch_stepper *batch, double h, const tvi_batch_origin *origin,
-                                 const tvi_step_origin *lanes_origin, const tvi_batch_results *end)
+static void finish_step_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
+                                 const tvi_step_origin *origin, const tvi_batch_results *results)
 {
-    const int n = batch->galerkin->n;
-    galerkin_compute_increments(&batch->step_data, &batch->nodes, lanes_origin, &batch->increments, batch->tail);
-    keep_impulses_of_other_members(batch);
-    copy_members_in_lanes(batch, n, batch->increments.dq, end->increments.dq);
-    copy_members_in_lanes(batch, n, batch->increments.dp, end->increments.dp);
-    copy_members_in_lanes(batch, n, batch->increments.dq_low, end->increments.dq_low);
-    copy_members_in_lanes(batch, n, batch->increments.dp_low, end->increments.dp_low);
-    copy_members_in_lanes(batch, 1, batch->tail, end->tail);
-    copy_members_in_lanes(batch, 1, origin->t, batch->history.start_time);
-    for (int member = 0; member < batch->nodes.member_count; member++) {
-        if (!batch->is_in_lanes[member]) continue;
-        batch->history.previous_step_size[member] = h;
-        batch->history.convergence[member] = (galerkin_convergence){batch->convergence.slowest_contraction[member],
-                                                                    batch->convergence.first_movement[member]};
-        end->passes[member] = (int)batch->convergence.pass_count[member];
+    const int n = stepper->single_stepper->n;
+    galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments, stepper->tail);
+    shift_impulses_of_lone_members(stepper);
+    copy_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
+    copy_members_in_lanes(stepper, n, stepper->increments.dp, results->increments.dp);
+    copy_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
+    copy_members_in_lanes(stepper, n, stepper->increments.dp_low, results->increments.dp_low);
+    copy_members_in_lanes(stepper, 1, stepper->tail, results->tail);
+    copy_members_in_lanes(stepper, 1, origins->t, stepper->history.start_time);
+    for (int member = 0; member < stepper->nodes.member_count; member++) {
+        if (!stepper->lanes_mask[member]) continue;
+        stepper->history.previous_step_size[member] = h;
+        stepper->history.convergence[member] = (galerkin_convergence){
+            stepper->iteration.largest_contraction_ratio[member], stepper->iteration.first_movement[member]};
+        results->passes[member] = (int)stepper->iteration.pass_count[member];
     }
 }
 
-static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end,
+static void step_batch(void *work, double h, const tvi_batch_origin *origins, const tvi_batch_results *results,
                        tvi_stats *stats)
 {
-    galerkin_batch_stepper *batch = work;
-    const tvi_step_origin lanes_origin = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};
-    tvi_galerkin_set_step_size(batch->galerkin, h);
-    batch->nodes.impulses = impulses_of_step(batch, 1);
-    if (select_members_that_continue(batch, h, origin->t, end->status) > 0) {
-        solve_members_in_lanes(batch, h, origin, &lanes_origin, stats);
-        finish_step_in_lanes(batch, h, origin, &lanes_origin, end);
+    galerkin_batch_stepper *stepper = work;
+    const tvi_step_origin origin = {0, 0, origins->q, origins->q_low, origins->p, origins->p_low};
+    tvi_galerkin_set_step_size(stepper->single_stepper, h);
+    stepper->nodes.impulses = impulses_of_step(stepper, 1);
+    if (select_members_for_lanes(stepper, h, origins->t, results->status) > 0) {
+        solve_members_in_lanes(stepper, h, origins, &origin, stats);
+        finish_step_in_lanes(stepper, h, origins, &origin, results);
     }
-    for (int member = 0; member < batch->nodes.member_count; member++)
-        if (end->status[member] == TVI_OK && !batch->is_in_lanes[member])
-            step_member_alone(batch, h, origin, end, member, stats);
+    for (int member = 0; member < stepper->nodes.member_count; member++)
+        if (results->status[member] == TVI_OK && !stepper->lanes_mask[member])
+            step_member_alone(stepper, h, origins, results, member, stats);
 }
 
 const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,

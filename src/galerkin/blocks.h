@@ -25,8 +25,8 @@ typedef bool galerkin_sweep(const galerkin_tape_blocks *blocks, bool with_hessia
 
 /* Evaluates the gradient at the points whose coordinates are in values_block, with or without second derivatives.
  * Returns the block that contains the result, or NULL if an operand is outside its domain. */
-static inline const double *galerkin_sweep_gradient(const galerkin_tape_blocks *blocks, galerkin_sweep *sweep,
-                                                    bool with_hessian)
+static inline const double *galerkin_evaluate_gradient(const galerkin_tape_blocks *blocks, galerkin_sweep *sweep,
+                                                       bool with_hessian)
 {
     if (with_hessian)
         memcpy(blocks->hessian_block, blocks->values_block, (size_t)(blocks->inputs * blocks->lanes) * sizeof(double));
@@ -35,14 +35,14 @@ static inline const double *galerkin_sweep_gradient(const galerkin_tape_blocks *
 
 /* Evaluates the gradient at the nodes, whose coordinates are q [n][lanes] and the velocities or momenta second_input
  * [n][lanes]. */
-static inline const double *galerkin_sweep_gradient_at(const galerkin_tape_blocks *blocks, galerkin_sweep *sweep,
-                                                       bool with_hessian, const double *first,
-                                                       const double *second_input)
+static inline const double *galerkin_evaluate_gradient_at_nodes(const galerkin_tape_blocks *blocks,
+                                                                galerkin_sweep *sweep, bool with_hessian,
+                                                                const double *q, const double *second_input)
 {
     const int half = blocks->n * blocks->lanes;
-    memcpy(blocks->values_block, first, (size_t)half * sizeof *first);
+    memcpy(blocks->values_block, q, (size_t)half * sizeof *q);
     memcpy(blocks->values_block + half, second_input, (size_t)half * sizeof *second_input);
-    return galerkin_sweep_gradient(blocks, sweep, with_hessian);
+    return galerkin_evaluate_gradient(blocks, sweep, with_hessian);
 }
 
 /* Predicts the rates of the unknowns from the impulses of earlier steps. A rate is an impulse divided by h b. In the

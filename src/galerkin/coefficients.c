@@ -28,16 +28,16 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
 {
     const int m = coefficients->node_count;
     double left = 1;
-    tvi_quadrature_compute_nodes(TVI_GAUSS, m, coefficients->exact_abscissa, coefficients->exact_weight);
+    tvi_quadrature_compute_nodes(TVI_GAUSS, m, coefficients->long_abscissa, coefficients->long_weight);
     for (int i = 0; i < m; i++) {
-        coefficients->exact_abscissa[i] = (1 + coefficients->exact_abscissa[i]) / 2;
-        coefficients->exact_weight[i] /= 2;
+        coefficients->long_abscissa[i] = (1 + coefficients->long_abscissa[i]) / 2;
+        coefficients->long_weight[i] /= 2;
     }
     for (int i = 0; i < (m + 1) / 2; i++) {
-        coefficients->node_abscissa[i] = round_to_binary_grid(coefficients->exact_abscissa[i], 53);
+        coefficients->node_abscissa[i] = round_to_binary_grid(coefficients->long_abscissa[i], 53);
         coefficients->node_abscissa[m - 1 - i] = 1 - coefficients->node_abscissa[i];
         coefficients->node_weight[i] = coefficients->node_weight[m - 1 - i] =
-            i < m - 1 - i ? round_to_binary_grid(coefficients->exact_weight[i], 53) : left;
+            i < m - 1 - i ? round_to_binary_grid(coefficients->long_weight[i], 53) : left;
         left -= 2 * coefficients->node_weight[i];
     }
     if (m % 2 == 0)
@@ -49,44 +49,45 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
 
 /* Sets the weights of the sums at the end of a step. The last one is that of the tail. The rate of an unknown is sum_k
  * f_k P_k(x), x in [-1, 1], with P_k Legendre's polynomials; f_k, k = m - 1, is the last term at the ends. */
-static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_dense_output *dense)
+static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials)
 {
     const int m = coefficients->node_count;
     for (int j = 0; j < m; j++) {
         coefficients->end_weights.one_minus_abscissa[j] = 1 - coefficients->node_abscissa[j];
-        coefficients->end_weights.last_term_weight[j] = dense->coefficient_of_node[j * coefficients->lanes + m - 1];
+        coefficients->end_weights.last_term_weight[j] =
+            polynomials->transposed_coefficient[j * coefficients->lanes + m - 1];
     }
 }
 
 /* The factor (i, j), i >= j, of impulses: (a a)_ij / b_j of a separable system, otherwise a_ij / b_j, from ab = a_ij /
  * b_j. The product a a is not the double integral, whose method is not symplectic. */
 static long double compute_impulse_factor(const galerkin_coefficients *coefficients, bool is_second_order,
-                                          long double node_integral[][MAX_LANES], int i, int j)
+                                          long double collocation_matrix[][MAX_LANES], int i, int j)
 {
     long double square = 0;
-    if (!is_second_order) return node_integral[i][j];
+    if (!is_second_order) return collocation_matrix[i][j];
     for (int k = 0; k < coefficients->node_count; k++)
-        square += node_integral[i][k] * coefficients->exact_weight[k] * node_integral[k][j];
+        square += collocation_matrix[i][k] * coefficients->long_weight[k] * collocation_matrix[k][j];
     return square;
 }
 
 /* Sets the matrix. The elements nu_ij are on a grid, too. The entries above the diagonal follow from the condition of
  * symplecticity, which then holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, otherwise nu_ij + nu_ji =
  * 1; and from that of symmetry, nu_ij = nu_{m-1-j, m-1-i}. */
-static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerkin_dense_output *dense,
+static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials,
                                bool is_second_order)
 {
-    long double node_integral[MAX_LANES][MAX_LANES];
+    long double collocation_matrix[MAX_LANES][MAX_LANES];
     const int m = coefficients->node_count, lanes = coefficients->lanes;
     double *matrix = coefficients->impulse_matrix;
     for (int i = 0; i < m; i++)
-        tvi_galerkin_integrate_node_polynomials(dense, coefficients->exact_abscissa[i], coefficients->exact_abscissa,
-                                                node_integral[i]);
+        tvi_galerkin_integrate_node_polynomials(polynomials, coefficients->long_abscissa[i],
+                                                coefficients->long_abscissa, collocation_matrix[i]);
     for (int i = 0; i < m; i++)
         for (int j = 0; j <= i; j++) {
             const long double exact =
-                compute_impulse_factor(coefficients, is_second_order, node_integral, i, j) +
-                compute_impulse_factor(coefficients, is_second_order, node_integral, m - 1 - j, m - 1 - i);
+                compute_impulse_factor(coefficients, is_second_order, collocation_matrix, i, j) +
+                compute_impulse_factor(coefficients, is_second_order, collocation_matrix, m - 1 - j, m - 1 - i);
             const double nu = round_to_binary_grid(exact / 2, 52);
             matrix[j * lanes + i] = nu;
             matrix[i * lanes + j] =
@@ -96,11 +97,11 @@ static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerk
         for (int j = 0; j < m; j++) matrix[j * lanes + lane] = matrix[j * lanes + m - 1];
 }
 
-void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_dense_output *dense,
+void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_node_polynomials *polynomials,
                                        bool is_second_order)
 {
     set_nodes_and_weights(coefficients);
-    tvi_galerkin_prepare_dense_output(dense, coefficients->lanes, coefficients->exact_abscissa);
-    set_end_weights(coefficients, dense);
-    set_impulse_matrix(coefficients, dense, is_second_order);
+    tvi_galerkin_prepare_node_polynomials(polynomials, coefficients->lanes, coefficients->long_abscissa);
+    set_end_weights(coefficients, polynomials);
+    set_impulse_matrix(coefficients, polynomials, is_second_order);
 }

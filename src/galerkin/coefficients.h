@@ -13,13 +13,13 @@ typedef struct {
     /* [j][i] The factor of the impulse of node j in an unknown at node i. */
     double *impulse_matrix;
     galerkin_end_weights end_weights;
-    long double exact_abscissa[TVI_GALERKIN_MAX_LANES], exact_weight[TVI_GALERKIN_MAX_LANES];
+    long double long_abscissa[TVI_GALERKIN_MAX_LANES], long_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 
 void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi_arena *arena, int node_count,
                                         int lanes);
 /* Computes the coefficients for Q'' = F, or for Q' = V, P' = F. It also prepares the dense output, whose integrals they
  * use. */
-void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_dense_output *dense,
+void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_node_polynomials *polynomials,
                                        bool is_second_order);
 #endif

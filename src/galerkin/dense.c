@@ -3,60 +3,61 @@
 
 enum { MAX_POINTS = TVI_GALERKIN_MAX_LANES };
 
-void tvi_galerkin_allocate_dense_output(galerkin_dense_output *dense, tvi_arena *arena, int node_count, int lanes,
-                                        const jet_sweeps *sweeps)
+void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
+                                            int lanes, const jet_sweeps *sweeps)
 {
-    dense->node_count = node_count;
-    dense->sweeps = sweeps;
-    dense->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
-    dense->coefficient_of_node = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
-    dense->single_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
-    dense->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->node_count = node_count;
+    polynomials->sweeps = sweeps;
+    polynomials->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
+    polynomials->transposed_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
+    polynomials->single_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
 /* Computes P_0 .. P_top of x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
-static void evaluate_legendre_polynomials(const galerkin_dense_output *dense, int top, long double s, long double P[])
+static void evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int top, long double s,
+                                          long double P[])
 {
     const long double x = 2 * s - 1;
     P[0] = 1;
     P[1] = x;
-    for (int k = 1; k < top; k++) P[k + 1] = ((2 * k + 1) * x * P[k] - k * P[k - 1]) * dense->inverse_integer[k + 1];
+    for (int k = 1; k < top; k++) P[k + 1] = ((2 * k + 1) * x * P[k] - k * P[k - 1]) * polynomials->reciprocal[k + 1];
 }
 
 /* Computes the coefficients (2 k + 1) P_k(2 c_j - 1) of l_j / b_j, since the Gauss rule is exact for l_j P_k. */
-static void set_legendre_coefficients(galerkin_dense_output *dense, int lanes, const long double node[])
+static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
-    const int m = dense->node_count;
+    const int m = polynomials->node_count;
     long double P[MAX_POINTS + 1];
     for (int j = 0; j < m; j++) {
-        evaluate_legendre_polynomials(dense, m, node[j], P);
+        evaluate_legendre_polynomials(polynomials, m, node[j], P);
         for (int k = 0; k < m; k++)
-            dense->legendre_coefficient[k * m + j] = dense->coefficient_of_node[j * lanes + k] =
+            polynomials->legendre_coefficient[k * m + j] = polynomials->transposed_coefficient[j * lanes + k] =
                 (double)((2 * k + 1) * P[k]);
     }
 }
 
-void tvi_galerkin_prepare_dense_output(galerkin_dense_output *dense, int lanes, const long double node[])
+void tvi_galerkin_prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
     double single_integral[MAX_POINTS], double_integral[MAX_POINTS];
-    for (int k = 1; k < MAX_POINTS + 2; k++) dense->inverse_integer[k] = 1 / (long double)k;
-    for (int k = 1; k < MAX_POINTS + 1; k++) dense->integral_factor[k] = 1 / (long double)(4 * k + 2);
-    set_legendre_coefficients(dense, lanes, node);
+    for (int k = 1; k < MAX_POINTS + 2; k++) polynomials->reciprocal[k] = 1 / (long double)k;
+    for (int k = 1; k < MAX_POINTS + 1; k++) polynomials->legendre_integral_factor[k] = 1 / (long double)(4 * k + 2);
+    set_legendre_coefficients(polynomials, lanes, node);
     for (int place = 0; place < TVI_SAMPLES; place++) {
-        tvi_galerkin_integrate_dense_output(dense, tvi_sample_theta[place], single_integral, double_integral);
-        for (int j = 0; j < dense->node_count; j++) {
-            dense->single_integral[j * TVI_SAMPLES + place] = single_integral[j];
-            dense->double_integral[j * TVI_SAMPLES + place] = double_integral[j];
+        tvi_galerkin_integrate_twice(polynomials, tvi_sample_theta[place], single_integral, double_integral);
+        for (int j = 0; j < polynomials->node_count; j++) {
+            polynomials->single_integral[j * TVI_SAMPLES + place] = single_integral[j];
+            polynomials->double_integral[j * TVI_SAMPLES + place] = double_integral[j];
         }
     }
 }
 
-void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_dense_output *dense, int lanes, const double s[],
-                                                double *P)
+void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int lanes,
+                                                const double s[], double *P)
 {
     for (int i = 0; i < lanes; i++) P[i] = 1;
-    for (int i = 0; i < lanes && dense->node_count > 1; i++) P[lanes + i] = 2 * s[i] - 1;
-    for (int k = 1; k < dense->node_count - 1; k++) {
+    for (int i = 0; i < lanes && polynomials->node_count > 1; i++) P[lanes + i] = 2 * s[i] - 1;
+    for (int k = 1; k < polynomials->node_count - 1; k++) {
         const double rise = (2 * k + 1) / (k + 1.0), fall = k / (k + 1.0);
         double *now = P + k * lanes;
         for (int i = 0; i < lanes; i++) now[lanes + i] = rise * P[lanes + i] * now[i] - fall * now[i - lanes];
@@ -64,39 +65,41 @@ void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_dense_output *den
 }
 
 /* Computes I_k = int_0^s P_k(2 r - 1) dr, k <= points: I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2). */
-static void integrate_legendre_polynomials(const galerkin_dense_output *dense, long double s, long double I[])
+static void integrate_legendre_polynomials(const galerkin_node_polynomials *polynomials, long double s, long double I[])
 {
     long double P[MAX_POINTS + 2];
-    evaluate_legendre_polynomials(dense, dense->node_count + 1, s, P);
+    evaluate_legendre_polynomials(polynomials, polynomials->node_count + 1, s, P);
     I[0] = s;
-    for (int k = 1; k <= dense->node_count; k++) I[k] = (P[k + 1] - P[k - 1]) * dense->integral_factor[k];
+    for (int k = 1; k <= polynomials->node_count; k++)
+        I[k] = (P[k + 1] - P[k - 1]) * polynomials->legendre_integral_factor[k];
 }
 
-void tvi_galerkin_integrate_node_polynomials(const galerkin_dense_output *dense, long double s,
+void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, long double s,
                                              const long double node[], long double single_integral[])
 {
     long double P[MAX_POINTS + 1], I[MAX_POINTS + 1];
-    integrate_legendre_polynomials(dense, s, I);
-    for (int j = 0; j < dense->node_count; j++) {
-        evaluate_legendre_polynomials(dense, dense->node_count, node[j], P);
+    integrate_legendre_polynomials(polynomials, s, I);
+    for (int j = 0; j < polynomials->node_count; j++) {
+        evaluate_legendre_polynomials(polynomials, polynomials->node_count, node[j], P);
         single_integral[j] = 0;
-        for (int k = dense->node_count - 1; k >= 0; k--) single_integral[j] += (2 * k + 1) * P[k] * I[k];
+        for (int k = polynomials->node_count - 1; k >= 0; k--) single_integral[j] += (2 * k + 1) * P[k] * I[k];
     }
 }
 
 /* Computes both integrals. The integral of I_k is s^2 / 2 for k = 0, and (I_{k+1} - I_{k-1}) / (4 k + 2) otherwise.
  * For a small s these differences lose only digits beyond those of a double. */
-void tvi_galerkin_integrate_dense_output(const galerkin_dense_output *dense, double s, double single_integral[],
-                                         double double_integral[])
+void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
+                                  double double_integral[])
 {
-    const int m = dense->node_count;
+    const int m = polynomials->node_count;
     long double I[MAX_POINTS + 1];
     double first[MAX_POINTS], second[MAX_POINTS];
-    integrate_legendre_polynomials(dense, s, I);
+    integrate_legendre_polynomials(polynomials, s, I);
     for (int k = 0; k < m; k++) {
         first[k] = (double)I[k];
-        second[k] = (double)(k > 0 ? (I[k + 1] - I[k - 1]) * dense->integral_factor[k] : I[0] * I[0] / 2);
+        second[k] =
+            (double)(k > 0 ? (I[k + 1] - I[k - 1]) * polynomials->legendre_integral_factor[k] : I[0] * I[0] / 2);
     }
-    dense->sweeps->combine(m, first, 1, m, dense->legendre_coefficient, single_integral);
-    dense->sweeps->combine(m, second, 1, m, dense->legendre_coefficient, double_integral);
+    polynomials->sweeps->combine(m, first, 1, m, polynomials->legendre_coefficient, single_integral);
+    polynomials->sweeps->combine(m, second, 1, m, polynomials->legendre_coefficient, double_integral);
 }

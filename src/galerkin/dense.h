@@ -11,27 +11,27 @@ typedef struct {
     const jet_sweeps *sweeps;
     /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
     double *legendre_coefficient;
-    long double inverse_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */
+    long double reciprocal[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */
     /* [k] 1 / (4 k + 2), a factor in integrals of Legendre's polynomials. */
-    long double integral_factor[TVI_GALERKIN_MAX_LANES + 1];
+    long double legendre_integral_factor[TVI_GALERKIN_MAX_LANES + 1];
     /* [j][lanes] legendre_coefficient, transposed: a row for each node. */
-    double *coefficient_of_node;
+    double *transposed_coefficient;
     /* [lanes][TVI_SAMPLES] The integrals of l_j / b_j up to the sample points, once and twice. */
     double *single_integral, *double_integral;
-} galerkin_dense_output;
+} galerkin_node_polynomials;
 
-void tvi_galerkin_allocate_dense_output(galerkin_dense_output *dense, tvi_arena *arena, int node_count, int lanes,
-                                        const jet_sweeps *sweeps);
+void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
+                                            int lanes, const jet_sweeps *sweeps);
 /* Prepares the tables for the Gauss nodes of [0, 1]. */
-void tvi_galerkin_prepare_dense_output(galerkin_dense_output *dense, int lanes, const long double node[]);
+void tvi_galerkin_prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[]);
 /* Computes P[k][i] = P_k(2 s_i - 1), k < points, i < lanes. */
-void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_dense_output *dense, int lanes, const double s[],
-                                                double *P);
+void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int lanes,
+                                                const double s[], double *P);
 /* Computes single_integral[j] = int_0^s l_j / b_j in long double, from the Gauss nodes. */
-void tvi_galerkin_integrate_node_polynomials(const galerkin_dense_output *dense, long double s,
+void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, long double s,
                                              const long double node[], long double single_integral[]);
 /* Computes single_integral[j] = int_0^s l_j / b_j and double_integral[j] = int_0^s (s - r) l_j(r) / b_j dr. */
-void tvi_galerkin_integrate_dense_output(const galerkin_dense_output *dense, double s, double single_integral[],
-                                         double double_integral[]);
+void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
+                                  double double_integral[]);
 
 #endif

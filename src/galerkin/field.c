@@ -5,7 +5,7 @@
 
 static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)
 {
-    field->saved_row_count = field->nodes.unknowns;
+    field->pass_input_row_count = field->nodes.unknowns;
     field->nodes.values = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
     field->tape_block = field->nodes.values;
     field->rate_to_unknown = field->impulse_matrix;
@@ -24,16 +24,16 @@ static void prepare_fixed_point_field(galerkin_field *field)
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = find_rate_slot(field->system, u);
 }
 
-void tvi_galerkin_displace_outputs(const galerkin_field *field, const jet_tape *tape, double *x)
+void tvi_galerkin_add_value_displacements(const galerkin_field *field, const jet_tape *tape, double *block)
 {
     const int lanes = field->nodes.lanes;
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
-            x[tape->output_slot[i] * lanes + lane] +=
-                tvi_roundoff_sign_randomly(field->value_noise, field->value_noise->field_change[i]);
+            block[tape->output_slot[i] * lanes + lane] +=
+                tvi_roundoff_sign_randomly(field->value_displacements, field->value_displacements->field_change[i]);
 }
 
-static tvi_status start_fixed_point_unknowns(galerkin_field *field, const tvi_step_origin *origin)
+static tvi_status predict_fixed_point_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
     (void)origin;
@@ -58,7 +58,7 @@ const galerkin_field_form tvi_galerkin_form_plain = {-1,
                                                      &tvi_galerkin_fixed_point,
                                                      allocate_fixed_point_field,
                                                      prepare_fixed_point_field,
-                                                     start_fixed_point_unknowns,
+                                                     predict_fixed_point_from_start,
                                                      predict_fixed_point_unknowns,
                                                      NULL,
                                                      emit_fixed_point_field,

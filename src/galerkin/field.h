@@ -22,7 +22,7 @@ typedef struct {
     const galerkin_kernels *kernels;
     int node_count; /* the number of nodes; further lanes repeat the last node */
     galerkin_nodes nodes;
-    int saved_row_count; /* the number of rows of nodes.values that a pass starts from */
+    int pass_input_row_count; /* the number of rows of nodes.values that a pass starts from */
     /* The step for which the weights and scales of the nodes were computed; 0 before the first step. */
     double step_size;
     double *node_weight; /* [lanes] */
@@ -35,7 +35,7 @@ typedef struct {
      * rates. */
     double *rate_to_unknown;
     /* The displacements that are added to the field's values while roundoff is measured; NULL otherwise. */
-    tvi_roundoff *value_noise;
+    tvi_roundoff *value_displacements;
     void *form_work; /* the work of the field's form */
 } galerkin_field;
 
@@ -43,16 +43,16 @@ struct galerkin_field_form {
     int force_sign; /* 1 or -1: the factor from the tape's output to the rate of P */
     /* The rule that ends passes, for a single unknown at one node. */
     const tvi_passes_rule *rule;
-    void (*take)(galerkin_field *field, tvi_arena *arena);
+    void (*allocate)(galerkin_field *field, tvi_arena *arena);
     /* Prepares the form after the coefficients have been computed. */
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
-    tvi_status (*start)(galerkin_field *field, const tvi_step_origin *origin);
+    tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
     /* Predicts the unknowns from the impulses of earlier steps, by tables that are multiplied by rate_to_unknown. */
-    void (*predict)(galerkin_field *field, const galerkin_extrapolation *by);
-    /* Makes a pass, without counting it. If the form has NULL here, tvi_galerkin_make_pass evaluates the field and
+    void (*predict)(galerkin_field *field, const galerkin_extrapolation *extrapolation);
+    /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
      * moves the unknowns itself. */
-    tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
+    tvi_status (*pass)(galerkin_field *field, double *movement, tvi_stats *stats);
     /* Writes the form's constants into generated code. `text` is the text of the form's generated steps
      * (generated_*.h). */
     void (*emit)(jet_text *text, const galerkin_field *field);
@@ -85,40 +85,40 @@ extern const char *const tvi_embedded_galerkin_hamiltonian[];
 static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
 /* Adds the displacements of value_noise to the outputs of a tape in its block x. */
-void tvi_galerkin_displace_outputs(const galerkin_field *field, const jet_tape *tape, double *x);
+void tvi_galerkin_add_value_displacements(const galerkin_field *field, const jet_tape *tape, double *block);
 
 /* Evaluates the field's tape at the unknowns, which are its inputs. */
 static inline tvi_status galerkin_evaluate_field(galerkin_field *field)
 {
     const jet_tape *tape = field->system->field_values;
-    double *x = field->nodes.values;
-    if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
-    if (field->value_noise) tvi_galerkin_displace_outputs(field, tape, x);
+    double *block = field->nodes.values;
+    if (!jet_sweep_values(tape, block, field->nodes.lanes)) return TVI_EDOMAIN;
+    if (field->value_displacements) tvi_galerkin_add_value_displacements(field, tape, block);
     return TVI_OK;
 }
 
 /* Moves the unknowns by their rates. Returns the movement, as the kernel `move` measures it. */
 static inline double galerkin_move_unknowns(const galerkin_field *field)
 {
-    double moved;
-    field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row, &moved);
-    return moved;
+    double movement;
+    field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row, &movement);
+    return movement;
 }
 
 /* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts the pass. *moved is
  * the movement, as the kernel `move` measures it. */
-static inline tvi_status tvi_galerkin_make_pass(galerkin_field *field, double *moved, tvi_stats *stats)
+static inline tvi_status galerkin_make_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     stats->force_evaluations += field->node_count;
     if (field->form->pass) {
-        const tvi_status status = field->form->pass(field, moved, stats);
+        const tvi_status status = field->form->pass(field, movement, stats);
         if (status != TVI_OK) return status;
     } else {
         if (galerkin_evaluate_field(field) != TVI_OK) return TVI_EDOMAIN;
-        *moved = galerkin_move_unknowns(field);
+        *movement = galerkin_move_unknowns(field);
     }
     stats->passes++;
-    return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;
+    return isfinite(*movement) ? TVI_OK : TVI_ENONFINITE;
 }
 
 #endif

@@ -77,18 +77,18 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     nodes->lanes = lanes_needed;
     nodes->node_count = node_count;
     nodes->member_count = 1;
-    nodes->half_unknowns = system->n;
+    nodes->unknowns_per_half = system->n;
     nodes->subsystems = system->parts;
     const int cyclic = count_last_cyclic_coordinates(system);
     nodes->moving_unknowns = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
-    nodes->free_values = tvi_arena_allocate_doubles(arena, unknowns * lanes);
-    nodes->free_values_low = tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    nodes->drift_values = tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    nodes->drift_values_low = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     nodes->impulse_weight = tvi_arena_allocate_doubles(arena, lanes);
     nodes->start_values = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
-    nodes->inverse_size = tvi_arena_allocate_doubles(arena, unknowns);
-    nodes->momentum_per_movement = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->momentum_per_unit_drift = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     field->rate_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
@@ -117,15 +117,15 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     stepper.field.node_weight = stepper.coefficients.node_weight;
     stepper.field.impulse_matrix = stepper.coefficients.impulse_matrix;
     tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.field);
-    tvi_galerkin_allocate_dense_output(&stepper.dense_output, arena, stepper.field.node_count, lanes,
-                                       system->field_values->sweeps);
+    tvi_galerkin_allocate_node_polynomials(&stepper.node_polynomials, arena, stepper.field.node_count, lanes,
+                                           system->field_values->sweeps);
     stepper.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     stepper.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     stepper.tail_share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
     stepper.tail_ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
-    stepper.change_scale = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
+    stepper.increment_scale = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
     allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
-    stepper.field.form->take(&stepper.field, arena);
+    stepper.field.form->allocate(&stepper.field, arena);
     tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.field);
     if (taken) *taken = stepper;
     return taken;
@@ -134,7 +134,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 static void prepare_stepper(void *work)
 {
     galerkin_stepper *stepper = work;
-    tvi_galerkin_compute_coefficients(&stepper->coefficients, &stepper->dense_output,
+    tvi_galerkin_compute_coefficients(&stepper->coefficients, &stepper->node_polynomials,
                                       galerkin_is_second_order(&stepper->field));
     stepper->field.form->prepare(&stepper->field);
     const int numbers = stepper->field.nodes.unknowns * stepper->field.nodes.lanes;
@@ -152,7 +152,7 @@ static void prepare_stepper(void *work)
                                               .node_abscissa = stepper->coefficients.node_abscissa,
                                               .two_step_table = stepper->predictor.two_step_table,
                                               .last_step_table = stepper->predictor.last_step_table,
-                                              .rough_prediction_limit = stepper->predictor.rough_prediction_limit,
+                                              .rough_movement_limit = stepper->predictor.rough_movement_limit,
                                               .impulse_ring = stepper->predictor.impulse_ring,
                                               .drift = stepper->drift,
                                               .drift_low = stepper->drift_low,
@@ -175,11 +175,11 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
                                   : u < stepper->n                          ? 1
                                                                             : stepper->field.form->force_sign;
     for (int i = 0; i < stepper->n; i++) {
-        stepper->change_scale[i] = nodes->impulse_scale[i];
+        stepper->increment_scale[i] = nodes->impulse_scale[i];
         stepper->tail_inputs.inverse_impulse_scale[i] = 1 / fabs(nodes->impulse_scale[i]);
-        nodes->momentum_per_movement[i] =
+        nodes->momentum_per_unit_drift[i] =
             stepper->field.system->has_masses ? stepper->field.system->mass[i] / fabs(h) : INFINITY;
-        stepper->change_scale[stepper->n + i] =
+        stepper->increment_scale[stepper->n + i] =
             galerkin_is_second_order(&stepper->field) ? 1 : nodes->impulse_scale[stepper->n + i];
     }
 }
@@ -196,20 +196,20 @@ static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *ori
 
 /* Predicts the unknowns of a step if the step before it has another size. It extrapolates the last step, beginning
  * after `start_part` of it. If `start_part` is NULL, it uses the field at the start of the step. */
-static tvi_status predict_without_equal_steps(galerkin_stepper *stepper, const tvi_step_origin *origin,
-                                              const double *start_part, tvi_stats *stats)
+static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_origin *origin,
+                                     const double *elapsed_part, tvi_stats *stats)
 {
     galerkin_field *field = &stepper->field;
-    field->nodes.impulses = tvi_galerkin_impulses_of_step(&stepper->predictor, 1);
-    galerkin_start_unknowns(&stepper->step_data, &field->nodes, origin);
-    if (start_part) {
-        tvi_galerkin_predict_from_last_step(&stepper->predictor, &stepper->coefficients, &stepper->dense_output, field,
-                                            *start_part);
+    field->nodes.impulses = galerkin_impulses_of_step(&stepper->predictor, 1);
+    galerkin_set_drift_values(&stepper->step_data, &field->nodes, origin);
+    if (elapsed_part) {
+        tvi_galerkin_predict_from_last_step(&stepper->predictor, &stepper->coefficients, &stepper->node_polynomials,
+                                            field, *elapsed_part);
         return TVI_OK;
     }
     set_node_times(stepper, origin, 0);
     stats->force_evaluations++;
-    return field->form->start(field, origin);
+    return field->form->predict_from_start(field, origin);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
@@ -219,44 +219,46 @@ typedef struct {
     galerkin_stepper *stepper;
     const tvi_step_origin *origin;
     /* The counts of all evaluations, and the counts at the end of the last step that was completed. */
-    tvi_stats *stats, counted_stats;
-} library_steps;
+    tvi_stats *stats, completed_stats;
+} library_pass_work;
 
 /* Makes the next pass of a step. If passes no longer shrink, it also measures their roundoff, but only if their
  * movement may be roundoff, or if the nodes are near the start of the step. Large movements back and forth far away
  * from the start belong to a step that is too large. */
-JET_INLINE tvi_status make_library_pass(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
+JET_INLINE tvi_status make_library_pass(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff)
 {
-    const library_steps *step = work;
+    const library_pass_work *step = work;
     galerkin_field *field = &step->stepper->field;
     (void)nodes;
-    if (roundoff &&
-        (*moved <= step->stepper->passes_rule.roundoff_level || tvi_galerkin_are_nodes_near_start(field, step->origin)))
-        return tvi_galerkin_measure_roundoff(field, &step->stepper->probe, moved, roundoff, step->stats);
-    return tvi_galerkin_make_pass(field, moved, step->stats);
+    if (roundoff && (*movement <= step->stepper->passes_rule.roundoff_level ||
+                     tvi_galerkin_are_nodes_near_start(field, step->origin)))
+        return tvi_galerkin_measure_roundoff(field, &step->stepper->probe, movement, roundoff, step->stats);
+    return galerkin_make_pass(field, movement, step->stats);
 }
 
-JET_INLINE void predict_in_library(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation)
+JET_INLINE void predict_library_unknowns(void *work, const galerkin_nodes *nodes,
+                                         const galerkin_extrapolation *extrapolation)
 {
-    const library_steps *step = work;
+    const library_pass_work *step = work;
     (void)nodes;
     step->stepper->field.form->predict(&step->stepper->field, extrapolation);
 }
 
-static void save_counts_of_step(void *work)
+static void save_counts_of_completed_steps(void *work)
 {
-    library_steps *step = work;
-    step->counted_stats = *step->stats;
+    library_pass_work *step = work;
+    step->completed_stats = *step->stats;
 }
 
 static void make_steps_in_library(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                                   const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats)
 {
-    library_steps step = {.stepper = stepper, .origin = origin, .stats = stats};
-    galerkin_make_steps(&stepper->step_data, &stepper->field.nodes,
-                        &(galerkin_pass_functions){make_library_pass, predict_in_library, save_counts_of_step, &step},
-                        run, origin, state, outcome);
-    if (outcome->step_count > 0) *stats = step.counted_stats;
+    library_pass_work step = {.stepper = stepper, .origin = origin, .stats = stats};
+    galerkin_make_steps(
+        &stepper->step_data, &stepper->field.nodes,
+        &(galerkin_pass_functions){make_library_pass, predict_library_unknowns, save_counts_of_completed_steps, &step},
+        run, origin, state, outcome);
+    if (outcome->step_count > 0) *stats = step.completed_stats;
 }
 
 static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_run_request *run,
@@ -276,7 +278,7 @@ static void update_history(galerkin_history *history, double h, const galerkin_o
                                   .previous_step_size = outcome->step_count > 1 ? h : history->step_size,
                                   .start_time = outcome->last_start_time,
                                   .convergence = outcome->convergence,
-                                  .ring_index = outcome->last_ring_index};
+                                  .last_ring_index = outcome->last_ring_index};
 }
 
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
@@ -285,20 +287,21 @@ typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, c
 /* Makes steps of size field.step_size, by generated code or by the library. The first step is predicted from earlier
  * steps, or from the state alone. */
 static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
-                                               bool follows_last_step, const tvi_run_request *run,
+                                               bool continues_last_step, const tvi_run_request *run,
                                                const tvi_step_origin *origin, const tvi_run_state *state,
                                                tvi_stats *stats)
 {
     galerkin_history *history = stepper->predictor.history;
-    galerkin_outcome outcome = {.last_ring_index = (int)history->ring_index, .largest_tail = stats->largest_tail};
-    double start_part;
+    galerkin_outcome outcome = {.last_ring_index = (int)history->last_ring_index, .largest_tail = stats->largest_tail};
+    double elapsed_part;
     if (stepper->field.step_size == history->step_size) outcome.convergence = history->convergence;
-    follows_last_step = follows_last_step && tvi_galerkin_can_predict_from_last_step(
-                                                 &stepper->predictor, &stepper->field, origin->t, &start_part);
+    continues_last_step = continues_last_step && tvi_galerkin_can_predict_from_last_step(
+                                                     &stepper->predictor, &stepper->field, origin->t, &elapsed_part);
     outcome.equal_step_count =
-        follows_last_step ? tvi_galerkin_count_steps_of_same_size(&stepper->predictor, &stepper->field, start_part) : 0;
+        continues_last_step ? tvi_galerkin_count_steps_of_same_size(&stepper->predictor, &stepper->field, elapsed_part)
+                            : 0;
     if (outcome.equal_step_count == 0)
-        outcome.status = predict_without_equal_steps(stepper, origin, follows_last_step ? &start_part : NULL, stats);
+        outcome.status = predict_first_step(stepper, origin, continues_last_step ? &elapsed_part : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
     set_node_times(stepper, origin, stepper->field.step_size);
     make_steps(stepper, run, origin, state, &outcome, stats);
@@ -318,22 +321,22 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
 {
     galerkin_stepper *stepper = work;
     const tvi_run_request run = {.h = h, .max_steps = 1, .increments = *increments};
-    double start_part;
+    double elapsed_part;
     tvi_galerkin_set_step_size(stepper, h);
     if (stepper->generated_code &&
         predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats).step_count > 0)
         return TVI_OK;
-    const bool follows_last_step =
+    const bool continues_last_step =
         makes_passes(stepper) &&
-        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &start_part);
+        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_part);
     galerkin_outcome outcome =
-        predict_and_make_steps(stepper, make_steps_in_library, follows_last_step, &run, origin, NULL, stats);
-    if (outcome.step_count < 1 && follows_last_step)
+        predict_and_make_steps(stepper, make_steps_in_library, continues_last_step, &run, origin, NULL, stats);
+    if (outcome.step_count < 1 && continues_last_step)
         outcome = predict_and_make_steps(stepper, make_steps_in_library, false, &run, origin, NULL, stats);
     return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }
 
-static long make_step_run(void *work, const tvi_run_request *run, const tvi_run_state *state, tvi_stats *stats)
+static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_run_state *state, tvi_stats *stats)
 {
     galerkin_stepper *stepper = work;
     const tvi_step_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
@@ -385,7 +388,7 @@ static bool is_history_valid(const void *work)
 const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,
                                           .prepare = prepare_stepper,
                                           .step = make_single_step,
-                                          .run = make_step_run,
+                                          .run = make_steps_of_run,
                                           .dense = tvi_galerkin_compute_dense_output,
                                           .sample = tvi_galerkin_compute_samples,
                                           .is_superconvergent = true,

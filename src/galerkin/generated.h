@@ -9,20 +9,20 @@
  * changes it. */
 enum { GALERKIN_MOST_OWN = 4096 };
 
-JET_INLINE galerkin_nodes galerkin_nodes_of_constant_size(const galerkin_nodes *nodes)
+JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin_nodes *nodes)
 {
     galerkin_nodes sized = *nodes;
     sized.lanes = GALERKIN_LANES;
     sized.node_count = GALERKIN_POINTS;
     sized.member_count = 1;
     sized.unknowns = GALERKIN_UNKNOWNS;
-    sized.half_unknowns = GALERKIN_N;
+    sized.unknowns_per_half = GALERKIN_N;
     sized.moving_unknowns = GALERKIN_MOVING;
     sized.subsystems.count = GALERKIN_PARTS;
     return sized;
 }
 
-JET_INLINE galerkin_tail_inputs galerkin_tail_inputs_of_constant_size(const galerkin_tail_inputs *tail_inputs)
+JET_INLINE galerkin_tail_inputs galerkin_copy_tail_inputs_with_constant_sizes(const galerkin_tail_inputs *tail_inputs)
 {
     galerkin_tail_inputs sized = *tail_inputs;
     sized.n = GALERKIN_N;

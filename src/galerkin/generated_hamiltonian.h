@@ -7,13 +7,13 @@
 #include "galerkin/hamiltonian_passes.h"
 
 /* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
-JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_nodes *nodes, double *moved,
+JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                      double *roundoff)
 {
     hamiltonian_passes *passes = work;
     (void)nodes;
     if (roundoff || !hamiltonian_make_pass(passes, galerkin_sweep_generated_tape)) return TVI_ENOCONV;
-    *moved = passes->last_movement;
+    *movement = passes->last_movement;
     return TVI_OK;
 }
 
@@ -26,7 +26,7 @@ JET_INLINE void galerkin_predict_hamiltonian(void *work, const galerkin_nodes *n
 
 /* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. The
  * first GALERKIN_ROUND rows belong to unknowns that are also columns. */
-static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_run_request *run,
+static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
@@ -35,16 +35,16 @@ static void galerkin_make_generated_steps(const galerkin_step_data *given, const
     galerkin_local_blocks own;
     _Alignas(64) float packed[IS_PACKED ? PACKED : 1], change[ALL], total[ALL], impulse[ALL], all[ALL];
     double size[ROWS], per_size[ROWS];
-    const galerkin_tail_inputs inputs = galerkin_tail_inputs_of_constant_size(given->tail_inputs);
-    galerkin_step_data step_data = *given;
-    galerkin_nodes nodes = galerkin_nodes_of_constant_size(given->nodes);
-    hamiltonian_passes passes = *(const hamiltonian_passes *)given->form_work;
-    step_data.tail_inputs = &inputs;
+    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
+    galerkin_step_data local_data = *step_data;
+    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
+    hamiltonian_passes passes = *(const hamiltonian_passes *)step_data->form_work;
+    local_data.tail_inputs = &inputs;
     passes.nodes = &nodes;
     passes.tape_blocks = galerkin_use_local_blocks(&passes.tape_blocks, &nodes, &own);
     if (GALERKIN_IS_OWN)
-        galerkin_copy_rows(own.x, given->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
-    passes.rate_nodes = galerkin_nodes_of_constant_size(&passes.rate_nodes);
+        galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
+    passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + GALERKIN_UNKNOWNS * GALERKIN_LANES;
     passes.rate_row = galerkin_slot;
     passes.rate_slot[false] = galerkin_value_slot;
@@ -66,7 +66,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *given, const
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_hamiltonian_pass, galerkin_predict_hamiltonian, NULL,
                                                     &passes};
-    galerkin_make_steps(&step_data, &nodes, &pass_functions, run, origin, state, outcome);
+    galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
 }
 
 #endif

@@ -1,4 +1,4 @@
-/* generated_hessian.h - Defines the tape blocks of generated passes that use second derivatives (blocks.h). The
+/* generated_hessian.h - Defines the tape blocks of generated passes that use second derivatives (local_blocks.h). The
  * tape's operations do not set the first GALERKIN_KEPT rows of values_block and the first GALERKIN_HESSIAN_KEPT rows
  * of hessian_block. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
@@ -24,21 +24,21 @@ typedef struct {
     _Alignas(64) double x[GALERKIN_OF_ROWS];
 } galerkin_local_blocks;
 
-JET_INLINE galerkin_tape_blocks galerkin_use_local_blocks(const galerkin_tape_blocks *given, galerkin_nodes *nodes,
-                                                          galerkin_local_blocks *own)
+JET_INLINE galerkin_tape_blocks galerkin_use_local_blocks(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
+                                                          galerkin_local_blocks *memory)
 {
-    galerkin_tape_blocks blocks = *given;
-    blocks.n = GALERKIN_N;
-    blocks.lanes = GALERKIN_LANES;
-    blocks.inputs = GALERKIN_INPUTS;
-    if (!GALERKIN_IS_OWN) return blocks;
-    galerkin_copy_rows(own->values, given->values_block, 2 * GALERKIN_N, GALERKIN_KEPT);
-    galerkin_copy_rows(own->hessian, given->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
-    galerkin_copy_rows(own->hessian, given->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
-    blocks.values_block = own->values;
-    blocks.hessian_block = own->hessian;
-    nodes->values = own->x;
-    return blocks;
+    galerkin_tape_blocks local_blocks = *blocks;
+    local_blocks.n = GALERKIN_N;
+    local_blocks.lanes = GALERKIN_LANES;
+    local_blocks.inputs = GALERKIN_INPUTS;
+    if (!GALERKIN_IS_OWN) return local_blocks;
+    galerkin_copy_rows(memory->values, blocks->values_block, 2 * GALERKIN_N, GALERKIN_KEPT);
+    galerkin_copy_rows(memory->hessian, blocks->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
+    galerkin_copy_rows(memory->hessian, blocks->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
+    local_blocks.values_block = memory->values;
+    local_blocks.hessian_block = memory->hessian;
+    nodes->values = memory->x;
+    return local_blocks;
 }
 
 #endif

@@ -6,14 +6,14 @@
 #include "galerkin/lagrangian_passes.h"
 
 /* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
-JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_nodes *nodes, double *moved,
+JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                     double *roundoff)
 {
     lagrangian_passes *passes = work;
     (void)nodes;
     if (roundoff || lagrangian_make_pass(passes, galerkin_sweep_generated_tape) != LAGRANGIAN_PASSED)
         return TVI_ENOCONV;
-    *moved = passes->last_movement;
+    *movement = passes->last_movement;
     return TVI_OK;
 }
 
@@ -24,51 +24,52 @@ JET_INLINE void galerkin_predict_lagrangian(void *work, const galerkin_nodes *no
     lagrangian_predict_unknowns(work, extrapolation);
 }
 
-static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_run_request *run,
+static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
     enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };
     galerkin_local_blocks own;
-    _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];
+    _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], movement[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], scale[2 * ALL], x[ALL];
     int pivot[ALL];
-    const galerkin_tail_inputs inputs = galerkin_tail_inputs_of_constant_size(given->tail_inputs);
-    galerkin_step_data step_data = *given;
-    galerkin_nodes nodes = galerkin_nodes_of_constant_size(given->nodes);
-    lagrangian_passes passes = *(const lagrangian_passes *)given->form_work;
-    step_data.tail_inputs = &inputs;
+    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
+    galerkin_step_data local_data = *step_data;
+    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
+    lagrangian_passes passes = *(const lagrangian_passes *)step_data->form_work;
+    local_data.tail_inputs = &inputs;
     passes.inversion_count = 0;
     passes.nodes = &nodes;
     passes.tape_blocks = galerkin_use_local_blocks(&passes.tape_blocks, &nodes, &own);
-    if (GALERKIN_IS_OWN) galerkin_copy_rows(own.x, given->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
-    passes.rate_nodes = galerkin_nodes_of_constant_size(&passes.rate_nodes);
+    if (GALERKIN_IS_OWN)
+        galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
+    passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + 2 * N * GALERKIN_LANES;
     passes.rate_row = galerkin_slot;
     passes.gradient_slot[false] = galerkin_value_slot;
     passes.gradient_slot[true] = galerkin_hessian_slot;
-    passes.gradient_expansion.n = passes.mass_inverse.n = N;
+    passes.gradient_expansion.n = passes.velocity_hessian_inverse.n = N;
     passes.gradient_expansion.lanes = GALERKIN_LANES;
     passes.gradient_expansion.hessian_block = passes.tape_blocks.hessian_block;
     passes.gradient_expansion.hessian_element = galerkin_term;
     passes.gradient_expansion.row_end = galerkin_end;
     if (GALERKIN_IS_OWN) {
-        galerkin_copy_rows(displacements, passes.displacement, 0, outcome->equal_step_count > 0 ? 0 : N);
-        passes.displacement = displacements;
-        passes.point_offset[0] = rise;
-        passes.point_offset[1] = rise + ALL;
-        passes.gradient_expansion.centre_gradient = passes.gradient = gradient;
-        passes.gradient_expansion.displacement = moved;
-        passes.mass_inverse.lu = lu;
-        passes.mass_inverse.inverse = inverse;
-        passes.mass_inverse.row_scale = scale;
-        passes.mass_inverse.column_scale = scale + ALL;
-        passes.mass_inverse.pivot_row = pivot;
-        passes.mass_inverse.scratch_column = x;
+        galerkin_copy_rows(displacements, passes.coordinate_displacement, 0, outcome->equal_step_count > 0 ? 0 : N);
+        passes.coordinate_displacement = displacements;
+        passes.centre_offset[0] = rise;
+        passes.centre_offset[1] = rise + ALL;
+        passes.gradient_expansion.centre_gradient = passes.centre_gradient = gradient;
+        passes.gradient_expansion.displacement = movement;
+        passes.velocity_hessian_inverse.matrix = lu;
+        passes.velocity_hessian_inverse.inverse = inverse;
+        passes.velocity_hessian_inverse.row_scale = scale;
+        passes.velocity_hessian_inverse.column_scale = scale + ALL;
+        passes.velocity_hessian_inverse.pivot_row = pivot;
+        passes.velocity_hessian_inverse.scratch_column = x;
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, galerkin_predict_lagrangian, NULL,
                                                     &passes};
-    galerkin_make_steps(&step_data, &nodes, &pass_functions, run, origin, state, outcome);
+    galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
     outcome->hessian_pass_count = passes.inversion_count;
 }
 

@@ -9,16 +9,17 @@
  * only the impulses are stored. */
 enum { GALERKIN_WIDTH = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
-#define TAKE(V, blocks) BLOCK_AT(V, y, 0) = BLOCK_OF(V, x, 0);
-JET_INLINE void galerkin_copy_input_rows(double *y, const double *x)
+#define TAKE(V, blocks) BLOCK_AT(V, destination, 0) = BLOCK_OF(V, source, 0);
+JET_INLINE void galerkin_copy_input_rows(double *destination, const double *source)
 {
     JET_UNROLL(256)
-    for (int i = 0; i < GALERKIN_KEPT; i++, y += GALERKIN_WIDTH, x += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, TAKE)
+    for (int i = 0; i < GALERKIN_KEPT; i++, destination += GALERKIN_WIDTH, source += GALERKIN_LANES)
+        ALL_LANES(GALERKIN_WIDTH, TAKE)
 }
 
 #define GIVE(V, blocks)                                                                                                \
-    BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, y + galerkin_slot[u] * GALERKIN_WIDTH, 0);
-JET_INLINE void galerkin_store_impulses(double *impulse, const double *weight, const double *y)
+    BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, block + galerkin_slot[u] * GALERKIN_WIDTH, 0);
+JET_INLINE void galerkin_store_impulses(double *impulse, const double *weight, const double *block)
 {
     JET_UNROLL(256)
     for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, GIVE)
@@ -29,28 +30,28 @@ JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
 {
     bool is_inside = true;
     if (!tvi_values_is_split) {
-        const galerkin_array_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
+        const galerkin_array_shape shape = {GALERKIN_POINTS, GALERKIN_LANES, 1};
         is_inside = GALERKIN_VALUES(nodes->values);
-        NAME(set_impulses)(nodes, nodes->values, galerkin_slot, s, 0);
+        NAME(set_impulses)(nodes, nodes->values, galerkin_slot, shape, 0);
     }
     for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_WIDTH) {
-        _Alignas(64) double y[tvi_values_slots * GALERKIN_WIDTH];
-        galerkin_copy_input_rows(y, nodes->values + first);
-        is_inside &= VALUES_OF(tvi_values, y, GALERKIN_WIDTH);
-        galerkin_store_impulses(nodes->impulses + first, nodes->impulse_weight + first, y);
+        _Alignas(64) double block[tvi_values_slots * GALERKIN_WIDTH];
+        galerkin_copy_input_rows(block, nodes->values + first);
+        is_inside &= VALUES_OF(tvi_values, block, GALERKIN_WIDTH);
+        galerkin_store_impulses(nodes->impulses + first, nodes->impulse_weight + first, block);
     }
     return is_inside;
 }
 
 /* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
-JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_nodes *nodes, double *moved,
+JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                      double *roundoff)
 {
     const galerkin_step_data *step_data = work;
-    const galerkin_array_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
+    const galerkin_array_shape shape = {GALERKIN_POINTS, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
     if (!galerkin_sweep_force_tape(nodes)) return TVI_EDOMAIN;
-    *moved = NAME(move_unknowns)(nodes, step_data->impulse_matrix, NULL, s, 0);
+    *movement = NAME(move_unknowns)(nodes, step_data->impulse_matrix, NULL, shape, 0);
     return TVI_OK;
 }
 
@@ -61,25 +62,25 @@ JET_INLINE void galerkin_predict_fixed_point(void *work, const galerkin_nodes *n
     NAME(predict)(nodes, extrapolation);
 }
 
-static void galerkin_make_generated_steps(const galerkin_step_data *given, const tvi_run_request *run,
+static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
     enum { IS_OWN = tvi_values_is_split && GALERKIN_KEPT * GALERKIN_LANES <= GALERKIN_MOST_OWN };
     _Alignas(64) double x[IS_OWN ? GALERKIN_KEPT * GALERKIN_LANES : 1];
-    const galerkin_tail_inputs inputs = galerkin_tail_inputs_of_constant_size(given->tail_inputs);
-    galerkin_step_data step_data = *given;
-    galerkin_nodes nodes = galerkin_nodes_of_constant_size(given->nodes);
-    step_data.tail_inputs = &inputs;
-    step_data.passes_rule = &galerkin_rule;
+    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
+    galerkin_step_data local_data = *step_data;
+    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
+    local_data.tail_inputs = &inputs;
+    local_data.passes_rule = &galerkin_rule;
     if (IS_OWN) {
         nodes.values = x;
-        galerkin_copy_rows(x, given->nodes->values, outcome->equal_step_count > 0 ? GALERKIN_UNKNOWNS : 0,
+        galerkin_copy_rows(x, step_data->nodes->values, outcome->equal_step_count > 0 ? GALERKIN_UNKNOWNS : 0,
                            GALERKIN_KEPT);
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_fixed_point_pass, galerkin_predict_fixed_point, NULL,
-                                                    &step_data};
-    galerkin_make_steps(&step_data, &nodes, &pass_functions, run, origin, state, outcome);
+                                                    &local_data};
+    galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
 }
 
 #endif

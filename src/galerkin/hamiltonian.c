@@ -13,7 +13,7 @@
 
 typedef struct {
     hamiltonian_passes passes;
-    galerkin_hessian_model hessian_model;
+    galerkin_hessian_tables hessian_tables;
     /* The arrays to which the members of `passes` with these names point. */
     int *rate_slot[2], *unknown_of_row, *hessian_index;
 } hamiltonian_work;
@@ -34,14 +34,14 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
     hamiltonian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
     hamiltonian_work work = {.passes = {.kernels = field->kernels}};
-    field->saved_row_count = field->nodes.unknowns;
+    field->pass_input_row_count = field->nodes.unknowns;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
-    tvi_galerkin_allocate_hessian_model(&work.hessian_model, arena, field);
-    field->tape_block = work.hessian_model.blocks.values_block;
+    tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
+    field->tape_block = work.hessian_tables.blocks.values_block;
     field->rate_to_unknown = tvi_arena_allocate_doubles(arena, lanes * lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
-    work.passes.rate_nodes.free_values = work.passes.rate_nodes.free_values_low =
+    work.passes.rate_nodes.drift_values = work.passes.rate_nodes.drift_values_low =
         tvi_arena_allocate_doubles(arena, unknowns * lanes);
     work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
     work.passes.rounds.unknown_of_row = work.unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
@@ -55,99 +55,98 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
 }
 
 /* Returns the component of the gradient that is, up to its sign, the rate of an unknown. */
-static int gradient_component_of_rate(const galerkin_field *field, int unknown)
+static int find_gradient_component(const galerkin_field *field, int unknown)
 {
     const int n = field->system->n;
     return unknown < n ? unknown + n : unknown - n;
 }
 
-static int find_row_begin(const galerkin_hessian_model *model, int row)
+static int find_row_begin(const galerkin_hessian_tables *tables, int row)
 {
-    return row > 0 ? model->row_end[row - 1] : 0;
+    return row > 0 ? tables->row_end[row - 1] : 0;
 }
 
-static bool has_row_entries(const galerkin_hessian_model *model, int row)
+static bool has_row_entries(const galerkin_hessian_tables *tables, int row)
 {
-    return find_row_begin(model, row) < model->row_end[row];
+    return find_row_begin(tables, row) < tables->row_end[row];
 }
 
 /* Returns whether an unknown takes part in the inner rounds: it moves in them, and some rate depends on it. A cyclic
  * coordinate, such as t of a rescaled system whose forces do not depend on t, follows from a quadrature, and its
  * momentum is constant. */
-static bool is_unknown_in_rounds(const galerkin_field *field, const galerkin_hessian_model *model, int unknown)
+static bool is_unknown_in_rounds(const galerkin_field *field, const galerkin_hessian_tables *tables, int unknown)
 {
-    return has_row_entries(model, unknown) && has_row_entries(model, gradient_component_of_rate(field, unknown));
+    return has_row_entries(tables, unknown) && has_row_entries(tables, find_gradient_component(field, unknown));
 }
 
 /* Returns the index of a second derivative in its block. If it is 0 by construction, this is the index of the zeros
  * after the block. */
-static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_model *model, int row, int column)
+static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_tables *tables, int row, int column)
 {
     int slot = field->system->hessian_values->slots;
-    for (int k = find_row_begin(model, row); k < model->row_end[row]; k++)
-        if (model->hessian_element[k].column == column) slot = model->hessian_element[k].slot;
+    for (int k = find_row_begin(tables, row); k < tables->row_end[row]; k++)
+        if (tables->hessian_element[k].column == column) slot = tables->hessian_element[k].slot;
     return slot * field->nodes.lanes;
 }
 
 /* Appends the unknowns whose rates depend on others to the list: those that take part in the rounds if `part` is
  * set, otherwise those that do not. Returns the length of the list. */
-static int append_unknowns_of_rows(const galerkin_field *field, const galerkin_hessian_model *model, bool takes_part,
-                                   int rows, int *unknown)
+static int append_unknowns_with_row(const galerkin_field *field, const galerkin_hessian_tables *tables, bool in_rounds,
+                                    int count, int *list)
 {
     for (int u = 0; u < field->nodes.unknowns; u++)
-        if (has_row_entries(model, gradient_component_of_rate(field, u)) &&
-            is_unknown_in_rounds(field, model, u) == takes_part)
-            unknown[rows++] = u;
-    return rows;
+        if (has_row_entries(tables, find_gradient_component(field, u)) &&
+            is_unknown_in_rounds(field, tables, u) == in_rounds)
+            list[count++] = u;
+    return count;
 }
 
 /* Appends the indices of the matrix elements of rows `first` .. `end` - 1, one group of rows after the other.
  * Returns the end of the list. */
-static int *append_hessian_indices(const galerkin_field *field, const galerkin_hessian_model *model,
+static int *append_hessian_indices(const galerkin_field *field, const galerkin_hessian_tables *tables,
                                    const lanes_inner_rounds *rounds, int first, int end, int *index)
 {
     for (int group; first < end; first += group) {
         group = lanes_row_group_size(end - first);
         for (int column = 0; column < rounds->column_count; column++)
             for (int i = first; i < first + group; i++)
-                *index++ =
-                    find_hessian_index(field, model, gradient_component_of_rate(field, rounds->unknown_of_row[i]),
-                                       rounds->unknown_of_row[column]);
+                *index++ = find_hessian_index(field, tables, find_gradient_component(field, rounds->unknown_of_row[i]),
+                                              rounds->unknown_of_row[column]);
     }
     return index;
 }
 
 static void prepare_inner_rounds(const galerkin_field *field, const hamiltonian_work *work, lanes_inner_rounds *rounds)
 {
-    const galerkin_hessian_model *model = &work->hessian_model;
-    for (int u = 0; u < field->nodes.unknowns; u++) rounds->column_count += is_unknown_in_rounds(field, model, u);
-    rounds->moving_row_count = append_unknowns_of_rows(field, model, true, 0, work->unknown_of_row);
-    rounds->row_count = append_unknowns_of_rows(field, model, false, rounds->moving_row_count, work->unknown_of_row);
-    rounds->hessian_block = model->blocks.hessian_block;
+    const galerkin_hessian_tables *tables = &work->hessian_tables;
+    for (int u = 0; u < field->nodes.unknowns; u++) rounds->column_count += is_unknown_in_rounds(field, tables, u);
+    rounds->moving_row_count = append_unknowns_with_row(field, tables, true, 0, work->unknown_of_row);
+    rounds->row_count = append_unknowns_with_row(field, tables, false, rounds->moving_row_count, work->unknown_of_row);
+    rounds->hessian_block = tables->blocks.hessian_block;
     for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++)
         rounds->impulse_matrix[i] = (float)field->impulse_matrix[i];
-    int *index = append_hessian_indices(field, model, rounds, 0, rounds->moving_row_count, work->hessian_index);
-    (void)append_hessian_indices(field, model, rounds, rounds->moving_row_count, rounds->row_count, index);
+    int *index = append_hessian_indices(field, tables, rounds, 0, rounds->moving_row_count, work->hessian_index);
+    (void)append_hessian_indices(field, tables, rounds, rounds->moving_row_count, rounds->row_count, index);
 }
 
 static void prepare_hamiltonian_field(galerkin_field *field)
 {
     hamiltonian_work *work = field->form_work;
     hamiltonian_passes *passes = &work->passes;
-    tvi_galerkin_prepare_hessian_model(&work->hessian_model, field);
+    tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
     prepare_inner_rounds(field, work, &passes->rounds);
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->rate_row[u] = field->nodes.unknowns + u;
-        work->rate_slot[false][u] = field->system->field_values->output_slot[gradient_component_of_rate(field, u)];
-        work->rate_slot[true][u] = field->system->hessian_values->output_slot[gradient_component_of_rate(field, u)];
+        work->rate_slot[false][u] = field->system->field_values->output_slot[find_gradient_component(field, u)];
+        work->rate_slot[true][u] = field->system->hessian_values->output_slot[find_gradient_component(field, u)];
     }
     passes->nodes = &field->nodes;
     passes->impulse_matrix = field->impulse_matrix;
     passes->rate_row = field->rate_row;
-    passes->tape_blocks = work->hessian_model.blocks;
+    passes->tape_blocks = work->hessian_tables.blocks;
 }
 
-static tvi_status start_hamiltonian_unknowns(galerkin_field *field, const tvi_step_origin *origin)
+static tvi_status predict_hamiltonian_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     hamiltonian_work *work = field->form_work;
     const galerkin_nodes *nodes = &field->nodes;
@@ -157,8 +156,8 @@ static tvi_status start_hamiltonian_unknowns(galerkin_field *field, const tvi_st
         for (int i = 0; i < lanes; i++) nodes->values[u * lanes + i] = nodes->start_values[u];
     work->passes.last_movement = INFINITY;
     const double *momenta = nodes->values + field->system->n * lanes;
-    const double *rates =
-        galerkin_sweep_gradient_at(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false, nodes->values, momenta);
+    const double *rates = galerkin_evaluate_gradient_at_nodes(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false,
+                                                              nodes->values, momenta);
     if (!rates) return TVI_EDOMAIN;
     for (int u = 0; u < nodes->unknowns; u++)
         memcpy(nodes->values + field->rate_row[u] * lanes, rates + slot[u] * lanes, (size_t)lanes * sizeof *rates);
@@ -172,12 +171,12 @@ static void predict_hamiltonian_unknowns(galerkin_field *field, const galerkin_e
     hamiltonian_predict_unknowns(&work->passes, extrapolation);
 }
 
-static tvi_status make_hamiltonian_pass(galerkin_field *field, double *moved, tvi_stats *stats)
+static tvi_status make_hamiltonian_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     hamiltonian_work *work = field->form_work;
     (void)stats;
     if (!hamiltonian_make_pass(&work->passes, tvi_galerkin_sweep_tape)) return TVI_EDOMAIN;
-    *moved = work->passes.last_movement;
+    *movement = work->passes.last_movement;
     return TVI_OK;
 }
 
@@ -186,7 +185,7 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
     const hamiltonian_work *work = field->form_work;
     const lanes_inner_rounds *rounds = &work->passes.rounds;
     const int unknowns = field->nodes.unknowns;
-    tvi_galerkin_emit_hessian_model(text, &work->hessian_model);
+    tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
     jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n",
                     rounds->column_count, rounds->moving_row_count, rounds->row_count);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);
@@ -200,7 +199,7 @@ const galerkin_field_form tvi_galerkin_form_hamiltonian = {-1,
                                                            &tvi_galerkin_newton,
                                                            allocate_hamiltonian_field,
                                                            prepare_hamiltonian_field,
-                                                           start_hamiltonian_unknowns,
+                                                           predict_hamiltonian_from_start,
                                                            predict_hamiltonian_unknowns,
                                                            make_hamiltonian_pass,
                                                            emit_hamiltonian_field,
@@ -211,7 +210,7 @@ const galerkin_field_form tvi_galerkin_form_product = {-1,
                                                        &tvi_galerkin_quasi_newton,
                                                        allocate_hamiltonian_field,
                                                        prepare_hamiltonian_field,
-                                                       start_hamiltonian_unknowns,
+                                                       predict_hamiltonian_from_start,
                                                        predict_hamiltonian_unknowns,
                                                        make_hamiltonian_pass,
                                                        emit_hamiltonian_field,

@@ -50,7 +50,7 @@ static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passe
 {
     const lanes_inner_rounds *rounds = &passes->rounds;
     for (int i = 0; i < rounds->row_count; i++) {
-        rounds->inverse_unknown_size[i] = passes->nodes->inverse_size[rounds->unknown_of_row[i]];
+        rounds->inverse_unknown_size[i] = passes->nodes->inverse_unknown_size[rounds->unknown_of_row[i]];
         rounds->unknown_size[i] = 1 / rounds->inverse_unknown_size[i];
     }
 }
@@ -63,8 +63,8 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
     const bool is_first = isinf(passes->last_movement), serves = passes->last_movement <= HAMILTONIAN_SERVES * numbers;
     const int *slot = passes->rate_slot[!serves];
     const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
-    const double *rates =
-        galerkin_sweep_gradient_at(&passes->tape_blocks, sweep, !serves, nodes->values, nodes->values + numbers / 2);
+    const double *rates = galerkin_evaluate_gradient_at_nodes(&passes->tape_blocks, sweep, !serves, nodes->values,
+                                                              nodes->values + numbers / 2);
     if (!rates) return false;
     if (is_first) hamiltonian_set_unknown_sizes(passes);
     GALERKIN_KERNEL(passes->kernels, run_rounds, nodes, &passes->rounds, rates, slot, !serves, passes->last_movement,

@@ -11,22 +11,22 @@
 #define COLUMN     jet_widest
 /* The vectors of a row, one of them, what they have of a table of the nodes, and the number of node j for all of them;
  * a number of each member. */
-#define VECTORS                 (s.node_count)
-#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(s.node_count * s.member_count) + here)
-#define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)s.member_count))
+#define VECTORS                 (shape.node_count)
+#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(shape.node_count * shape.member_count) + here)
+#define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)shape.member_count))
 #define OF_NODE(table, v)       ((table)[v] - (V){0})
-#define OF_TABLE(table, j, v)   OF_NODE((table)->number + (j)*s.lanes, v)
+#define OF_TABLE(table, j, v)   OF_NODE((table)->number + (j)*shape.lanes, v)
 #define NUMBER(row, j)          AT(row, j)
 #define MEMBER                  V
-#define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)s.member_count + here))
+#define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)shape.member_count + here))
 #define MAGNITUDE(x)            JET_ABS(V, x)
 #define IF_ABOVE(a, b, yes, no) JET_CHOOSE(V, (a) > (b), yes, no)
-#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->is_member_moving + here), now, was)
+#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->moving_mask + here), now, was)
 /* Makes the call for each vector of members. The usual sizes are constants. */
 #define EACH_VECTOR_OF(P, L, W, call)                                                                                  \
     do {                                                                                                               \
-        const galerkin_array_shape s = {P, L, W};                                                                      \
-        for (size_t here = 0; here < (size_t)s.member_count; here += NUMBERS_OF(V)) call;                              \
+        const galerkin_array_shape shape = {P, L, W};                                                                  \
+        for (size_t here = 0; here < (size_t)shape.member_count; here += NUMBERS_OF(V)) call;                          \
     } while (0)
 #define EACH_VECTOR(call)                                                                                              \
     do {                                                                                                               \
@@ -55,8 +55,8 @@
 #else
 #define COLUMN jet_v2
 #endif
-#define VECTORS           (s.lanes / NUMBERS_OF(V))
-#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)s.lanes)
+#define VECTORS           (shape.lanes / NUMBERS_OF(V))
+#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)shape.lanes)
 #define AT(row, v)        (*(V *)((row) + (size_t)(v)*NUMBERS_OF(V)))
 #define OF_NODE(table, v) AT(table, v)
 #if ONE_VECTOR
@@ -73,7 +73,7 @@
 #define SHAPE_OF(nodes)         ((galerkin_array_shape){POINTS_OF(nodes), LANES, 1})
 #define EACH_VECTOR(call)                                                                                              \
     do {                                                                                                               \
-        const galerkin_array_shape s = SHAPE_OF(nodes);                                                                \
+        const galerkin_array_shape shape = SHAPE_OF(nodes);                                                            \
         const size_t here = 0;                                                                                         \
         call;                                                                                                          \
     } while (0)

@@ -7,28 +7,28 @@
  * additions are summed by themselves, and the loss of the sum of both is its second part. Odd and even nodes make two
  * chains, which do not wait for each other. */
 typedef struct {
-    COLUMN total[2], lost[2];
+    COLUMN total[2], loss[2];
 } NAME(two_chains);
 
 /* Adds weight *term to *total, and the rounding error of this addition to *lost. */
-JET_INLINE void NAME(add_two_sum)(COLUMN *total, COLUMN *lost, double weight, const COLUMN *term)
+JET_INLINE void NAME(add_compensated)(COLUMN *total, COLUMN *loss, double weight, const COLUMN *term)
 {
-    const COLUMN by = weight - (COLUMN){0}, next = FUSED(COLUMN, by, *term, *total), added = next - *total;
-    *lost += (*total - (next - added)) + FUSED(COLUMN, by, *term, -added);
+    const COLUMN factor = weight - (COLUMN){0}, next = FUSED(COLUMN, factor, *term, *total), added = next - *total;
+    *loss += (*total - (next - added)) + FUSED(COLUMN, factor, *term, -added);
     *total = next;
 }
 
 JET_INLINE void NAME(end_chains)(NAME(two_chains) *chains, double *whole, double *low)
 {
-    NAME(add_two_sum)(&chains->total[0], &chains->lost[0], 1, &chains->total[1]);
-    const COLUMN less = chains->lost[0] + chains->lost[1], both = chains->total[0] + less;
+    NAME(add_compensated)(&chains->total[0], &chains->loss[0], 1, &chains->total[1]);
+    const COLUMN less = chains->loss[0] + chains->loss[1], both = chains->total[0] + less;
     *(COLUMN *)whole = both;
     *(COLUMN *)low = less - (both - chains->total[0]);
 }
 
 /* Lists the rows of a column from unknown u on; after the last unknown its row is repeated. */
 enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
-JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape s,
+JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape shape,
                                size_t here)
 {
     (void)here;
@@ -37,9 +37,9 @@ JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double 
 }
 
 /* Returns the impulses of node j as a vector. */
-JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_shape s)
+JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_shape shape)
 {
-    (void)s;
+    (void)shape;
 #if MEMBERS
     return NUMBER(row[0], j);
 #elif defined(__AVX__)
@@ -49,27 +49,27 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *given, const galerkin_end_weights *weights,
-                                    const galerkin_impulse_sums *sums, galerkin_array_shape s, size_t here)
+JET_INLINE void NAME(integrate_all)(const galerkin_nodes *caller_nodes, const galerkin_end_weights *weights,
+                                    const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     (void)here;
-    const int count = MEMBERS ? s.node_count : s.lanes;
+    const int count = MEMBERS ? shape.node_count : shape.lanes;
     for (int u = 0; u < nodes->unknowns; u += NAME(rows)) {
-        const size_t at = (size_t)u * (size_t)s.member_count + here;
+        const size_t at = (size_t)u * (size_t)shape.member_count + here;
         const COLUMN none = {0};
         const double *row[NAME(rows)];
         NAME(two_chains) once = {{none, none}, {none, none}}, twice = once;
         COLUMN last = none;
-        NAME(set_rows)(nodes, u, row, s, here);
+        NAME(set_rows)(nodes, u, row, shape, here);
         for (int j = 0; j < count; j++) {
-            const COLUMN impulse = NAME(column)(row, j, s);
-            NAME(add_two_sum)(&once.total[j % 2], &once.lost[j % 2], 1, &impulse);
-            NAME(add_two_sum)(&twice.total[j % 2], &twice.lost[j % 2], weights->one_minus_abscissa[j], &impulse);
+            const COLUMN impulse = NAME(column)(row, j, shape);
+            NAME(add_compensated)(&once.total[j % 2], &once.loss[j % 2], 1, &impulse);
+            NAME(add_compensated)(&twice.total[j % 2], &twice.loss[j % 2], weights->one_minus_abscissa[j], &impulse);
             last = FUSED(COLUMN, weights->last_term_weight[j] - none, impulse, last);
         }
-        const COLUMN first = NAME(column)(row, 0, s);
-        const COLUMN final = NAME(column)(row, s.node_count - 1, s);
+        const COLUMN first = NAME(column)(row, 0, shape);
+        const COLUMN final = NAME(column)(row, shape.node_count - 1, shape);
         NAME(end_chains)(&once, sums->single_integral + at, sums->single_integral_low + at);
         NAME(end_chains)(&twice, sums->double_integral + at, sums->double_integral_low + at);
         *(COLUMN *)(sums->last_term + at) = JET_ABS(COLUMN, last);

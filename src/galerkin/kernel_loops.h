@@ -3,8 +3,8 @@
 
 OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin)
 {
-    EACH_VECTOR(NAME(start_half)(nodes, 0, n, origin->q, origin->q_low, s, here));
-    EACH_VECTOR(NAME(start_half)(nodes, n, n, origin->p, origin->p_low, s, here));
+    EACH_VECTOR(NAME(start_half)(nodes, 0, n, origin->q, origin->q_low, shape, here));
+    EACH_VECTOR(NAME(start_half)(nodes, n, n, origin->p, origin->p_low, shape, here));
 }
 
 OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin,
@@ -18,12 +18,12 @@ OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, cons
                 fma(nodes->impulse_scale[u], origin->p[at], -drift[at]) + nodes->impulse_scale[u] * origin->p_low[at];
         }
     for (int u = 0; u < nodes->unknowns; u++)
-        EACH_VECTOR(NAME(start_drift)(nodes, u, c, origin, drift, drift_low, s, here));
+        EACH_VECTOR(NAME(start_drift)(nodes, u, c, origin, drift, drift_low, shape, here));
 }
 
 OWN void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *steps)
 {
-    EACH_VECTOR(NAME(predict_all)(nodes, steps, s, here));
+    EACH_VECTOR(NAME(predict_all)(nodes, steps, shape, here));
 }
 
 OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
@@ -31,20 +31,20 @@ OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
     const tvi_subsystems parts = nodes->subsystems;
     for (int k = 0, first = 0, end; k < parts.count; k++, first = end) {
         end = tvi_subsystems_end(&parts, k, n);
-        EACH_VECTOR(NAME(set_sizes_of)(nodes, n, first, end, s, here));
+        EACH_VECTOR(NAME(set_sizes_of)(nodes, n, first, end, shape, here));
     }
 }
 
 OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                    double moved[])
+                    double movement[])
 {
-    EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, moved, s, here));
+    EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, movement, shape, here));
 }
 
 OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
                          const galerkin_impulse_sums *sums)
 {
-    EACH_VECTOR(NAME(integrate_all)(nodes, weights, sums, s, here));
+    EACH_VECTOR(NAME(integrate_all)(nodes, weights, sums, shape, here));
 }
 
 OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, const double *drift,
@@ -53,9 +53,9 @@ OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_
     const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
-            increments->dq[at] = galerkin_position_increment(drift[at], drift_low[at], nodes->impulse_scale[u],
-                                                             sums->double_integral[at], sums->double_integral_low[at],
-                                                             &increments->dq_low[at]);
+            increments->dq[at] = galerkin_coordinate_increment(drift[at], drift_low[at], nodes->impulse_scale[u],
+                                                               sums->double_integral[at], sums->double_integral_low[at],
+                                                               &increments->dq_low[at]);
             increments->dp[at] = sums->single_integral[at];
             increments->dp_low[at] = sums->single_integral_low[at];
         }
@@ -92,36 +92,36 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int members, double
 }
 
 #if MEMBERS
-OWN int NAME(judge)(galerkin_batch_convergence *verdicts, const tvi_passes_rule *given, int width, int count)
+OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *caller_rule, int width, int count)
 {
-    const tvi_passes_rule rule = *given;
+    const tvi_passes_rule rule = *caller_rule;
     long long left = 0;
     for (int m = 0; m < width; m += NUMBERS_OF(V)) {
-        const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(verdicts->is_moving + m);
-        const V moved = *(const V *)(verdicts->movement + m), infinite = INFINITY - (V){0},
-                slowest = *(V *)(verdicts->slowest_contraction + m);
+        const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(iteration->moving_mask + m);
+        const V movement = *(const V *)(iteration->movement + m), infinite = INFINITY - (V){0},
+                slowest = *(V *)(iteration->largest_contraction_ratio + m);
         members_passes passes = {.count = count - 1,
-                                 .size = *(V *)(verdicts->correction + m),
-                                 .before = *(V *)(verdicts->correction_before + m),
-                                 .ratio = *(V *)(verdicts->contraction + m),
+                                 .size = *(V *)(iteration->correction + m),
+                                 .before = *(V *)(iteration->previous_correction + m),
+                                 .ratio = *(V *)(iteration->contraction_ratio + m),
                                  .slowest_ratio = slowest,
-                                 .size_without_roundoff = *(V *)(verdicts->correction_without_roundoff + m),
+                                 .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
                                  .slack = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
-        const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, moved, &is_stuck),
-                                   is_finite = moved < infinite;
-        *(V *)(verdicts->correction + m) = passes.size;
-        *(V *)(verdicts->correction_before + m) = passes.before;
-        *(V *)(verdicts->contraction + m) = passes.ratio;
-        *(V *)(verdicts->correction_without_roundoff + m) = passes.size_without_roundoff;
-        *(V *)(verdicts->slowest_contraction + m) = JET_CHOOSE(V, moves, passes.slowest_ratio, slowest);
-        if (count == 1) *(V *)(verdicts->first_movement + m) = moved;
-        *(V *)(verdicts->pass_count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(verdicts->pass_count + m));
-        *(JET_MASK(jet_widest) *)(verdicts->has_ended + m) |= moves & is_finite & may_end;
-        *(JET_MASK(jet_widest) *)(verdicts->is_moving + m) = moves & is_finite & ~(may_end | is_stuck);
+        const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, movement, &is_stuck),
+                                   is_finite = movement < infinite;
+        *(V *)(iteration->correction + m) = passes.size;
+        *(V *)(iteration->previous_correction + m) = passes.before;
+        *(V *)(iteration->contraction_ratio + m) = passes.ratio;
+        *(V *)(iteration->correction_without_roundoff + m) = passes.size_without_roundoff;
+        *(V *)(iteration->largest_contraction_ratio + m) = JET_CHOOSE(V, moves, passes.slowest_ratio, slowest);
+        if (count == 1) *(V *)(iteration->first_movement + m) = movement;
+        *(V *)(iteration->pass_count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(iteration->pass_count + m));
+        *(JET_MASK(jet_widest) *)(iteration->converged_mask + m) |= moves & is_finite & may_end;
+        *(JET_MASK(jet_widest) *)(iteration->moving_mask + m) = moves & is_finite & ~(may_end | is_stuck);
     }
-    for (int m = 0; m < width; m++) left -= verdicts->is_moving[m];
+    for (int m = 0; m < width; m++) left -= iteration->moving_mask[m];
     return (int)left;
 }
 #endif

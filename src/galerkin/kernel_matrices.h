@@ -48,10 +48,10 @@ JET_INLINE void NAME(exchange)(int count, double *x, double *y)
 /* Returns whether an element below the diagonal of column j is larger than the diagonal element, in any lane. */
 JET_INLINE bool NAME(wants_exchange)(const lanes_matrix_inverse *f, int j)
 {
-    const double *diagonal = f->lu + (j * f->n + j) * LANES;
+    const double *diagonal = f->matrix + (j * f->n + j) * LANES;
     int larger = 0;
     for (int i = j + 1; i < f->n; i++) {
-        const double *below = f->lu + (i * f->n + j) * LANES;
+        const double *below = f->matrix + (i * f->n + j) * LANES;
         JET_IN_VECTORS
         for (int w = 0; w < LANES; w++) larger |= fabs(below[w]) > fabs(diagonal[w]);
     }
@@ -62,7 +62,7 @@ JET_INLINE bool NAME(wants_exchange)(const lanes_matrix_inverse *f, int j)
 JET_INLINE void NAME(pivot)(lanes_matrix_inverse *f, int j)
 {
     const int row = f->n * LANES;
-    const double *column = f->lu + j * LANES;
+    const double *column = f->matrix + j * LANES;
     int *pivot = f->pivot_row + j * LANES;
     for (int w = 0; w < LANES; w++) pivot[w] = j;
     if (!NAME(wants_exchange)(f, j)) return;
@@ -70,7 +70,7 @@ JET_INLINE void NAME(pivot)(lanes_matrix_inverse *f, int j)
     for (int w = 0; w < LANES; w++) {
         for (int i = j + 1; i < f->n; i++)
             if (fabs(column[i * row + w]) > fabs(column[pivot[w] * row + w])) pivot[w] = i;
-        if (pivot[w] != j) NAME(exchange)(f->n, f->lu + j * row + w, f->lu + pivot[w] * row + w);
+        if (pivot[w] != j) NAME(exchange)(f->n, f->matrix + j * row + w, f->matrix + pivot[w] * row + w);
     }
 }
 
@@ -79,7 +79,7 @@ JET_INLINE void NAME(pivot)(lanes_matrix_inverse *f, int j)
 JET_INLINE void NAME(eliminate)(lanes_matrix_inverse *f, int j, double *least)
 {
     const int n = f->n;
-    double *const upper = f->lu + j * n * LANES;
+    double *const upper = f->matrix + j * n * LANES;
     EACH_VECTOR_OF_LANES(v)
     {
         const V pivot = LANE_AT(upper, j, v);
@@ -87,7 +87,7 @@ JET_INLINE void NAME(eliminate)(lanes_matrix_inverse *f, int j, double *least)
         LANE_AT(upper, j, v) = 1 / pivot;
     }
     for (int i = j + 1; i < n; i++) {
-        double *const lower = f->lu + i * n * LANES;
+        double *const lower = f->matrix + i * n * LANES;
         EACH_VECTOR_OF_LANES(v)
         {
             const V part = LANE_AT(lower, j, v) * LANE_AT(upper, j, v);
@@ -104,8 +104,8 @@ JET_INLINE double NAME(factor)(lanes_matrix_inverse *f)
     const int n = f->n;
     double least[LANES], smallest = 1;
     for (int w = 0; w < LANES; w++) least[w] = 1;
-    for (int i = 0; i < n; i++) NAME(set_scale)(n, 1, f->lu + i * n * LANES, f->row_scale + i * LANES);
-    for (int j = 0; j < n; j++) NAME(set_scale)(n, n, f->lu + j * LANES, f->column_scale + j * LANES);
+    for (int i = 0; i < n; i++) NAME(set_scale)(n, 1, f->matrix + i * n * LANES, f->row_scale + i * LANES);
+    for (int j = 0; j < n; j++) NAME(set_scale)(n, n, f->matrix + j * LANES, f->column_scale + j * LANES);
     f->has_row_exchanges = false;
     for (int j = 0; j < n; j++) {
         NAME(pivot)(f, j);
@@ -130,13 +130,13 @@ JET_INLINE void NAME(invert_column)(lanes_matrix_inverse *f, int column)
     {
         for (int i = 0; i < n; i++) {
             V sum = LANE_AT(x, i, v);
-            for (int j = 0; j < i; j++) sum -= LANE_AT(f->lu, i * n + j, v) * LANE_AT(x, j, v);
+            for (int j = 0; j < i; j++) sum -= LANE_AT(f->matrix, i * n + j, v) * LANE_AT(x, j, v);
             LANE_AT(x, i, v) = sum;
         }
         for (int i = n - 1; i >= 0; i--) {
             V sum = LANE_AT(x, i, v);
-            for (int j = i + 1; j < n; j++) sum -= LANE_AT(f->lu, i * n + j, v) * LANE_AT(x, j, v);
-            sum *= LANE_AT(f->lu, i * n + i, v);
+            for (int j = i + 1; j < n; j++) sum -= LANE_AT(f->matrix, i * n + j, v) * LANE_AT(x, j, v);
+            sum *= LANE_AT(f->matrix, i * n + i, v);
             LANE_AT(x, i, v) = sum;
             LANE_AT(f->inverse, i * n + column, v) = sum * LANE_AT(f->column_scale, i, v);
         }
@@ -153,13 +153,13 @@ JET_INLINE bool NAME(invert_unpivoted)(lanes_matrix_inverse *f)
     const int n = f->n;
     double worst[LANES];
     bool is_plain = true;
-    memcpy(f->inverse, f->lu, (size_t)(n * n * LANES) * sizeof *f->lu);
+    memcpy(f->inverse, f->matrix, (size_t)(n * n * LANES) * sizeof *f->matrix);
     for (int w = 0; w < LANES; w++) worst[w] = -INFINITY;
     for (int j = 0; j < n; j++) {
         double *const row = f->inverse + j * n * LANES;
         EACH_VECTOR_OF_LANES(v)
         {
-            const V inverse = 1 / LANE_AT(row, j, v), part = NAME(size)(LANE_AT(f->lu, j * n + j, v) * inverse);
+            const V inverse = 1 / LANE_AT(row, j, v), part = NAME(size)(LANE_AT(f->matrix, j * n + j, v) * inverse);
             const V excess = NAME(larger)(LEAST_PIVOT - part, part - 1 / LEAST_PIVOT);
             LANE_AT(worst, 0, v) = NAME(larger)(excess, LANE_AT(worst, 0, v));
             for (int k = 0; k < n; k++) LANE_AT(row, k, v) *= inverse;

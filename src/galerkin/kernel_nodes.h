@@ -4,14 +4,14 @@
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 /* Sets the free values of unknowns first .. first + count - 1 to q + q_low. Without impulses they keep these values. */
-JET_INLINE void NAME(start_half)(const galerkin_nodes *given, int first, int count, const double *q,
-                                 const double *q_low, galerkin_array_shape s, size_t here)
+JET_INLINE void NAME(start_half)(const galerkin_nodes *caller_nodes, int first, int count, const double *q,
+                                 const double *q_low, galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < count; u++) {
-        double *high = ROW(nodes->free_values, first + u);
-        double *base = ROW(nodes->free_values_low, first + u);
+        double *high = ROW(nodes->drift_values, first + u);
+        double *base = ROW(nodes->drift_values_low, first + u);
         const V start = MEMBER_AT(q, u) - (V){0}, low = MEMBER_AT(q_low, u) - (V){0};
         MEMBER_AT(nodes->start_values, first + u) = MEMBER_AT(q, u);
         for (int v = 0; v < VECTORS; v++) {
@@ -25,13 +25,14 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *given, int first, int cou
  * their errors, whose mean many steps show, if h is nearly a ratio of small numbers, such as 0.1. For this reason the
  * drift is exact. The sum of the impulses is rounded together with `base`, with far smaller bits. `base` is not added
  * to `high`: the sum would end on a grid, and its product with h near the same few points of another. */
-JET_INLINE void NAME(start_drift)(const galerkin_nodes *given, int u, const double *c, const tvi_step_origin *origin,
-                                  const double *drifts, const double *drifts_low, galerkin_array_shape s, size_t here)
+JET_INLINE void NAME(start_drift)(const galerkin_nodes *caller_nodes, int u, const double *c,
+                                  const tvi_step_origin *origin, const double *drifts, const double *drifts_low,
+                                  galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     (void)here;
-    double *high = ROW(nodes->free_values, u);
-    double *base = ROW(nodes->free_values_low, u);
+    double *high = ROW(nodes->drift_values, u);
+    double *base = ROW(nodes->drift_values_low, u);
     const V start = MEMBER_AT(origin->q, u) - (V){0}, low = MEMBER_AT(origin->q_low, u) - (V){0};
     const V drift = MEMBER_AT(drifts, u) - (V){0}, drift_low = MEMBER_AT(drifts_low, u) - (V){0};
     MEMBER_AT(nodes->start_values, u) = MEMBER_AT(origin->q, u);
@@ -66,9 +67,10 @@ JET_INLINE NAME(table) NAME(table_of)(const double *number)
 }
 
 /* Adds sum_j (row j of the table) x_j to the partial sums, for vector v. */
-JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_array_shape s)
+JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v,
+                                  galerkin_array_shape shape)
 {
-    const int nodes = MEMBERS ? s.node_count : s.lanes;
+    const int nodes = MEMBERS ? shape.node_count : shape.lanes;
     (void)v;
     for (int j = 0; j < nodes; j++) sum[j % CHAINS] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % CHAINS]);
 }
@@ -77,7 +79,7 @@ JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBE
 #if MEMBERS
 #define NUMBERS_IN(name, row)                                                                                          \
     V name[LANES];                                                                                                     \
-    for (int j = 0; j < s.node_count; j++) name[j] = AT(row, j);
+    for (int j = 0; j < shape.node_count; j++) name[j] = AT(row, j);
 #else
 #define NUMBERS_IN(name, row) const double *const name = row;
 #endif
@@ -90,13 +92,13 @@ JET_INLINE void NAME(clear)(V *x, int count)
 }
 
 /* The sum over the lanes of one member, by fours, then by halves. Lanes after the nodes repeat the last one. */
-JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape s)
+JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape shape)
 {
 #if MEMBERS
     enum { GROUPS = 4 };
     V sum[GROUPS];
     NAME(clear)(sum, GROUPS);
-    for (int i = 0; i < s.lanes; i++) sum[i % GROUPS] += x[i < s.node_count ? i : s.node_count - 1];
+    for (int i = 0; i < shape.lanes; i++) sum[i % GROUPS] += x[i < shape.node_count ? i : shape.node_count - 1];
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 #else
     enum { GROUPS = NUMBERS_OF(V) < 4 && LANES >= 4 ? 4 / NUMBERS_OF(V) : 1 };
@@ -112,10 +114,10 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape s)
 /* ---- Movements --------------------------------------------------------------------------------------------------- */
 
 /* Sets the impulses L_j = weight_j F_j. */
-JET_INLINE void NAME(set_impulses)(const galerkin_nodes *given, const double *rates, const int slot[],
-                                   galerkin_array_shape s, size_t here)
+JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const double *rates, const int slot[],
+                                   galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *rate = ROW(rates, slot[u]);
@@ -127,26 +129,27 @@ JET_INLINE void NAME(set_impulses)(const galerkin_nodes *given, const double *ra
 
 /* Sets x = high + (base + scale sum_j matrix_ji L_j), from the impulses of all nodes. displacements [unknowns][lanes]
  * gets x - high, if it is not NULL. Returns the sum of the squares of (change of x) inverse_size. */
-JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *given, const double *matrix, double *displacements,
-                                      galerkin_array_shape s, size_t here)
+JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const double *matrix, double *displacements,
+                                      galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     (void)here;
     const int moving = nodes->moving_unknowns, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
     const NAME(table) table = NAME(table_of)(matrix);
     V squares[LANES];
     NAME(clear)(squares, VECTORS);
     for (int k = 0; k < all; k++) {
-        const int u = k < moving ? k : k - moving + nodes->half_unknowns;
-        const double *high = ROW(nodes->free_values, u);
-        const double *base = ROW(nodes->free_values_low, u);
-        const V scale = nodes->impulse_scale[u] - (V){0}, inverse_size = MEMBER_AT(nodes->inverse_size, u) - (V){0};
+        const int u = k < moving ? k : k - moving + nodes->unknowns_per_half;
+        const double *high = ROW(nodes->drift_values, u);
+        const double *base = ROW(nodes->drift_values_low, u);
+        const V scale = nodes->impulse_scale[u] - (V){0},
+                inverse_size = MEMBER_AT(nodes->inverse_unknown_size, u) - (V){0};
         double *x = ROW(nodes->values, u);
         NUMBERS_IN(impulse, ROW(nodes->impulses, u))
         for (int v = 0; v < VECTORS; v++) {
             V sum[CHAINS];
             NAME(clear)(sum, CHAINS);
-            NAME(add_product)(sum, &table, impulse, v, s);
+            NAME(add_product)(sum, &table, impulse, v, shape);
             const V way = FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v)), moved_to = AT(high, v) + way;
             const V change = (moved_to - AT(x, v)) * inverse_size;
             squares[v] = FUSED(V, change, change, squares[v]);
@@ -154,63 +157,66 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *given, const double 
             if (displacements) AT(ROW(displacements, u), v) = way;
         }
     }
-    return NAME(sum_of)(squares, s);
+    return NAME(sum_of)(squares, shape);
 }
 
 JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                               double moved[], galerkin_array_shape s, size_t here)
+                               double movement[], galerkin_array_shape shape, size_t here)
 {
-    NAME(set_impulses)(nodes, rates, slot, s, here);
-    MEMBER_AT(moved, 0) = NAME(move_unknowns)(nodes, matrix, NULL, s, here);
+    NAME(set_impulses)(nodes, rates, slot, shape, here);
+    MEMBER_AT(movement, 0) = NAME(move_unknowns)(nodes, matrix, NULL, shape, here);
 }
 
 #if MEMBERS
 /* Adds the extrapolation from earlier steps for each member, by the tables that suit it. */
-JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int u, int v, galerkin_array_shape s,
-                                  size_t here)
+JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapolation, int u, int v,
+                                  galerkin_array_shape shape, size_t here)
 {
-    const double *last = ROW(by->last_impulses, u);
-    const double *before = ROW(by->impulses_before, u);
-    const double *of_before = by->two_step_table + s.lanes * s.lanes;
-    const JET_MASK(jet_widest) is_rough = *(const JET_MASK(jet_widest) *)(by->is_rough + here);
+    const double *last = ROW(extrapolation->last_impulses, u);
+    const double *before = ROW(extrapolation->impulses_before, u);
+    const double *of_before = extrapolation->two_step_table + shape.lanes * shape.lanes;
+    const JET_MASK(jet_widest) uses_last_step = *(const JET_MASK(jet_widest) *)(extrapolation->last_step_mask + here);
     const V none = {0};
-    for (int j = 0; j < s.node_count; j++)
-        sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, is_rough, none, OF_NODE(of_before + j * s.lanes, v)), AT(before, j),
-                                sum[j % CHAINS]);
-    for (int j = 0; j < s.node_count; j++)
-        sum[j % CHAINS] = FUSED(V,
-                                JET_CHOOSE(V, is_rough, OF_NODE(by->last_step_table + j * s.lanes, v),
-                                           OF_NODE(by->two_step_table + j * s.lanes, v)),
-                                AT(last, j), sum[j % CHAINS]);
+    for (int j = 0; j < shape.node_count; j++)
+        sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, uses_last_step, none, OF_NODE(of_before + j * shape.lanes, v)),
+                                AT(before, j), sum[j % CHAINS]);
+    for (int j = 0; j < shape.node_count; j++)
+        sum[j % CHAINS] =
+            FUSED(V,
+                  JET_CHOOSE(V, uses_last_step, OF_NODE(extrapolation->last_step_table + j * shape.lanes, v),
+                             OF_NODE(extrapolation->two_step_table + j * shape.lanes, v)),
+                  AT(last, j), sum[j % CHAINS]);
 }
 #endif
 
 /* Predicts the unknowns of all nodes from the impulses of earlier steps. The latest step is added last. */
-JET_INLINE void NAME(predict_all)(const galerkin_nodes *given, const galerkin_extrapolation *steps,
-                                  galerkin_array_shape s, size_t here)
+JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
+                                  const galerkin_extrapolation *caller_extrapolation, galerkin_array_shape shape,
+                                  size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     (void)here;
-    const galerkin_extrapolation by = *steps;
+    const galerkin_extrapolation extrapolation = *caller_extrapolation;
 #if !MEMBERS
-    const bool is_rough = *by.is_rough;
-    const NAME(table) of_last = NAME(table_of)(is_rough ? by.last_step_table : by.two_step_table);
+    const bool uses_last_step = *extrapolation.last_step_mask;
+    const NAME(table) of_last =
+        NAME(table_of)(uses_last_step ? extrapolation.last_step_table : extrapolation.two_step_table);
     /* A rough extrapolation has one table, and this one is not used. */
-    const NAME(table) of_before = NAME(table_of)(by.two_step_table + (is_rough ? 0 : LANES * LANES));
+    const NAME(table) of_before = NAME(table_of)(extrapolation.two_step_table + (uses_last_step ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknowns; u++) {
-        const double *high = ROW(nodes->free_values, u);
-        const double *base = ROW(nodes->free_values_low, u);
+        const double *high = ROW(nodes->drift_values, u);
+        const double *base = ROW(nodes->drift_values_low, u);
         const V scale = nodes->impulse_scale[u] - (V){0};
         double *x = ROW(nodes->values, u);
         for (int v = 0; v < VECTORS; v++) {
             V sum[CHAINS];
             NAME(clear)(sum, CHAINS);
 #if MEMBERS
-            NAME(extrapolate)(sum, &by, u, v, s, here);
+            NAME(extrapolate)(sum, &extrapolation, u, v, shape, here);
 #else
-            if (!is_rough) NAME(add_product)(sum, &of_before, ROW(by.impulses_before, u), v, s);
-            NAME(add_product)(sum, &of_last, ROW(by.last_impulses, u), v, s);
+            if (!uses_last_step) NAME(add_product)(sum, &of_before, ROW(extrapolation.impulses_before, u), v, shape);
+            NAME(add_product)(sum, &of_last, ROW(extrapolation.last_impulses, u), v, shape);
 #endif
             AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v));
         }
@@ -218,10 +224,10 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *given, const galerkin_ex
 }
 
 /* Returns the size of an unknown, |start| + |value at the last node - start|. */
-JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_array_shape s, size_t here)
+JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_array_shape shape, size_t here)
 {
     const MEMBER start = MEMBER_AT(nodes->start_values, u);
-    const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? s.node_count - 1 : s.lanes - 1) - start;
+    const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? shape.node_count - 1 : shape.lanes - 1) - start;
     (void)here;
     return MAGNITUDE(start) + MAGNITUDE(way);
 }
@@ -235,28 +241,28 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
 /* Sets the reciprocal sizes of the unknowns of one subsystem. A small unknown is measured by the largest of its
  * subsystem. With masses, the momentum of a light body is measured by the movement of its coordinate. There are no
  * branches, since the larger of two numbers changes from step to step. */
-JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first, int end, galerkin_array_shape s,
-                                   size_t here)
+JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *caller_nodes, int n, int first, int end,
+                                   galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *given, *const nodes = &copy;
+    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     const bool has_momenta = nodes->unknowns > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {
         const int i = tvi_subsystems_component(&nodes->subsystems, k);
-        const MEMBER size = NAME(size_of)(nodes, i, s, here);
-        MEMBER_AT(nodes->inverse_size, i) = size;
+        const MEMBER size = NAME(size_of)(nodes, i, shape, here);
+        MEMBER_AT(nodes->inverse_unknown_size, i) = size;
         largest_q = IF_ABOVE(size, largest_q, size, largest_q);
         if (!has_momenta) continue;
-        const MEMBER of_p = NAME(size_of)(nodes, n + i, s, here);
-        MEMBER_AT(nodes->inverse_size, n + i) = of_p;
+        const MEMBER of_p = NAME(size_of)(nodes, n + i, shape, here);
+        MEMBER_AT(nodes->inverse_unknown_size, n + i) = of_p;
         largest_p = IF_ABOVE(of_p, largest_p, of_p, largest_p);
     }
     const MEMBER least_q = NAME(least_of)(largest_q), least_p = NAME(least_of)(largest_p);
     for (int k = first; k < end; k++) {
         const int i = tvi_subsystems_component(&nodes->subsystems, k);
-        MEMBER_AT(nodes->inverse_size, i) = 1 / (MEMBER_AT(nodes->inverse_size, i) + least_q);
+        MEMBER_AT(nodes->inverse_unknown_size, i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, i) + least_q);
         if (!has_momenta) continue;
-        const MEMBER own = nodes->momentum_per_movement[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);
-        MEMBER_AT(nodes->inverse_size, n + i) = 1 / (MEMBER_AT(nodes->inverse_size, n + i) + least);
+        const MEMBER own = nodes->momentum_per_unit_drift[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);
+        MEMBER_AT(nodes->inverse_unknown_size, n + i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, n + i) + least);
     }
 }

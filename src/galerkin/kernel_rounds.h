@@ -144,14 +144,14 @@ JET_INLINE void NAME(end_rounds)(const lanes_inner_rounds *rounds, double *chang
 }
 
 OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
-                          const int slot[], bool is_new, double moved, double least, double *changes)
+                          const int slot[], bool is_new, double movement, double least, double *changes)
 {
     double before = INFINITY, earlier;
     int count = 0;
     if (is_new) NAME(pack)(nodes, rounds);
     NAME(begin_rounds)(nodes, rounds, rates, slot);
     const double first = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
-    const double left_out = ROUNDS_LEFT_OUT * first * (is_new ? first : moved) / (nodes->unknowns * LANES);
+    const double left_out = ROUNDS_LEFT_OUT * first * (is_new ? first : movement) / (nodes->unknowns * LANES);
     const double last = tvi_larger(left_out, least);
     double now = first;
     do {

@@ -11,16 +11,16 @@
 
 typedef struct {
     lagrangian_passes passes;
-    galerkin_hessian_model hessian_model;
+    galerkin_hessian_tables hessian_tables;
     tvi_legendre legendre_transform;
     double *start_velocity; /* [n] the velocity at the start of the step */
 } lagrangian_work;
 
-static void allocate_mass_inverse(lanes_matrix_inverse *inverse, tvi_arena *arena, int n, int lanes)
+static void allocate_velocity_hessian_inverse(lanes_matrix_inverse *inverse, tvi_arena *arena, int n, int lanes)
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
     *inverse = (lanes_matrix_inverse){.n = n};
-    inverse->lu = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
+    inverse->matrix = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
     inverse->inverse = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
     inverse->row_scale = tvi_arena_allocate_doubles(arena, numbers);
     inverse->column_scale = tvi_arena_allocate_doubles(arena, numbers);
@@ -35,56 +35,57 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
     lagrangian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
     lagrangian_work work = {.passes = {.kernels = field->kernels}};
-    field->saved_row_count = 3 * n;
+    field->pass_input_row_count = 3 * n;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
-    tvi_galerkin_allocate_hessian_model(&work.hessian_model, arena, field);
-    field->tape_block = work.hessian_model.blocks.values_block;
+    tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
+    field->tape_block = work.hessian_tables.blocks.values_block;
     field->rate_to_unknown = tvi_arena_allocate_doubles(arena, lanes * lanes);
-    double **const rows[] = {&work.passes.displacement, &work.passes.point_offset[0], &work.passes.point_offset[1]};
+    double **const rows[] = {&work.passes.coordinate_displacement, &work.passes.centre_offset[0],
+                             &work.passes.centre_offset[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half_size);
-    work.passes.gradient = tvi_arena_allocate_doubles(arena, 2 * half_size);
+    work.passes.centre_gradient = tvi_arena_allocate_doubles(arena, 2 * half_size);
     work.start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
     tvi_legendre_allocate(&work.legendre_transform, arena, system);
-    allocate_mass_inverse(&work.passes.mass_inverse, arena, n, field->nodes.lanes);
+    allocate_velocity_hessian_inverse(&work.passes.velocity_hessian_inverse, arena, n, field->nodes.lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? lagrangian_values_row(&field->nodes, unknowns) : NULL;
-    work.passes.rate_nodes.free_values = tvi_arena_allocate_doubles(arena, (size_t)unknowns * lanes);
+    work.passes.rate_nodes.drift_values = tvi_arena_allocate_doubles(arena, (size_t)unknowns * lanes);
     work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     if (taken) *taken = work;
 }
 
 static void prepare_lagrangian_passes(lagrangian_passes *work, const galerkin_field *field,
-                                      const galerkin_hessian_model *model)
+                                      const galerkin_hessian_tables *tables)
 {
     const tvi_system *system = field->system;
     work->nodes = &field->nodes;
     work->impulse_matrix = field->impulse_matrix;
     work->rate_row = field->rate_row;
-    work->tape_blocks = model->blocks;
+    work->tape_blocks = tables->blocks;
     work->gradient_slot[false] = system->field_values->output_slot;
     work->gradient_slot[true] = system->hessian_values->output_slot;
-    work->gradient_expansion = model->expansion;
-    work->gradient_expansion.centre_gradient = work->gradient;
+    work->gradient_expansion = tables->expansion;
+    work->gradient_expansion.centre_gradient = work->centre_gradient;
 }
 
 static void prepare_lagrangian_field(galerkin_field *field)
 {
     lagrangian_work *work = field->form_work;
-    tvi_galerkin_prepare_hessian_model(&work->hessian_model, field);
-    prepare_lagrangian_passes(&work->passes, field, &work->hessian_model);
+    tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
+    prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
-static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first, const double value[])
+static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first_row, const double value[])
 {
     for (int i = 0; i < n; i++)
-        for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_values_row(nodes, first + i)[lane] = value[i];
+        for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_values_row(nodes, first_row + i)[lane] = value[i];
 }
 
 /* Sets V by the Legendre transform, from rest. */
-static tvi_status start_lagrangian_unknowns(galerkin_field *field, const tvi_step_origin *origin)
+static tvi_status predict_lagrangian_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     lagrangian_work *work = field->form_work;
     const tvi_system *system = field->system;
@@ -97,12 +98,12 @@ static tvi_status start_lagrangian_unknowns(galerkin_field *field, const tvi_ste
     fill_rows_with_vector(nodes, n, 0, origin->q);
     fill_rows_with_vector(nodes, n, n, origin->p);
     fill_rows_with_vector(nodes, n, 2 * n, velocity);
-    const double *gradient = galerkin_sweep_gradient_at(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false,
-                                                        nodes->values, lagrangian_values_row(nodes, 2 * n));
+    const double *gradient = galerkin_evaluate_gradient_at_nodes(
+        &work->passes.tape_blocks, tvi_galerkin_sweep_tape, false, nodes->values, lagrangian_values_row(nodes, 2 * n));
     if (!gradient) return TVI_EDOMAIN;
     for (int i = 0; i < 2 * n; i++)
         memcpy(lagrangian_values_row(nodes, 3 * n + i), gradient + output[i] * lanes, (size_t)lanes * sizeof *gradient);
-    lagrangian_move_all_unknowns(&work->passes);
+    lagrangian_move_q_and_p(&work->passes);
     return TVI_OK;
 }
 
@@ -114,7 +115,7 @@ static void predict_lagrangian_unknowns(galerkin_field *field, const galerkin_ex
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
-static tvi_status make_lagrangian_pass(galerkin_field *field, double *moved, tvi_stats *stats)
+static tvi_status make_lagrangian_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     static const tvi_status status[] = {[LAGRANGIAN_PASSED] = TVI_OK,
                                         [LAGRANGIAN_OUTSIDE] = TVI_EDOMAIN,
@@ -124,7 +125,7 @@ static tvi_status make_lagrangian_pass(galerkin_field *field, double *moved, tvi
     const int factors = work->passes.inversion_count;
     const lagrangian_pass_result passed = lagrangian_make_pass(&work->passes, tvi_galerkin_sweep_tape);
     stats->factorisations += (work->passes.inversion_count - factors) * field->node_count;
-    *moved = work->passes.last_movement;
+    *movement = work->passes.last_movement;
     return status[passed];
 }
 
@@ -132,7 +133,7 @@ static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
 {
     const lagrangian_work *work = field->form_work;
     const int unknowns = field->nodes.unknowns;
-    tvi_galerkin_emit_hessian_model(text, &work->hessian_model);
+    tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->passes.gradient_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->passes.gradient_slot[true]);
     tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
@@ -142,7 +143,7 @@ const galerkin_field_form tvi_galerkin_form_lagrangian = {1,
                                                           &tvi_galerkin_quasi_newton,
                                                           allocate_lagrangian_field,
                                                           prepare_lagrangian_field,
-                                                          start_lagrangian_unknowns,
+                                                          predict_lagrangian_from_start,
                                                           predict_lagrangian_unknowns,
                                                           make_lagrangian_pass,
                                                           emit_lagrangian_field,

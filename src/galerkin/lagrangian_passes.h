@@ -21,15 +21,15 @@ typedef struct {
     galerkin_tape_blocks tape_blocks;
     /* [2n] The slots of the gradient in values_block (index false) and in hessian_block (index true). */
     const int *gradient_slot[2];
-    double *displacement; /* [n][lanes] Q minus the free values of the nodes */
+    double *coordinate_displacement; /* [n][lanes] Q minus the free values of the nodes */
     /* [n][lanes] The free values minus the points where the gradient was evaluated, as a number and its low-order
      * part. */
-    double *point_offset[2];
-    double *gradient; /* [2n][lanes] the gradient at the points where it was evaluated */
+    double *centre_offset[2];
+    double *centre_gradient; /* [2n][lanes] the gradient at the points where it was evaluated */
     /* The expansion of the gradient to first order. */
     lanes_gradient_expansion gradient_expansion;
-    lanes_matrix_inverse mass_inverse; /* the inverse of L_vv at each node */
-    int inversion_count;               /* how often L_vv was inverted */
+    lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
+    int inversion_count;                           /* how often L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
     double last_movement;
 } lagrangian_passes;
@@ -54,51 +54,51 @@ static inline double *lagrangian_values_row(const galerkin_nodes *nodes, int i)
     return nodes->values + i * nodes->lanes;
 }
 
-static inline galerkin_nodes lagrangian_half_of_nodes(const galerkin_nodes *given, int first)
+static inline galerkin_nodes lagrangian_nodes_of_half(const galerkin_nodes *all_nodes, int first_unknown)
 {
-    galerkin_nodes nodes = *given;
-    const int offset = first * nodes.lanes;
+    galerkin_nodes nodes = *all_nodes;
+    const int offset = first_unknown * nodes.lanes;
     nodes.unknowns /= 2;
     nodes.moving_unknowns = nodes.unknowns;
     nodes.values += offset;
-    nodes.free_values += offset;
-    nodes.free_values_low += offset;
+    nodes.drift_values += offset;
+    nodes.drift_values_low += offset;
     nodes.impulses += offset;
-    nodes.start_values += first;
-    nodes.impulse_scale += first;
-    nodes.inverse_size += first;
+    nodes.start_values += first_unknown;
+    nodes.impulse_scale += first_unknown;
+    nodes.inverse_unknown_size += first_unknown;
     return nodes;
 }
 
 static inline double lagrangian_move_momenta(const lagrangian_passes *passes)
 {
     const int n = passes->nodes->unknowns / 2;
-    const galerkin_nodes momenta = lagrangian_half_of_nodes(passes->nodes, n);
+    const galerkin_nodes momenta = lagrangian_nodes_of_half(passes->nodes, n);
     double moved;
     GALERKIN_KERNEL(passes->kernels, move, &momenta, passes->impulse_matrix, passes->nodes->values,
                     passes->rate_row + n, &moved);
     return moved;
 }
 
-static inline double lagrangian_move_positions(const lagrangian_passes *passes)
+static inline double lagrangian_move_coordinates(const lagrangian_passes *passes)
 {
-    const galerkin_nodes positions = lagrangian_half_of_nodes(passes->nodes, 0);
+    const galerkin_nodes positions = lagrangian_nodes_of_half(passes->nodes, 0);
     return GALERKIN_KERNEL(passes->kernels, move_in_parts, &positions, passes->impulse_matrix, passes->nodes->values,
-                           passes->rate_row, passes->displacement);
+                           passes->rate_row, passes->coordinate_displacement);
 }
 
 /* Moves Q and P by the current V and F. */
-static inline void lagrangian_move_all_unknowns(lagrangian_passes *passes)
+static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
 {
     (void)lagrangian_move_momenta(passes);
-    (void)lagrangian_move_positions(passes);
+    (void)lagrangian_move_coordinates(passes);
     passes->last_movement = INFINITY;
 }
 
 static inline void lagrangian_predict_unknowns(lagrangian_passes *passes, const galerkin_extrapolation *extrapolation)
 {
     galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);
-    lagrangian_move_all_unknowns(passes);
+    lagrangian_move_q_and_p(passes);
 }
 
 /* Rounds the points where the gradient is evaluated by their last bits. The last passes of a step then use the same
@@ -122,31 +122,32 @@ static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galer
     lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.values_block);
     lagrangian_round_last_bits(half, lagrangian_values_row(nodes, nodes->unknowns),
                                passes->tape_blocks.values_block + half);
-    const double *x = galerkin_sweep_gradient(&passes->tape_blocks, sweep, with_hessian);
+    const double *x = galerkin_evaluate_gradient(&passes->tape_blocks, sweep, with_hessian);
     if (!x) return false;
     for (int i = 0; i < nodes->unknowns; i++)
-        memcpy(passes->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
+        memcpy(passes->centre_gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
 }
 
 /* Inverts L_vv at each node, from the second derivatives in hessian_block. */
-static inline lagrangian_pass_result lagrangian_invert_mass_matrix(lagrangian_passes *passes)
+static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangian_passes *passes)
 {
-    const lanes_gradient_expansion *model = &passes->gradient_expansion;
-    const int n = model->n, lanes = model->lanes;
-    double *a = passes->mass_inverse.lu;
+    const lanes_gradient_expansion *expansion = &passes->gradient_expansion;
+    const int n = expansion->n, lanes = expansion->lanes;
+    double *a = passes->velocity_hessian_inverse.matrix;
     memset(a, 0, (size_t)(n * n * lanes) * sizeof *a);
     for (int i = n; i < 2 * n; i++)
-        for (int k = model->row_end[i - 1]; k < model->row_end[i]; k++) {
-            const lanes_hessian_element *term = &model->hessian_element[k];
+        for (int k = expansion->row_end[i - 1]; k < expansion->row_end[i]; k++) {
+            const lanes_hessian_element *term = &expansion->hessian_element[k];
             double *element = a + ((i - n) * n + term->column - n) * lanes;
             if (term->column >= n)
                 memcpy(element, passes->tape_blocks.hessian_block + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     passes->inversion_count++;
-    if (GALERKIN_KERNEL(passes->kernels, invert, &passes->mass_inverse) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
-    for (int k = model->row_end[n - 1]; k < model->row_end[2 * n - 1]; k++)
-        if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + model->hessian_element[k].slot * lanes))
+    if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse) > n * DBL_EPSILON)
+        return LAGRANGIAN_PASSED;
+    for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
+        if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + expansion->hessian_element[k].slot * lanes))
             return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
 }
@@ -157,21 +158,21 @@ static inline double lagrangian_iterate_once(lagrangian_passes *passes)
     const galerkin_nodes *nodes = passes->nodes;
     const int n = nodes->unknowns / 2, half = n * nodes->lanes;
     const double moved = lagrangian_move_momenta(passes);
-    GALERKIN_KERNEL(passes->kernels, correct, &passes->mass_inverse, lagrangian_values_row(nodes, n),
-                    passes->gradient + half, lagrangian_values_row(nodes, 4 * n),
+    GALERKIN_KERNEL(passes->kernels, correct, &passes->velocity_hessian_inverse, lagrangian_values_row(nodes, n),
+                    passes->centre_gradient + half, lagrangian_values_row(nodes, 4 * n),
                     passes->tape_blocks.values_block + half, lagrangian_values_row(nodes, 2 * n));
-    return moved + lagrangian_move_positions(passes);
+    return moved + lagrangian_move_coordinates(passes);
 }
 
 /* Sets point_offset to the free values minus the points where the gradient was evaluated, in two parts. */
-static inline void lagrangian_set_point_offsets(lagrangian_passes *passes)
+static inline void lagrangian_set_centre_offsets(lagrangian_passes *passes)
 {
     const int half = passes->nodes->unknowns / 2 * passes->nodes->lanes;
-    const double *high = passes->nodes->free_values, *from = passes->tape_blocks.values_block;
+    const double *high = passes->nodes->drift_values, *from = passes->tape_blocks.values_block;
     for (int i = 0; i < half; i++) {
         const double rise = high[i] - from[i], less = high[i] - rise;
-        passes->point_offset[0][i] = rise;
-        passes->point_offset[1][i] = (high[i] - (rise + less)) + (less - from[i]);
+        passes->centre_offset[0][i] = rise;
+        passes->centre_offset[1][i] = (high[i] - (rise + less)) + (less - from[i]);
     }
 }
 
@@ -184,7 +185,7 @@ static inline void lagrangian_expand_gradient(lagrangian_passes *passes)
     const double *V = nodes->values + 2 * half, *from = passes->tape_blocks.values_block;
     double *moved = passes->gradient_expansion.displacement;
     for (int i = 0; i < half; i++)
-        moved[i] = (passes->point_offset[0][i] + passes->displacement[i]) + passes->point_offset[1][i];
+        moved[i] = (passes->centre_offset[0][i] + passes->coordinate_displacement[i]) + passes->centre_offset[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
     GALERKIN_KERNEL(passes->kernels, linearise, &passes->gradient_expansion, nodes->values + 3 * half);
 }
@@ -198,11 +199,11 @@ static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *pas
         if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE;
     } else {
         if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE;
-        const lagrangian_pass_result inverted = lagrangian_invert_mass_matrix(passes);
+        const lagrangian_pass_result inverted = lagrangian_invert_velocity_hessian(passes);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
     double moved = passes->last_movement = 0;
-    lagrangian_set_point_offsets(passes);
+    lagrangian_set_centre_offsets(passes);
     for (int i = 0; i < LAGRANGIAN_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
         lagrangian_expand_gradient(passes);

@@ -27,7 +27,7 @@ typedef struct {
 /* The convergence of the passes of a step, from which that of the next step is estimated. Movements are sums of
  * squares, as the kernel `move` measures them. A value of 0 is not known. */
 typedef struct {
-    double slowest_contraction; /* the largest ratio of two successive movements of a pass */
+    double largest_contraction_ratio; /* the largest ratio of two successive movements of a pass */
     /* The movement of the first pass, which shows the error of the prediction. */
     double first_movement;
 } galerkin_convergence;
@@ -36,13 +36,13 @@ typedef struct {
 typedef struct {
     double movement[TVI_MOST_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
     /* The members of tvi_passes. */
-    double correction[TVI_MOST_WIDTH], correction_before[TVI_MOST_WIDTH], contraction[TVI_MOST_WIDTH];
-    double slowest_contraction[TVI_MOST_WIDTH], correction_without_roundoff[TVI_MOST_WIDTH];
+    double correction[TVI_MOST_WIDTH], previous_correction[TVI_MOST_WIDTH], contraction_ratio[TVI_MOST_WIDTH];
+    double largest_contraction_ratio[TVI_MOST_WIDTH], correction_without_roundoff[TVI_MOST_WIDTH];
     double first_movement[TVI_MOST_WIDTH]; /* the movement of the first pass */
     double pass_count[TVI_MOST_WIDTH];     /* the number of passes that were made */
     /* Masks, with all bits set or none: has_ended if the member has converged, is_moving if it still makes passes. */
-    long long has_ended[TVI_MOST_WIDTH], is_moving[TVI_MOST_WIDTH];
-} galerkin_batch_convergence;
+    long long converged_mask[TVI_MOST_WIDTH], moving_mask[TVI_MOST_WIDTH];
+} galerkin_batch_iteration;
 
 /* The impulses from which a step is predicted. Usually both of the last two steps are used, with the factors of
  * two_step_table [2][j][i], whose second half belongs to the earlier step. A member whose prediction is rough, or
@@ -51,7 +51,7 @@ typedef struct {
     double step_size;
     const double *two_step_table, *last_step_table, *last_impulses, *impulses_before;
     /* [member_count] Mask, with all bits set if the member uses the last step alone. */
-    const long long *is_rough;
+    const long long *last_step_mask;
 } galerkin_extrapolation;
 
 /* The weights of the impulses in the sums at the end of a step, [lanes] each: 1 - c_j of node j, and the weight that
@@ -83,35 +83,35 @@ typedef struct {
     const double *start_q, *start_p, *momentum_increment;
 } galerkin_tail_inputs;
 
-/* Returns |p| and the sizes of its changes in the step, for one component. galerkin_movement_size returns how far a
+/* Returns |p| and the sizes of its changes in the step, for one component. galerkin_coordinate_change returns how far a
  * coordinate moves in a system that is not separable. */
-static inline double galerkin_momentum_size(const galerkin_tail_inputs *inputs, size_t coordinate_at,
-                                            size_t momentum_at)
+static inline double galerkin_momentum_size(const galerkin_tail_inputs *inputs, size_t coordinate_index,
+                                            size_t momentum_index)
 {
-    return fabs(inputs->start_p[coordinate_at]) +
-           (fabs(inputs->momentum_increment[coordinate_at]) +
-            inputs->impulse_sums.end_impulse_size[momentum_at] * inputs->inverse_end_weight);
+    return fabs(inputs->start_p[coordinate_index]) +
+           (fabs(inputs->momentum_increment[coordinate_index]) +
+            inputs->impulse_sums.end_impulse_size[momentum_index] * inputs->inverse_end_weight);
 }
 
-static inline double galerkin_movement_size(const galerkin_tail_inputs *inputs, size_t coordinate_at)
+static inline double galerkin_coordinate_change(const galerkin_tail_inputs *inputs, size_t coordinate_index)
 {
-    return inputs->impulse_sums.end_impulse_size[coordinate_at] * inputs->inverse_end_weight;
+    return inputs->impulse_sums.end_impulse_size[coordinate_index] * inputs->inverse_end_weight;
 }
 
-/* Returns the contribution of one component to the tail. `coordinate_at` is the index of its coordinate in the
- * arrays, and `momentum_at` that of its momentum. */
+/* Returns the contribution of one component to the tail. `coordinate_index` is the index of its coordinate in the
+ * arrays, and `momentum_index` that of its momentum. */
 static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, bool is_separable,
                                                                  double scale, double inverse_scale,
-                                                                 size_t coordinate_at, size_t momentum_at)
+                                                                 size_t coordinate_index, size_t momentum_index)
 {
     const double *last = inputs->impulse_sums.last_term;
-    tvi_tail_component component = {.momentum_size = galerkin_momentum_size(inputs, coordinate_at, momentum_at),
-                                    .last_term_p = last[momentum_at],
-                                    .last_term_q = is_separable ? 0 : last[coordinate_at],
-                                    .position_size = fabs(inputs->start_q[coordinate_at])};
+    tvi_tail_component component = {.momentum_size = galerkin_momentum_size(inputs, coordinate_index, momentum_index),
+                                    .last_term_p = last[momentum_index],
+                                    .last_term_q = is_separable ? 0 : last[coordinate_index],
+                                    .position_size = fabs(inputs->start_q[coordinate_index])};
     component.inverse_momentum = 1 / component.momentum_size;
     component.movement_size =
-        is_separable ? fabs(scale) * component.momentum_size : galerkin_movement_size(inputs, coordinate_at);
+        is_separable ? fabs(scale) * component.momentum_size : galerkin_coordinate_change(inputs, coordinate_index);
     component.inverse_movement =
         is_separable ? inverse_scale * component.inverse_momentum : 1 / component.movement_size;
     return component;
@@ -119,8 +119,8 @@ static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_
 
 /* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (double_integral +
  * double_integral_low), and sets *low to the low-order part of the result. */
-static inline double galerkin_position_increment(double drift, double drift_low, double scale, double double_integral,
-                                                 double double_integral_low, double *low)
+static inline double galerkin_coordinate_increment(double drift, double drift_low, double scale, double double_integral,
+                                                   double double_integral_low, double *low)
 {
     const double rise = scale * double_integral;
     double rest;
@@ -140,23 +140,23 @@ typedef struct {
     int lanes, unknowns;
     /* A pass moves all unknowns if moving_unknowns = unknowns. Otherwise it moves the first moving_unknowns of the
      * coordinates and of the momenta, each of which has half_unknowns unknowns. */
-    int half_unknowns, moving_unknowns;
+    int unknowns_per_half, moving_unknowns;
     int node_count, member_count;
     double *values;
     double *start_values; /* [unknowns][member_count] the unknowns at the start of the step */
     /* The values that the unknowns would have without impulses, and their low-order parts. */
-    double *free_values, *free_values_low;
+    double *drift_values, *drift_values_low;
     double *impulse_weight; /* [lanes] the step times the quadrature weight, h b_j */
     double *impulses;       /* the impulses L_j of the last movement, stored in the history */
     double *impulse_scale;  /* [unknowns] the factor of each unknown's sums of impulses */
     /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
-    double *inverse_size;
+    double *inverse_unknown_size;
     /* [n] The momentum that moves a coordinate by 1 in this step, or infinity if the mass is not known. */
-    double *momentum_per_movement;
+    double *momentum_per_unit_drift;
     tvi_subsystems subsystems;
     /* [member_count] Mask, with all bits set if the member still makes passes. The impulses of all other members
      * stay unchanged. */
-    const long long *is_member_moving;
+    const long long *moving_mask;
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
@@ -179,7 +179,7 @@ typedef struct {
 typedef struct {
     int n;
     /* [n][n][lanes] The matrix A before the inversion, which may replace A by its LU factors. */
-    double *lu;
+    double *matrix;
     double *inverse;                  /* [n][n][lanes] the inverse of A */
     double *row_scale, *column_scale; /* [n][lanes] */
     int *pivot_row;                   /* [n][lanes] */
@@ -209,7 +209,10 @@ typedef struct {
  * rate. The rows that are also columns come first. Rows are stored in groups of LANES_ROWS, whose sums are
  * independent of each other; the rest is in groups of half as many, and so on. */
 enum { LANES_ROWS = 4 };
-static inline int lanes_row_group_size(int rows) { return rows >= LANES_ROWS ? LANES_ROWS : rows >= 2 ? 2 : 1; }
+static inline int lanes_row_group_size(int remaining_rows)
+{
+    return remaining_rows >= LANES_ROWS ? LANES_ROWS : remaining_rows >= 2 ? 2 : 1;
+}
 typedef struct {
     /* The numbers of columns, of rows that are also columns, and of all rows. */
     int column_count, moving_row_count, row_count;
@@ -238,13 +241,13 @@ typedef struct galerkin_kernels {
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin, double *drift,
                            double *drift_low);
-    void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *by);
+    void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *increments);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
     /* Sets the impulses L_j from the rates, and moves the unknowns x to free_values + (free_values_low + scale sum_j
      * matrix_ji L_j), with the matrix of coefficients.h. moved [member_count] is the sum of the squares of (change
      * of x) inverse_size; it is a NaN if any change is a NaN. */
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                 double moved[]);
+                 double movement[]);
     /* Computes the sums of the impulses of the last movement that the end of the step needs. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
                       const galerkin_impulse_sums *sums);
@@ -252,14 +255,15 @@ typedef struct galerkin_kernels {
      * drift_low + scale double_integral and dp = single_integral for a separable system, and scale single_integral
      * for any other. */
     void (*end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, const double *drift,
-                         const double *drift_low, const tvi_increments *by);
-    void (*end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n, const tvi_increments *by);
+                         const double *drift_low, const tvi_increments *increments);
+    void (*end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
+                const tvi_increments *increments);
     /* Computes the tail of each member, [member_count]. share and ratio [n][member_count] are scratch space. */
     void (*tail)(const galerkin_tail_inputs *inputs, int width, double *share, double *ratio, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
      * members have converged in pass number `count`. It returns how many members still make passes. */
-    int (*judge)(galerkin_batch_convergence *verdicts, const tvi_passes_rule *rule, int width, int count);
+    int (*judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *rule, int width, int count);
 
     /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
      * displacements [unknowns][lanes]: the moved values are free_values + displacements, rounded. */
@@ -273,20 +277,20 @@ typedef struct galerkin_kernels {
      * error of the first order. The changes are 0 if the movements do not shrink. `moved` belongs to the pass whose
      * second derivatives serve again, unless they are new. */
     void (*run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
-                       const int slot[], bool is_new, double moved, double least, double *changes);
+                       const int slot[], bool is_new, double movement, double least, double *changes);
     void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);
 
     /* Inverts the matrix of each lane, for a Lagrangian. It returns the smallest pivot, relative to rows and columns
      * that are scaled to size 1. It returns 1 if no pivot is much smaller than the diagonal element that it came
      * from, and 0 if there is a NaN. */
-    double (*invert)(lanes_matrix_inverse *of);
+    double (*invert)(lanes_matrix_inverse *inverse);
     /* Computes the corrected velocities V = from + A^-1 ((P - p) - change), [n][lanes] each, with the inverse of A =
      * L_vv. */
-    void (*correct)(const lanes_matrix_inverse *of, const double *P, const double *p, const double *change,
+    void (*correct)(const lanes_matrix_inverse *inverse, const double *P, const double *p, const double *change,
                     const double *from, double *V);
     /* Sets `out` [2n][lanes] to the expansion of L_q after the displacement, and to the change of L_v by the
      * displacement of q alone. */
-    void (*linearise)(const lanes_gradient_expansion *model, double *out);
+    void (*linearise)(const lanes_gradient_expansion *expansion, double *out);
 } galerkin_kernels;
 
 /* The kernels for one member, one table for each number of lanes, and the kernels for several members. Each

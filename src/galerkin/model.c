@@ -1,60 +1,62 @@
 /* model.c - Prepares the tape blocks and tables of passes that use second derivatives (model.h). */
 #include "galerkin/model.h"
 
-void tvi_galerkin_allocate_hessian_model(galerkin_hessian_model *model, tvi_arena *arena, const galerkin_field *field)
+void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_arena *arena,
+                                          const galerkin_field *field)
 {
     const tvi_system *system = field->system;
     const size_t lanes = (size_t)field->nodes.lanes;
-    model->blocks =
+    tables->blocks =
         (galerkin_tape_blocks){.n = system->n, .lanes = field->nodes.lanes, .inputs = system->hessian_values->inputs};
-    model->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lanes, 0);
-    model->blocks.hessian_block = tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
-    model->expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n * lanes);
-    model->hessian_element =
-        tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *model->hessian_element);
-    model->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *model->row_end);
+    tables->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lanes, 0);
+    tables->blocks.hessian_block =
+        tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
+    tables->expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n * lanes);
+    tables->hessian_element =
+        tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *tables->hessian_element);
+    tables->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *tables->row_end);
 }
 
 /* Lists the elements of each row of the symmetric Hessian. Columns of the second half come first, since V moves
  * before Q. */
-static void list_hessian_rows(const tvi_system *system, lanes_hessian_element *term, int *end)
+static void list_hessian_rows(const tvi_system *system, lanes_hessian_element *element, int *row_end)
 {
     const int rows = 2 * system->n;
     for (int k = 0; k < system->hessian_entries; k++) {
-        end[system->hessian[k].row]++;
-        if (system->hessian[k].row != system->hessian[k].column) end[system->hessian[k].column]++;
+        row_end[system->hessian[k].row]++;
+        if (system->hessian[k].row != system->hessian[k].column) row_end[system->hessian[k].column]++;
     }
     /* The array end holds the beginning of each row here. The loop below advances it to the end. */
     for (int i = 0, before = 0; i < rows; i++) {
-        const int count = end[i];
-        end[i] = before;
+        const int count = row_end[i];
+        row_end[i] = before;
         before += count;
     }
     for (int half = 1; half >= 0; half--)
         for (int k = 0; k < system->hessian_entries; k++) {
             const int i = system->hessian[k].row, j = system->hessian[k].column;
             const int slot = system->hessian_values->output_slot[rows + k];
-            if (j / system->n == half) term[end[i]++] = (lanes_hessian_element){j, slot};
-            if (i != j && i / system->n == half) term[end[j]++] = (lanes_hessian_element){i, slot};
+            if (j / system->n == half) element[row_end[i]++] = (lanes_hessian_element){j, slot};
+            if (i != j && i / system->n == half) element[row_end[j]++] = (lanes_hessian_element){i, slot};
         }
 }
 
-void tvi_galerkin_prepare_hessian_model(galerkin_hessian_model *model, const galerkin_field *field)
+void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const galerkin_field *field)
 {
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lanes;
-    list_hessian_rows(system, model->hessian_element, model->row_end);
+    list_hessian_rows(system, tables->hessian_element, tables->row_end);
     for (int i = 0; i < lanes; i++) {
         const int node = i < field->node_count ? i : field->node_count - 1;
         field->rate_to_unknown[node * lanes + i] = 1 / field->node_weight[node];
     }
-    model->blocks.sweep_data = field;
-    model->expansion = (lanes_gradient_expansion){system->n,
-                                                  lanes,
-                                                  model->expansion.displacement,
-                                                  .hessian_block = model->blocks.hessian_block,
-                                                  .hessian_element = model->hessian_element,
-                                                  .row_end = model->row_end};
+    tables->blocks.sweep_data = field;
+    tables->expansion = (lanes_gradient_expansion){system->n,
+                                                   lanes,
+                                                   tables->expansion.displacement,
+                                                   .hessian_block = tables->blocks.hessian_block,
+                                                   .hessian_element = tables->hessian_element,
+                                                   .row_end = tables->row_end};
 }
 
 bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
@@ -63,21 +65,21 @@ bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessi
     const jet_tape *tape = with_hessian ? field->system->hessian_values : field->system->field_values;
     double *x = with_hessian ? blocks->hessian_block : blocks->values_block;
     if (!jet_sweep_values(tape, x, blocks->lanes)) return false;
-    if (field->value_noise) tvi_galerkin_displace_outputs(field, tape, x);
+    if (field->value_displacements) tvi_galerkin_add_value_displacements(field, tape, x);
     return true;
 }
 
-void tvi_galerkin_emit_hessian_model(jet_text *text, const galerkin_hessian_model *model)
+void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tables *tables)
 {
-    const galerkin_field *field = model->blocks.sweep_data;
+    const galerkin_field *field = tables->blocks.sweep_data;
     const jet_tape *hessian = field->system->hessian_values;
-    const int rows = 2 * model->blocks.n;
-    tvi_galerkin_emit_int_array(text, "end", rows, model->row_end);
+    const int rows = 2 * tables->blocks.n;
+    tvi_galerkin_emit_int_array(text, "end", rows, tables->row_end);
     jet_text_append(text, "static const lanes_hessian_element galerkin_term[] = {");
-    for (int k = 0; k < model->row_end[rows - 1]; k++)
-        jet_text_append(text, "{%d, %d}, ", model->hessian_element[k].column, model->hessian_element[k].slot);
+    for (int k = 0; k < tables->row_end[rows - 1]; k++)
+        jet_text_append(text, "{%d, %d}, ", tables->hessian_element[k].column, tables->hessian_element[k].slot);
     jet_text_append(text,
                     "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                    hessian->inputs, galerkin_count_input_rows(hessian), model->blocks.lanes);
+                    hessian->inputs, galerkin_count_input_rows(hessian), tables->blocks.lanes);
 }

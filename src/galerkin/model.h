@@ -13,16 +13,17 @@ typedef struct {
     /* [2 hessian_entries] The elements of the Hessian, row after row. */
     lanes_hessian_element *hessian_element;
     int *row_end; /* [2n] the index in hessian_element at which each row ends */
-} galerkin_hessian_model;
+} galerkin_hessian_tables;
 
-void tvi_galerkin_allocate_hessian_model(galerkin_hessian_model *model, tvi_arena *arena, const galerkin_field *field);
+void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_arena *arena,
+                                          const galerkin_field *field);
 /* Fills the tables of second derivatives, and the factors from impulses to rates that the predictor uses. */
-void tvi_galerkin_prepare_hessian_model(galerkin_hessian_model *model, const galerkin_field *field);
+void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const galerkin_field *field);
 
 /* Evaluates a tape of the field in its block, and adds the displacements of value_noise. */
 galerkin_sweep tvi_galerkin_sweep_tape;
 
 /* Writes the tables of second derivatives into generated code, as constants. */
-void tvi_galerkin_emit_hessian_model(jet_text *text, const galerkin_hessian_model *model);
+void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tables *tables);
 
 #endif

@@ -33,7 +33,7 @@ JET_INLINE void set_impulses_with_changes(const double *weight, const double *ra
     {                                                                                                                  \
         const V theta = *(const V *)(evaluation->theta + here);                                                        \
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
-        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * point_count + here);                         \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(integral_table + j * point_count + here);                \
         for (int u = 0; u < count; u++) {                                                                              \
             V sums[CHAINS] = {0};                                                                                      \
             for (int j = 0; j < lanes; j++)                                                                            \
@@ -43,7 +43,7 @@ JET_INLINE void set_impulses_with_changes(const double *weight, const double *ra
         }                                                                                                              \
     }
 
-JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evaluation, const double *table,
+JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evaluation, const double *integral_table,
                                          const double *impulses, double *restrict out, int lanes, int point_count)
 {
     const double *start = evaluation->start_values, *drift = evaluation->drift, *scale = evaluation->impulse_scale;
@@ -51,12 +51,12 @@ JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evalua
     JET_BLOCKS(point_count, EVALUATE, );
 }
 
-JET_INLINE void evaluate_curve_of_lanes(const galerkin_curve_evaluation *evaluation, const double *table,
+JET_INLINE void evaluate_curve_of_lanes(const galerkin_curve_evaluation *evaluation, const double *integral_table,
                                         const double *impulses, double *out, int lanes)
 {
     if (evaluation->point_count == TVI_SAMPLES)
-        evaluate_curve_at_points(evaluation, table, impulses, out, lanes, TVI_SAMPLES);
-    else evaluate_curve_at_points(evaluation, table, impulses, out, lanes, evaluation->point_count);
+        evaluate_curve_at_points(evaluation, integral_table, impulses, out, lanes, TVI_SAMPLES);
+    else evaluate_curve_at_points(evaluation, integral_table, impulses, out, lanes, evaluation->point_count);
 }
 
 #endif

@@ -6,28 +6,30 @@ enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
 /* Computes x [components][places] = start + its change up to theta, by a table of dense.h, [lanes][places], and the
  * impulses. */
-static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int places,
-                               const double theta[], const double *table, const double *impulses, const double *start,
-                               const double *drift, const double *rise, double *x)
+static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int point_count,
+                               const double theta[], const double *integral_table, const double *impulses,
+                               const double *start, const double *drift, const double *impulse_scale, double *x)
 {
     const int lanes = stepper->field.nodes.lanes, from = range.first, count = range.end - from;
-    const galerkin_curve_evaluation to = {lanes, places, count, theta, start + from, drift + from, rise + from};
-    if (count > 0) stepper->field.kernels->evaluate(&to, table, impulses + from * lanes, x + from * places);
+    const galerkin_curve_evaluation to = {lanes,        point_count,         count, theta, start + from,
+                                          drift + from, impulse_scale + from};
+    if (count > 0)
+        stepper->field.kernels->evaluate(&to, integral_table, impulses + from * lanes, x + from * point_count);
 }
 
 /* Computes q, p [n][places], components used[0] of q and used[1] of p. It integrates the polynomial of degree m - 1
  * through the rates. */
-static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_range used[2], int places,
+static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_range used_range[2], int point_count,
                            const double theta[], const double *single_integral, const double *double_integral,
                            const double q_start[], const double p_start[], double *q, double *p)
 {
-    const double *impulses = tvi_galerkin_impulses_of_step(&stepper->predictor, 0), *of_p = impulses;
+    const double *impulses = galerkin_impulses_of_step(&stepper->predictor, 0), *of_p = impulses;
     const bool separable = galerkin_is_second_order(&stepper->field);
     if (!separable) of_p += stepper->n * stepper->field.nodes.lanes;
-    integrate_impulses(stepper, used[0], places, theta, separable ? double_integral : single_integral, impulses,
-                       q_start, stepper->drift, stepper->change_scale, q);
-    integrate_impulses(stepper, used[1], places, theta, single_integral, of_p, p_start, stepper->predictor.zeros,
-                       stepper->change_scale + stepper->n, p);
+    integrate_impulses(stepper, used_range[0], point_count, theta, separable ? double_integral : single_integral,
+                       impulses, q_start, stepper->drift, stepper->increment_scale, q);
+    integrate_impulses(stepper, used_range[1], point_count, theta, single_integral, of_p, p_start,
+                       stepper->predictor.zeros, stepper->increment_scale + stepper->n, p);
 }
 
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[])
@@ -35,15 +37,15 @@ void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], do
     const galerkin_stepper *stepper = work;
     const tvi_component_range all[] = {{0, stepper->n}, {0, stepper->n}};
     double single_integral[MAX_LANES] = {0}, double_integral[MAX_LANES] = {0};
-    tvi_galerkin_integrate_dense_output(&stepper->dense_output, theta, single_integral, double_integral);
+    tvi_galerkin_integrate_twice(&stepper->node_polynomials, theta, single_integral, double_integral);
     evaluate_curve(stepper, all, 1, &theta, single_integral, double_integral, stepper->predictor.zeros,
                    stepper->predictor.zeros, dq, dp);
 }
 
-void tvi_galerkin_compute_samples(void *work, const tvi_component_range used[2], const double q_start[],
+void tvi_galerkin_compute_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
                                   const double p_start[], double *q, double *p)
 {
     const galerkin_stepper *stepper = work;
-    evaluate_curve(stepper, used, TVI_SAMPLES, tvi_sample_theta, stepper->dense_output.single_integral,
-                   stepper->dense_output.double_integral, q_start, p_start, q, p);
+    evaluate_curve(stepper, used_range, TVI_SAMPLES, tvi_sample_theta, stepper->node_polynomials.single_integral,
+                   stepper->node_polynomials.double_integral, q_start, p_start, q, p);
 }

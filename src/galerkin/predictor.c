@@ -10,7 +10,7 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     predictor->history = tvi_arena_allocate_in_history(arena, sizeof *predictor->history);
-    predictor->rough_prediction_limit = unknowns * lanes * (1e-2 * 1e-2);
+    predictor->rough_movement_limit = unknowns * lanes * (1e-2 * 1e-2);
     for (int i = 0; i < GALERKIN_RING; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_in_rings(arena, count * width * sizeof(double));
     predictor->two_step_table = tvi_arena_allocate_doubles(arena, 2 * width * width);
@@ -25,21 +25,21 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
 
 /* Computes basis[k][i]: polynomials of degree k, orthonormal on the first `fitted` of 3 m points, which are the nodes
  * of the last step, of the one before it, and of the next one. */
-static void set_orthonormal_polynomials(const galerkin_coefficients *coefficients, int fitted, int degree,
+static void set_orthonormal_polynomials(const galerkin_coefficients *coefficients, int fitted_point_count, int degree,
                                         long double basis[][3 * MAX_LANES])
 {
     const int m = coefficients->node_count;
     for (int k = 0; k <= degree; k++) {
         long double *now = basis[k];
         for (int i = 0; i < 3 * m; i++) {
-            const long double s = coefficients->exact_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
+            const long double s = coefficients->long_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
             now[i] = k > 0 ? s * basis[k - 1][i] : 1;
         }
         /* For before == k this is the square of the vector's norm. */
         for (int before = 0; before <= k; before++) {
             long double product = 0;
             /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m >= 1 */
-            for (int i = 0; i < fitted; i++) product += now[i] * basis[before][i];
+            for (int i = 0; i < fitted_point_count; i++) product += now[i] * basis[before][i];
             for (int i = 0; i < 3 * m && before < k; i++) now[i] -= product * basis[before][i];
             for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);
         }
@@ -48,31 +48,31 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
 
 /* Computes ahead [point][next], of 2 m points and m: the factors of the rates of `steps` steps in those of the next
  * step, for polynomials of least squares, sum_k pi_k(1 + c_next) pi_k(s_point). */
-static void fit_extrapolation_factors(const galerkin_coefficients *coefficients, int steps, int degree,
-                                      long double ahead[][MAX_LANES])
+static void fit_extrapolation_factors(const galerkin_coefficients *coefficients, int step_count, int degree,
+                                      long double factors[][MAX_LANES])
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
     const int m = coefficients->node_count;
-    set_orthonormal_polynomials(coefficients, steps * m, degree, basis);
-    for (int point = 0; point < steps * m; point++)
+    set_orthonormal_polynomials(coefficients, step_count * m, degree, basis);
+    for (int point = 0; point < step_count * m; point++)
         for (int next = 0; next < m; next++) {
-            ahead[point][next] = 0;
-            for (int k = 0; k <= degree; k++) ahead[point][next] += basis[k][2 * m + next] * basis[k][point];
+            factors[point][next] = 0;
+            for (int k = 0; k <= degree; k++) factors[point][next] += basis[k][2 * m + next] * basis[k][point];
         }
 }
 
-static void set_extrapolation_table(const galerkin_coefficients *coefficients, const galerkin_field *field, int steps,
-                                    int degree, double *table)
+static void set_extrapolation_table(const galerkin_coefficients *coefficients, const galerkin_field *field,
+                                    int step_count, int degree, double *table)
 {
-    long double ahead[2 * MAX_LANES][MAX_LANES];
+    long double factors[2 * MAX_LANES][MAX_LANES];
     const int m = coefficients->node_count, lanes = coefficients->lanes;
-    fit_extrapolation_factors(coefficients, steps, degree, ahead);
-    for (int point = 0; point < steps * m; point++)
+    fit_extrapolation_factors(coefficients, step_count, degree, factors);
+    for (int point = 0; point < step_count * m; point++)
         for (int next = 0; next < m; next++) {
             double *column = table + (point / m * lanes + point % m) * lanes;
-            const double start_part =
-                (double)(ahead[point][next] * coefficients->exact_weight[next] / coefficients->exact_weight[point % m]);
-            for (int i = 0; i < lanes; i++) column[i] += start_part * field->rate_to_unknown[next * lanes + i];
+            const double elapsed_part =
+                (double)(factors[point][next] * coefficients->long_weight[next] / coefficients->long_weight[point % m]);
+            for (int i = 0; i < lanes; i++) column[i] += elapsed_part * field->rate_to_unknown[next * lanes + i];
         }
 }
 
@@ -90,12 +90,12 @@ void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerki
 /* Computes the table from a step of size h / ratio to one that begins after a part of it: its node i is at part + ratio
  * c_i there. */
 static void set_resized_step_table(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                   const galerkin_dense_output *dense, const galerkin_kernels *loops, double ratio,
-                                   double start_part)
+                                   const galerkin_node_polynomials *polynomials, const galerkin_kernels *kernels,
+                                   double ratio, double elapsed_part)
 {
-    if (ratio == predictor->table_step_ratio && start_part == predictor->table_start_part) return;
+    if (ratio == predictor->table_step_ratio && elapsed_part == predictor->table_elapsed_part) return;
     predictor->table_step_ratio = ratio;
-    predictor->table_start_part = start_part;
+    predictor->table_elapsed_part = elapsed_part;
     const int lanes = coefficients->lanes;
     const galerkin_curve_evaluation at_nodes = {lanes,
                                                 lanes,
@@ -105,9 +105,9 @@ static void set_resized_step_table(galerkin_predictor *predictor, const galerkin
                                                 predictor->zeros,
                                                 predictor->ones};
     double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
-    for (int i = 0; i < lanes; i++) place[i] = start_part + ratio * coefficients->node_abscissa[i];
-    tvi_galerkin_evaluate_legendre_polynomials(dense, lanes, place, P);
-    loops->evaluate(&at_nodes, P, dense->coefficient_of_node, predictor->resized_step_table);
+    for (int i = 0; i < lanes; i++) place[i] = elapsed_part + ratio * coefficients->node_abscissa[i];
+    tvi_galerkin_evaluate_legendre_polynomials(polynomials, lanes, place, P);
+    kernels->evaluate(&at_nodes, P, polynomials->transposed_coefficient, predictor->resized_step_table);
     for (int j = 0; j < coefficients->node_count; j++)
         for (int i = 0; i < lanes; i++)
             predictor->resized_step_table[j * lanes + i] *= ratio * coefficients->node_weight[i];
@@ -116,34 +116,35 @@ static void set_resized_step_table(galerkin_predictor *predictor, const galerkin
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
-                                             double *start_part)
+                                             double *elapsed_part)
 {
-    const galerkin_history *last = predictor->history;
-    if (last->step_size == 0) return false;
-    const double ratio = field->step_size == last->step_size ? 1 : field->step_size / last->step_size;
-    const bool is_next = galerkin_follows_last_step(last, field->step_size, t);
-    *start_part = is_next ? 1 : 0;
-    return ratio <= 1.5 && (is_next ? ratio >= -2 : t == last->start_time && ratio > 0);
+    const galerkin_history *history = predictor->history;
+    if (history->step_size == 0) return false;
+    const double ratio = field->step_size == history->step_size ? 1 : field->step_size / history->step_size;
+    const bool is_next = galerkin_follows_last_step(history, field->step_size, t);
+    *elapsed_part = is_next ? 1 : 0;
+    return ratio <= 1.5 && (is_next ? ratio >= -2 : t == history->start_time && ratio > 0);
 }
 
 int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
-                                          double start_part)
+                                          double elapsed_part)
 {
-    const galerkin_history *last = predictor->history;
-    if (start_part != 1 || field->step_size != last->step_size) return 0;
-    return field->step_size == last->previous_step_size ? 2 : 1;
+    const galerkin_history *history = predictor->history;
+    if (elapsed_part != 1 || field->step_size != history->step_size) return 0;
+    return field->step_size == history->previous_step_size ? 2 : 1;
 }
 
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                         const galerkin_dense_output *dense, galerkin_field *field, double start_part)
+                                         const galerkin_node_polynomials *polynomials, galerkin_field *field,
+                                         double elapsed_part)
 {
     const galerkin_curve_evaluation to = {
         coefficients->lanes, coefficients->lanes, field->nodes.unknowns, coefficients->node_abscissa,
         predictor->zeros,    predictor->zeros,    predictor->ones};
     const long long last_alone = -1;
-    set_resized_step_table(predictor, coefficients, dense, field->kernels,
-                           field->step_size / predictor->history->step_size, start_part);
-    field->kernels->evaluate(&to, predictor->resized_step_table, tvi_galerkin_impulses_of_step(predictor, 0),
+    set_resized_step_table(predictor, coefficients, polynomials, field->kernels,
+                           field->step_size / predictor->history->step_size, elapsed_part);
+    field->kernels->evaluate(&to, predictor->resized_step_table, galerkin_impulses_of_step(predictor, 0),
                              predictor->extrapolated_rates);
     field->form->predict(field, &(galerkin_extrapolation){field->step_size, field->rate_to_unknown,
                                                           field->rate_to_unknown, predictor->extrapolated_rates,

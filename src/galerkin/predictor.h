@@ -12,13 +12,13 @@ typedef struct {
     double start_time; /* the time at which the last step began */
     /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
     galerkin_convergence convergence;
-    long ring_index; /* the index of the last step's impulses in the ring */
+    long last_ring_index; /* the index of the last step's impulses in the ring */
 } galerkin_history;
 
 /* Returns whether the ring index of a loaded history is within the ring. */
-static inline bool galerkin_is_ring_index_valid(const galerkin_history *last)
+static inline bool galerkin_is_ring_index_valid(const galerkin_history *history)
 {
-    return last->ring_index >= 0 && last->ring_index < GALERKIN_RING;
+    return history->last_ring_index >= 0 && history->last_ring_index < GALERKIN_RING;
 }
 
 typedef struct {
@@ -29,12 +29,12 @@ typedef struct {
     double *two_step_table, *last_step_table;
     /* If the first movement of a step is larger than this, its prediction was off by more than a hundredth. The next
      * step is then predicted from the last step alone. */
-    double rough_prediction_limit;
+    double rough_movement_limit;
     /* [j][lanes] The factors of the last step's impulses in a step that is table_step_ratio times as large, and that
      * begins after the part table_start_part of the last step. */
     double *resized_step_table;
     /* The ratio is 0 before the table is first computed. */
-    double table_step_ratio, table_start_part;
+    double table_step_ratio, table_elapsed_part;
     /* [unknowns][lanes] The rates that were extrapolated from the last step. */
     double *extrapolated_rates;
     double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */
@@ -44,27 +44,29 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
 void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                     const galerkin_field *field);
 /* Returns whether a step of size h from time t begins where the last step ended. */
-static inline bool galerkin_follows_last_step(const galerkin_history *last, double h, double t)
+static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
 {
-    return fabs(t - (last->start_time + last->step_size)) < 0.25 * fabs(h);
+    return fabs(t - (history->start_time + history->step_size)) < 0.25 * fabs(h);
 }
 
 /* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those
  * of the last step. *start_part is the part of the last step after which the new step begins. */
 bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
-                                             double *start_part);
+                                             double *elapsed_part);
 /* Returns how many of the last two steps have the size of this step, which begins where the last step ended if part
  * is 1. */
 int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
-                                          double start_part);
+                                          double elapsed_part);
 /* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                         const galerkin_dense_output *dense, galerkin_field *field, double start_part);
+                                         const galerkin_node_polynomials *polynomials, galerkin_field *field,
+                                         double elapsed_part);
 /* Returns the impulses of the last step if steps_after_last is 0, of an earlier step if it is negative, and of the next
  * step if it is 1. */
-static inline double *tvi_galerkin_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
+static inline double *galerkin_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
 {
-    return predictor->impulse_ring[(predictor->history->ring_index + steps_after_last + GALERKIN_RING) % GALERKIN_RING];
+    return predictor
+        ->impulse_ring[(predictor->history->last_ring_index + steps_after_last + GALERKIN_RING) % GALERKIN_RING];
 }
 
 #endif

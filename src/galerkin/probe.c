@@ -26,12 +26,12 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
 
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_of_one, int numbers,
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
                                                const tvi_options *options)
 {
-    tvi_passes_rule rule = *rule_of_one;
-    rule.correction_goal *= numbers;
-    rule.roundoff_level *= numbers;
+    tvi_passes_rule rule = *unknown_rule;
+    rule.correction_goal *= value_count;
+    rule.roundoff_level *= value_count;
     rule = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
     if (options->passes == TVI_PREDICT_ONLY) rule.max_passes = 0;
     return rule;
@@ -43,20 +43,21 @@ tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_of_on
  * them as far. */
 enum { UNITS = 16 };
 
-static size_t count_numbers_in_rows(const galerkin_field *field, int row_count)
+static size_t count_doubles_in_rows(const galerkin_field *field, int row_count)
 {
     return (size_t)row_count * (size_t)field->nodes.lanes;
 }
 
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field)
 {
-    tvi_roundoff_allocate(&probe->field_roundoff, arena, field->system);
-    probe->values_before_pass = tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
+    tvi_roundoff_allocate(&probe->value_displacements, arena, field->system);
+    probe->values_before_pass =
+        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->pass_input_row_count));
     probe->values_of_displaced_pass =
-        tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->saved_row_count));
-    probe->saved_free_values_low =
-        tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
-    probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_numbers_in_rows(field, field->nodes.unknowns));
+        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->pass_input_row_count));
+    probe->saved_drift_values_low =
+        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknowns));
+    probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknowns));
 }
 
 /* Displaces the unknowns, and the free values from which passes compute them, by UNITS units of roundoff. The signs
@@ -65,13 +66,13 @@ static void displace_unknowns(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes && u % nodes->half_unknowns < nodes->moving_unknowns;
-             k++) {
+        for (int k = u * nodes->lanes;
+             k < (u + 1) * nodes->lanes && u % nodes->unknowns_per_half < nodes->moving_unknowns; k++) {
             const double size =
                 UNITS * DBL_EPSILON * (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             nodes->values[k] += bits >> 63 ? size : -size;
-            nodes->free_values_low[k] += bits >> 63 ? size : -size;
+            nodes->drift_values_low[k] += bits >> 63 ? size : -size;
         }
 }
 
@@ -81,7 +82,7 @@ static double squared_distance_to_unknowns(const galerkin_nodes *nodes, const do
     double sum = 0;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes; k++) {
-            const double part = (nodes->values[k] - x[k]) * nodes->inverse_size[u];
+            const double part = (nodes->values[k] - x[k]) * nodes->inverse_unknown_size[u];
             sum += part * part;
         }
     return sum;
@@ -92,17 +93,17 @@ static tvi_status make_displaced_pass(galerkin_field *field, galerkin_roundoff_p
                                       tvi_stats *stats)
 {
     galerkin_nodes *nodes = &field->nodes;
-    const size_t bytes = count_numbers_in_rows(field, field->saved_row_count) * sizeof(double);
-    const size_t base_bytes = count_numbers_in_rows(field, nodes->unknowns) * sizeof(double);
-    memcpy(probe->saved_free_values_low, nodes->free_values_low, base_bytes);
+    const size_t bytes = count_doubles_in_rows(field, field->pass_input_row_count) * sizeof(double);
+    const size_t base_bytes = count_doubles_in_rows(field, nodes->unknowns) * sizeof(double);
+    memcpy(probe->saved_drift_values_low, nodes->drift_values_low, base_bytes);
     memcpy(probe->saved_impulses, nodes->impulses, base_bytes);
     displace_unknowns(nodes);
-    field->value_noise = &probe->field_roundoff;
-    const tvi_status status = tvi_galerkin_make_pass(field, movement, stats);
-    field->value_noise = NULL;
+    field->value_displacements = &probe->value_displacements;
+    const tvi_status status = galerkin_make_pass(field, movement, stats);
+    field->value_displacements = NULL;
     memcpy(probe->values_of_displaced_pass, nodes->values, bytes);
     memcpy(nodes->values, probe->values_before_pass, bytes);
-    memcpy(nodes->free_values_low, probe->saved_free_values_low, base_bytes);
+    memcpy(nodes->drift_values_low, probe->saved_drift_values_low, base_bytes);
     memcpy(nodes->impulses, probe->saved_impulses, base_bytes);
     return status;
 }
@@ -114,12 +115,13 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
 {
     const galerkin_nodes *nodes = &field->nodes;
     memcpy(probe->values_before_pass, nodes->values,
-           count_numbers_in_rows(field, field->saved_row_count) * sizeof(double));
-    stats->force_evaluations += tvi_roundoff_estimate_field(&probe->field_roundoff, field->system, field->tape_block,
-                                                            nodes->lanes, field->node_count);
-    for (int i = 0; i < tvi_system_output_count(field->system); i++) probe->field_roundoff.field_change[i] *= UNITS;
+           count_doubles_in_rows(field, field->pass_input_row_count) * sizeof(double));
+    stats->force_evaluations += tvi_roundoff_estimate_field(&probe->value_displacements, field->system,
+                                                            field->tape_block, nodes->lanes, field->node_count);
+    for (int i = 0; i < tvi_system_output_count(field->system); i++)
+        probe->value_displacements.field_change[i] *= UNITS;
     tvi_status status = make_displaced_pass(field, probe, movement, stats);
-    if (status == TVI_OK) status = tvi_galerkin_make_pass(field, movement, stats);
+    if (status == TVI_OK) status = galerkin_make_pass(field, movement, stats);
     *roundoff = squared_distance_to_unknowns(nodes, probe->values_of_displaced_pass);
     *movement = squared_distance_to_unknowns(nodes, probe->values_before_pass);
     return status;

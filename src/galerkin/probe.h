@@ -8,18 +8,18 @@
 
 /* The memory for measuring the roundoff of a pass. */
 typedef struct {
-    tvi_roundoff field_roundoff;
+    tvi_roundoff value_displacements;
     /* [rows][lanes] The values before a pass, and after a pass from displaced values. */
     double *values_before_pass, *values_of_displaced_pass;
     /* [unknowns][lanes] Copies of the nodes' arrays of these names. */
-    double *saved_free_values_low, *saved_impulses;
+    double *saved_drift_values_low, *saved_impulses;
 } galerkin_roundoff_probe;
 
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
 /* Returns the rule for all `numbers` unknowns at all nodes of a step, from the rule for a single one and from the
  * user's options. */
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_of_one, int numbers,
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
                                                const tvi_options *options);
 
 /* Returns whether the nodes are still near the start of the step (tvi_roundoff_is_motion_small of roundoff.h), and have

@@ -15,12 +15,12 @@ typedef struct {
     galerkin_predictor predictor;
     galerkin_roundoff_probe probe;
     tvi_passes_rule passes_rule;
-    galerkin_dense_output dense_output;
+    galerkin_node_polynomials node_polynomials;
     /* [unknowns] h M^-1 p0 of a separable system, and its low-order part; 0 for any other system. */
     double *drift, *drift_low;
     double *tail_share, *tail_ratio; /* [n] scratch space of the tail */
     /* [2n] The factors of integrals of the impulses in the changes of q and p. */
-    double *change_scale;
+    double *increment_scale;
     galerkin_tail_inputs tail_inputs;
     galerkin_step_data step_data; /* points to the members above */
     /* The functions of the system's generated code; NULL if there is none. */
@@ -32,7 +32,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 
 /* These functions are tvi_stepper.dense and tvi_stepper.sample of the Galerkin curve. */
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[]);
-void tvi_galerkin_compute_samples(void *work, const tvi_component_range used[2], const double q_start[],
+void tvi_galerkin_compute_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
                                   const double p_start[], double *q, double *p);
 
 /* Returns whether the passes of this system use no second derivatives. */

@@ -19,7 +19,7 @@ typedef struct galerkin_step_data {
     const double *impulse_matrix, *node_abscissa;
     const double *two_step_table, *last_step_table; /* the tables of galerkin_extrapolation */
     /* If the first movement of a step is larger than this, the next step is predicted from the last step alone. */
-    double rough_prediction_limit;
+    double rough_movement_limit;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
     double *tail_share, *tail_ratio; /* [n][member_count] scratch space of the tail */
@@ -36,9 +36,9 @@ typedef struct {
     /* Makes the next pass from the current unknowns. moved [member_count] is the movement, as the kernel `move`
      * measures it. If passes no longer shrink, the caller passes a roundoff that is not NULL: the function then also
      * measures how far the roundoff of a pass moves the unknowns, if it can. */
-    tvi_status (*pass)(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff);
-    void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by);
-    void (*made)(void *work); /* called after each step of a run, unless it is NULL */
+    tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff);
+    void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
+    void (*after_step)(void *work); /* called after each step of a run, unless it is NULL */
     void *work;
 } galerkin_pass_functions;
 
@@ -46,7 +46,7 @@ typedef struct {
 typedef struct {
     tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
     int pass_count;
-    tvi_passes passes;
+    tvi_passes convergence_test;
     /* The convergence of an earlier step of the same size, and then of this step. */
     galerkin_convergence convergence;
 } galerkin_member_iteration;
@@ -73,8 +73,8 @@ typedef struct galerkin_outcome {
 
 /* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
 
-JET_INLINE void galerkin_start_unknowns(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
-                                        const tvi_step_origin *origin)
+JET_INLINE void galerkin_set_drift_values(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                          const tvi_step_origin *origin)
 {
     if (step_data->tail_inputs->is_separable)
         GALERKIN_KERNEL(step_data->kernels, start_drifting, nodes, step_data->node_abscissa, origin, step_data->drift,
@@ -90,30 +90,31 @@ JET_INLINE double *galerkin_impulses_in_ring(const galerkin_step_data *step_data
 }
 
 /* Returns a mask with all bits set if the last step alone predicts the unknowns of a member, and 0 otherwise. */
-JET_INLINE long long galerkin_is_prediction_rough(const galerkin_step_data *step_data, int known, double first)
+JET_INLINE long long galerkin_mask_rough_prediction(const galerkin_step_data *step_data, int equal_step_count,
+                                                    double first_movement)
 {
-    return known < 2 || first > step_data->rough_prediction_limit ? -1 : 0;
+    return equal_step_count < 2 || first_movement > step_data->rough_movement_limit ? -1 : 0;
 }
 
-JET_INLINE galerkin_extrapolation galerkin_extrapolate_last_steps(const galerkin_step_data *step_data, int ring_index,
-                                                                  const long long *is_rough)
+JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_data *step_data, int ring_index,
+                                                                const long long *last_step_mask)
 {
     return (galerkin_extrapolation){*step_data->step_size,
                                     step_data->two_step_table,
                                     step_data->last_step_table,
                                     galerkin_impulses_in_ring(step_data, ring_index),
                                     galerkin_impulses_in_ring(step_data, ring_index - 1),
-                                    is_rough};
+                                    last_step_mask};
 }
 
 /* Records a pass of a member with this movement, and decides whether the iteration may end. */
 JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, galerkin_member_iteration *iteration,
-                                                  double moved)
+                                                  double movement)
 {
-    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&iteration->passes, rule, moved);
-    if (iteration->pass_count++ == 0) iteration->convergence.first_movement = moved;
-    iteration->convergence.slowest_contraction = iteration->passes.slowest_ratio;
-    iteration->status = !(moved < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
+    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&iteration->convergence_test, rule, movement);
+    if (iteration->pass_count++ == 0) iteration->convergence.first_movement = movement;
+    iteration->convergence.largest_contraction_ratio = iteration->convergence_test.slowest_ratio;
+    iteration->status = !(movement < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
@@ -121,42 +122,42 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, g
  * moves no more. */
 JET_INLINE void galerkin_iterate_members(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
                                          const galerkin_pass_functions *pass_functions,
-                                         galerkin_batch_convergence *verdicts)
+                                         galerkin_batch_iteration *iteration)
 {
     int left = 0;
     for (int m = 0; m < nodes->member_count; m++) {
-        verdicts->correction[m] = verdicts->correction_before[m] = INFINITY;
-        verdicts->contraction[m] = verdicts->correction_without_roundoff[m] = verdicts->pass_count[m] = 0;
-        verdicts->has_ended[m] = 0;
-        left -= (int)verdicts->is_moving[m];
+        iteration->correction[m] = iteration->previous_correction[m] = INFINITY;
+        iteration->contraction_ratio[m] = iteration->correction_without_roundoff[m] = iteration->pass_count[m] = 0;
+        iteration->converged_mask[m] = 0;
+        left -= (int)iteration->moving_mask[m];
     }
     for (int count = 1; left > 0 && count <= step_data->passes_rule->max_passes; count++) {
-        (void)pass_functions->pass(pass_functions->work, nodes, verdicts->movement, NULL);
-        left = step_data->kernels->judge(verdicts, step_data->passes_rule, nodes->member_count, count);
+        (void)pass_functions->make_pass(pass_functions->work, nodes, iteration->movement, NULL);
+        left = step_data->kernels->judge(iteration, step_data->passes_rule, nodes->member_count, count);
     }
 }
 
 /* Makes the passes of one member until they converge. If they are stuck, their roundoff is measured. */
 JET_INLINE void galerkin_iterate_member(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
                                         const galerkin_pass_functions *pass_functions,
-                                        galerkin_member_iteration *iteration, double *moved)
+                                        galerkin_member_iteration *iteration, double *movement)
 {
     const int most = step_data->passes_rule->max_passes;
     bool is_stuck = false;
-    tvi_passes_begin(&iteration->passes, iteration->convergence.slowest_contraction);
+    tvi_passes_begin(&iteration->convergence_test, iteration->convergence.largest_contraction_ratio);
     iteration->pass_count = 0;
     iteration->status = most > 0 ? TVI_ENOCONV : TVI_OK;
-    *moved = 0;
+    *movement = 0;
     while (iteration->pass_count < most) {
-        const bool suspects = is_stuck && iteration->passes.roundoff == 0 && iteration->pass_count + 1 < most;
-        const tvi_status status =
-            pass_functions->pass(pass_functions->work, nodes, moved, suspects ? &iteration->passes.roundoff : NULL);
+        const bool suspects = is_stuck && iteration->convergence_test.roundoff == 0 && iteration->pass_count + 1 < most;
+        const tvi_status status = pass_functions->make_pass(pass_functions->work, nodes, movement,
+                                                            suspects ? &iteration->convergence_test.roundoff : NULL);
         if (status != TVI_OK) {
             iteration->status = status;
             return;
         }
-        iteration->pass_count += suspects && iteration->passes.roundoff > 0;
-        const tvi_passes_verdict verdict = galerkin_judge_pass(step_data->passes_rule, iteration, *moved);
+        iteration->pass_count += suspects && iteration->convergence_test.roundoff > 0;
+        const tvi_passes_verdict verdict = galerkin_judge_pass(step_data->passes_rule, iteration, *movement);
         if (verdict == TVI_PASSES_MAY_END) return;
         is_stuck |= verdict == TVI_PASSES_STUCK;
     }
@@ -164,17 +165,18 @@ JET_INLINE void galerkin_iterate_member(const galerkin_step_data *step_data, con
 
 /* Computes the increments of a step from its impulses, and the tail of each member, [member_count]. */
 JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
-                                            const tvi_step_origin *origin, const tvi_increments *by, double tail[])
+                                            const tvi_step_origin *origin, const tvi_increments *increments,
+                                            double tail[])
 {
     galerkin_tail_inputs inputs = *step_data->tail_inputs;
     inputs.start_q = origin->q;
     inputs.start_p = origin->p;
-    inputs.momentum_increment = by->dp;
+    inputs.momentum_increment = increments->dp;
     GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->end_weights, &inputs.impulse_sums);
     if (inputs.is_separable)
         GALERKIN_KERNEL(step_data->kernels, end_drifting, nodes, &inputs.impulse_sums, step_data->drift,
-                        step_data->drift_low, by);
-    else GALERKIN_KERNEL(step_data->kernels, end, nodes, &inputs.impulse_sums, inputs.n, by);
+                        step_data->drift_low, increments);
+    else GALERKIN_KERNEL(step_data->kernels, end, nodes, &inputs.impulse_sums, inputs.n, increments);
     for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
     if (nodes->node_count > 1)
         GALERKIN_KERNEL(step_data->kernels, tail, &inputs, nodes->member_count, step_data->tail_share,
@@ -216,18 +218,18 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
     while (outcome->step_count < run->max_steps) {
         const double t = state ? state->q[n] : origin->t;
         galerkin_member_iteration iteration = {.convergence = outcome->convergence};
-        double moved, tail;
+        double movement, tail;
         nodes->impulses = galerkin_impulses_in_ring(step_data, outcome->last_ring_index + 1);
-        galerkin_start_unknowns(step_data, nodes, origin);
+        galerkin_set_drift_values(step_data, nodes, origin);
         if (outcome->equal_step_count > 0) {
-            const long long is_rough =
-                galerkin_is_prediction_rough(step_data, outcome->equal_step_count, outcome->convergence.first_movement);
-            const galerkin_extrapolation by =
-                galerkin_extrapolate_last_steps(step_data, outcome->last_ring_index, &is_rough);
-            pass_functions->predict(pass_functions->work, nodes, &by);
+            const long long last_step_mask = galerkin_mask_rough_prediction(step_data, outcome->equal_step_count,
+                                                                            outcome->convergence.first_movement);
+            const galerkin_extrapolation extrapolation =
+                galerkin_select_extrapolation(step_data, outcome->last_ring_index, &last_step_mask);
+            pass_functions->predict(pass_functions->work, nodes, &extrapolation);
         }
         GALERKIN_KERNEL(step_data->kernels, set_sizes, nodes, n);
-        galerkin_iterate_member(step_data, nodes, pass_functions, &iteration, &moved);
+        galerkin_iterate_member(step_data, nodes, pass_functions, &iteration, &movement);
         outcome->status = iteration.status;
         if (iteration.status == TVI_OK) galerkin_compute_increments(step_data, nodes, origin, &run->increments, &tail);
         if (iteration.status != TVI_OK ||
@@ -236,13 +238,13 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
             return;
         }
         outcome->step_count++;
-        if (pass_functions->made) pass_functions->made(pass_functions->work);
+        if (pass_functions->after_step) pass_functions->after_step(pass_functions->work);
         outcome->pass_count += iteration.pass_count;
         outcome->last_ring_index = (outcome->last_ring_index + 1) % GALERKIN_RING;
         outcome->equal_step_count += outcome->equal_step_count < 2;
         outcome->convergence = iteration.convergence;
         outcome->last_start_time = t;
-        outcome->last_movement = moved;
+        outcome->last_movement = movement;
         outcome->last_tail = tail;
         outcome->largest_tail = tvi_larger(tail, outcome->largest_tail);
     }

@@ -28,7 +28,7 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
                               double q_roundoff[], double p_roundoff[])
 {
     const tvi_system *system = curve->system;
-    const double *field_change = action->field_roundoff.change;
+    const double *field_change = action->field_roundoff.field_change;
     const bool separable = system->form == TVI_SEPARABLE;
     const int n = curve->n, points = action->points;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
@@ -36,7 +36,7 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
     if (!tvi_roundoff_is_motion_small(system, h, q, p, action->field_block, action->node_momentum, points, points))
         return 0;
     const int values =
-        tvi_roundoff_estimate_of_field(&action->field_roundoff, system, action->field_block, points, points);
+        tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
         const double of_force = fabs(h) * change[i], of_second = separable ? 0 : change[n + i];
         p_roundoff[i] = of_force + DBL_EPSILON * fabs(p[i]);

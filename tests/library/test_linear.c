@@ -223,7 +223,7 @@ typedef struct {
 static lanes_matrix_inverse lanes_inverse_in(lanes_room *room, int n)
 {
     return (lanes_matrix_inverse){.n = n,
-                                  .lu = room->lu,
+                                  .matrix = room->lu,
                                   .inverse = room->inverse,
                                   .row_scale = room->row_scale,
                                   .column_scale = room->column_scale,
@@ -233,7 +233,7 @@ static lanes_matrix_inverse lanes_inverse_in(lanes_room *room, int n)
 
 static void put_lane(const lanes_matrix_inverse *f, int lanes, int lane, const double A[])
 {
-    for (int i = 0; i < f->n * f->n; i++) f->lu[i * lanes + lane] = A[i];
+    for (int i = 0; i < f->n * f->n; i++) f->matrix[i * lanes + lane] = A[i];
 }
 
 /* V = from + A^-1 ((P - p) - change), a matrix of its own in each lane: all with no need to exchange rows, or the last

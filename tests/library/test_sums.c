@@ -150,8 +150,8 @@ static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nod
             for (int j = 0; j < a->node_count; j++)
                 of_impulses += (long double)a->impulse_matrix[j * a->lanes + i] *
                                (nodes->impulse_weight[j] * force[u * a->lanes + j]);
-            const long double way = nodes->free_values_low[at] + nodes->impulse_scale[u] * of_impulses;
-            sample_add(errors, (double)((nodes->values[at] - nodes->free_values[at]) - way) / DBL_EPSILON);
+            const long double way = nodes->drift_values_low[at] + nodes->impulse_scale[u] * of_impulses;
+            sample_add(errors, (double)((nodes->values[at] - nodes->drift_values[at]) - way) / DBL_EPSILON);
         }
 }
 
@@ -164,16 +164,16 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
                                   .node_count = a->node_count,
                                   .member_count = 1,
                                   .unknowns = unknowns,
-                                  .half_unknowns = unknowns,
+                                  .unknowns_per_half = unknowns,
                                   .moving_unknowns = unknowns,
                                   .values = w.x,
                                   .start_values = w.start,
-                                  .free_values = w.high,
-                                  .free_values_low = w.base,
+                                  .drift_values = w.high,
+                                  .drift_values_low = w.base,
                                   .impulse_weight = w.weight,
                                   .impulses = w.impulse,
                                   .impulse_scale = w.scale,
-                                  .inverse_size = w.inverse_size};
+                                  .inverse_unknown_size = w.inverse_size};
     uint64_t bits = 1;
     sample errors = {0};
     for (int u = 0; u < unknowns; u++) w.scale[u] = scale, w.inverse_size[u] = 1;

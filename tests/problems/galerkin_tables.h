@@ -9,13 +9,13 @@
 
 typedef struct {
     galerkin_coefficients of;
-    galerkin_dense_output dense;
+    galerkin_node_polynomials dense;
     void *memory;
 } galerkin_tables;
 
 static inline void galerkin_tables_take(galerkin_tables *tables, tvi_arena *arena, int points, int lanes)
 {
-    tvi_galerkin_allocate_dense_output(&tables->dense, arena, points, lanes, jet_choose_sweeps_for_processor());
+    tvi_galerkin_allocate_node_polynomials(&tables->dense, arena, points, lanes, jet_choose_sweeps_for_processor());
     tvi_galerkin_allocate_coefficients(&tables->of, arena, points, lanes);
 }
 
