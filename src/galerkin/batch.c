@@ -1,19 +1,21 @@
-/* batch.c - Makes steps of the Galerkin curves of several members of an ensemble at once, by the text of steps.h.
- * Number i * width + m of a row is node i of member m.
- *
- * Each member has its own convergence: a member that has converged moves no more, and the others go on. A step in lanes
- * continues a step of the same size. All other steps, as the first one of a run, and steps that fail or whose roundoff
- * has to be measured, are made by the stepper of a single curve, one after the other. */
+/* batch.c - Makes steps of the Galerkin curves of several members of an ensemble at once, by the code of steps.h.
+ * Node i of member m is element i * member_count + m of a row, in one lane of the tape. * The passes of each member
+ * converge by themselves: a member that has converged is not moved any more, while passes of the others go on. A
+ * step is made in lanes if the member's last step had the same size and ended where this step begins. All other
+ * steps are made one member after the other by the stepper of a single curve: the first step of a run, a step that
+ * fails in lanes, and a step whose roundoff has to be measured. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 #include "method/single.h"
 
 enum { MOST_LANES = 256 };
-/* The largest block of the tape, which is partly in the second-level cache. A block of the least width may be larger,
- * except if a whole step is generated code, which then is faster. */
+/* The largest size in bytes of the tape's block. If there are generated steps, which are faster than steps in lanes
+ * of a larger block, it is MOST_BYTES for any number of members. Otherwise it is MOST_BYTES_OF_ALL for the least
+ * number of members, and MOST_BYTES for more: such a block is partly in the second-level cache. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
-/* The history of each member's last two steps, as galerkin_history has it for one member, [member_count] each. */
+/* The history of the last two steps of each member. Each array is [member_count], and its elements are the members
+ * of galerkin_history with these names. */
 typedef struct {
     double *step_size, *previous_step_size, *start_time;
     galerkin_convergence *convergence;
@@ -21,18 +23,19 @@ typedef struct {
 
 typedef struct {
     tvi_member_stepper member_stepper;
-    galerkin_stepper *single_stepper; /* the work of single_member, which contains all tables */
+    /* the stepper of member_stepper, which owns all tables of coefficients */
+    galerkin_stepper *single_stepper;
     galerkin_nodes nodes;
     galerkin_tail_inputs tail_inputs;
     galerkin_step_data step_data;
     galerkin_batch_iteration iteration;
-    /* [member_count] Masks, with all bits set or none: is_in_lanes if the member steps together with others, and the
-     * result of galerkin_mask_rough_prediction. */
+    /* [member_count] Masks. All bits of lanes_mask are set if the member is stepped together with others. All bits
+     * of last_step_mask are set if its unknowns are predicted from its last step alone. */
     long long *lanes_mask, *last_step_mask;
     tvi_increments increments;       /* [n][member_count] the increments of the state */
     double *tail_share, *tail_ratio; /* [n][width] */
     double *tail;                    /* [width] */
-    /* These are stored in the arena's history, like last_ring_index and the impulses. */
+    /* The integrator's history stores `history`, last_ring_index and impulse_ring. */
     galerkin_batch_history history;
     long *last_ring_index;
     /* [unknowns][node_count][member_count] The impulses of the last two steps and of the next one. */
@@ -148,8 +151,8 @@ static void prepare_batch_stepper(void *work)
 
 /* ---- Members one by one ------------------------------------------------------------------------------------------ */
 
-/* Copies the impulses of one member from the batch's array [unknowns][node_count][member_count] to an array
- * [unknowns][lanes]. */
+/* Copies the impulses of one member from an array [unknowns][node_count][member_count] of the batch to an array
+ * [unknowns][lanes]. scatter_member_impulses copies them back. */
 static void gather_member_impulses(const galerkin_batch_stepper *stepper, const double *source, int member,
                                    double *destination)
 {
@@ -173,7 +176,8 @@ static double *impulses_of_step(const galerkin_batch_stepper *stepper, int steps
     return galerkin_impulses_in_ring(&stepper->step_data, (int)*stepper->last_ring_index + steps_after_last);
 }
 
-/* Copies the history of one lane to the history of a stepper for a single member. */
+/* Copies the history of one lane to the history of a stepper of a single member. copy_history_to_lane copies it
+ * back. */
 static void copy_history_from_lane(const void *work, int lane, void *single_stepper)
 {
     const galerkin_batch_stepper *stepper = work;
@@ -226,7 +230,7 @@ static void step_member_alone(galerkin_batch_stepper *stepper, double h, const t
 /* ---- Members in lanes -------------------------------------------------------------------------------------------- */
 
 /* Selects the members whose last step had size h and ended at the time t, so that this step can be made in lanes.
- * Returns how many they are. */
+ * Returns the number of these members. */
 static int select_members_for_lanes(galerkin_batch_stepper *stepper, double h, const double t[],
                                     const tvi_status status[])
 {
@@ -245,8 +249,8 @@ static int select_members_for_lanes(galerkin_batch_stepper *stepper, double h, c
     return count;
 }
 
-/* Sets the unknowns of a member that is stepped alone to the start of its step, where the field can be evaluated,
- * and lets no pass move them. */
+/* Sets the unknowns of a member that is not in lanes to the start of its step, where the field can be evaluated, and
+ * clears its moving_mask, so that passes do not move it. */
 static void freeze_member_at_start(galerkin_batch_stepper *stepper, int member)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
@@ -269,13 +273,13 @@ static void set_node_times(const galerkin_batch_stepper *stepper, double h, cons
                    (origins->t_low[member] + h * stepper->single_stepper->coefficients.node_abscissa[i]);
 }
 
-/* The data of a pass of all members that are stepped in lanes. */
+/* The data of make_batch_pass. */
 typedef struct {
     galerkin_batch_stepper *stepper;
     tvi_stats *stats;
 } batch_pass_work;
 
-/* Makes a pass of all members in lanes. Members whose unknowns leave the field's domain are stepped alone
+/* Makes a pass of all members in lanes. A member whose unknowns leave the field's domain is stepped alone
  * afterwards. */
 static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff)
 {
@@ -318,8 +322,8 @@ static void solve_members_in_lanes(galerkin_batch_stepper *stepper, double h, co
         stepper->lanes_mask[member] = stepper->iteration.converged_mask[member];
 }
 
-/* Moves the impulses of members that are not stepped in lanes by one place in the ring, so that their history stays
- * the same when the ring advances. */
+/* The index of the last step in the ring advances for all members together. This function moves the impulses of
+ * members that are stepped alone by one place in the ring, so that their history stays the same. */
 static void shift_impulses_of_lone_members(const galerkin_batch_stepper *stepper)
 {
     const int member_count = stepper->nodes.member_count, rows = stepper->nodes.unknowns * stepper->nodes.node_count;
@@ -333,7 +337,7 @@ static void shift_impulses_of_lone_members(const galerkin_batch_stepper *stepper
     *stepper->last_ring_index = (*stepper->last_ring_index + 1) % GALERKIN_RING;
 }
 
-/* Copies the numbers of all members that were stepped in lanes. */
+/* Copies the elements of rows [member_count] that belong to members in lanes. */
 static void copy_members_in_lanes(const galerkin_batch_stepper *stepper, int rows, const double *source,
                                   double *destination)
 {

@@ -1,5 +1,5 @@
-/* blocks.h - Defines the blocks of the tapes for passes that know second derivatives (docs/method.md section 5). The
- * library and generated code use it; in generated code all sizes are constants. */
+/* blocks.h - Evaluates tapes for passes that use second derivatives (docs/method.md section 5), and predicts rates
+ * for them. The library and generated code include it; in generated code all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_BLOCKS_H
 #define TVI_SRC_GALERKIN_BLOCKS_H
 
@@ -9,13 +9,13 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* The blocks of L in (q, v), or of a product in (q, p): two halves of n rows each come first, then the time and
- * parameters. */
+/* The blocks of the tapes of a gradient: that of L(q, v), or that of K(q, p) = g h (hamiltonian.c). The first rows
+ * of a block are n rows for q, n rows for v or p, then the time and the parameters. */
 typedef struct {
     int n, lanes, inputs;
-    const void *sweep_data; /* data that the sweep function uses */
-    /* The block of the field's tape, and the block of the tape that also has second derivatives, with one row of
-     * zeros after it. */
+    const void *sweep_data; /* the galerkin_field, for tvi_galerkin_sweep_tape */
+    /* values_block is the block of the tape of the gradient. hessian_block is the block of the tape that also
+     * computes second derivatives; one row of zeros follows it. */
     double *values_block, *hessian_block;
 } galerkin_tape_blocks;
 
@@ -33,8 +33,8 @@ static inline const double *galerkin_evaluate_gradient(const galerkin_tape_block
     return !sweep(blocks, with_hessian) ? NULL : with_hessian ? blocks->hessian_block : blocks->values_block;
 }
 
-/* Evaluates the gradient at the nodes, whose coordinates are q [n][lanes] and the velocities or momenta second_input
- * [n][lanes]. */
+/* Evaluates the gradient at the nodes, where the coordinates are q [n][lanes] and the velocities or momenta are
+ * second_input [n][lanes]. */
 static inline const double *galerkin_evaluate_gradient_at_nodes(const galerkin_tape_blocks *blocks,
                                                                 galerkin_sweep *sweep, bool with_hessian,
                                                                 const double *q, const double *second_input)
@@ -45,8 +45,8 @@ static inline const double *galerkin_evaluate_gradient_at_nodes(const galerkin_t
     return galerkin_evaluate_gradient(blocks, sweep, with_hessian);
 }
 
-/* Predicts the rates of the unknowns from the impulses of earlier steps. A rate is an impulse divided by h b. In the
- * predictor rates are unknowns that start at 0. */
+/* Predicts the rates of the unknowns, impulse / (h b_j), from the impulses of earlier steps. In rate_nodes the
+ * unknowns are these rates, and their values at the start are 0. */
 static inline void galerkin_predict_rates(const galerkin_kernels *kernels, const galerkin_nodes *rate_nodes,
                                           const galerkin_extrapolation *extrapolation)
 {

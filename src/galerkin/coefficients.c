@@ -22,8 +22,8 @@ void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi
 
 static double round_to_binary_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
 
-/* Sets the nodes and weights. c and b are on the grid 2^-53, where differences are exact: c_i + c_{m-1-i} = 1, b_i =
- * b_{m-1-i} and sum b_j = 1 hold for the doubles themselves. */
+/* Sets the nodes c and the weights b, which are multiples of 2^-53. Differences of such numbers are exact, so that
+ * c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1 hold for the doubles themselves. */
 static void set_nodes_and_weights(galerkin_coefficients *coefficients)
 {
     const int m = coefficients->node_count;
@@ -47,8 +47,9 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
     for (int i = m; i < coefficients->lanes; i++) coefficients->node_abscissa[i] = coefficients->node_abscissa[m - 1];
 }
 
-/* Sets the weights of the sums at the end of a step. The last one is that of the tail. The rate of an unknown is sum_k
- * f_k P_k(x), x in [-1, 1], with P_k Legendre's polynomials; f_k, k = m - 1, is the last term at the ends. */
+/* Sets the weights of the sums at the end of a step. The rate of an unknown is sum_k f_k P_k(x), x in [-1, 1], with
+ * P_k Legendre's polynomials. last_term_weight gives f_{m-1}, which is the size of the last term at the ends of the
+ * step. */
 static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials)
 {
     const int m = coefficients->node_count;
@@ -59,8 +60,9 @@ static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_
     }
 }
 
-/* The factor (i, j), i >= j, of impulses: (a a)_ij / b_j of a separable system, otherwise a_ij / b_j, from ab = a_ij /
- * b_j. The product a a is not the double integral, whose method is not symplectic. */
+/* Returns the element (i, j), i >= j, of the impulse matrix: sum_k a_ik a_kj / b_j for a separable system, and a_ij
+ * / b_j for any other. The element (i, j) of collocation_matrix is a_ij / b_j. The exact double integral of l_j must
+ * not replace a a, since the method would not be symplectic. */
 static long double compute_impulse_factor(const galerkin_coefficients *coefficients, bool is_second_order,
                                           long double collocation_matrix[][MAX_LANES], int i, int j)
 {
@@ -71,9 +73,9 @@ static long double compute_impulse_factor(const galerkin_coefficients *coefficie
     return square;
 }
 
-/* Sets the matrix. The elements nu_ij are on a grid, too. The entries above the diagonal follow from the condition of
- * symplecticity, which then holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, otherwise nu_ij + nu_ji =
- * 1; and from that of symmetry, nu_ij = nu_{m-1-j, m-1-i}. */
+/* Sets the impulse matrix nu. Its elements are multiples of 2^-52. The elements above the diagonal follow from the
+ * condition of symplecticity, which then holds exactly: nu_ij - nu_ji = c_i - c_j for a separable system, and nu_ij
+ * + nu_ji = 1 for any other. The condition of symmetry, nu_ij = nu_{m-1-j, m-1-i}, holds, too. */
 static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials,
                                bool is_second_order)
 {

@@ -18,8 +18,8 @@ typedef struct {
 
 void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi_arena *arena, int node_count,
                                         int lanes);
-/* Computes the coefficients for Q'' = F, or for Q' = V, P' = F. It also prepares the dense output, whose integrals they
- * use. */
+/* Computes the coefficients for Q'' = F if is_second_order is set, and for Q' = V, P' = F otherwise. It also
+ * prepares the polynomials, whose integrals the coefficients use. */
 void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_node_polynomials *polynomials,
                                        bool is_second_order);
 #endif

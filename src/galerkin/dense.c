@@ -14,7 +14,7 @@ void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomia
     polynomials->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
-/* Computes P_0 .. P_top of x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
+/* Computes P_0 .. P_top at x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
 static void evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int top, long double s,
                                           long double P[])
 {
@@ -64,7 +64,7 @@ void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials 
     }
 }
 
-/* Computes I_k = int_0^s P_k(2 r - 1) dr, k <= points: I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2). */
+/* Computes I_k = int_0^s P_k(2 r - 1) dr, k <= node_count: I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2). */
 static void integrate_legendre_polynomials(const galerkin_node_polynomials *polynomials, long double s, long double I[])
 {
     long double P[MAX_POINTS + 2];
@@ -87,7 +87,8 @@ void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *po
 }
 
 /* Computes both integrals. The integral of I_k is s^2 / 2 for k = 0, and (I_{k+1} - I_{k-1}) / (4 k + 2) otherwise.
- * For a small s these differences lose only digits beyond those of a double. */
+ * If s is small, I_{k+1} and I_{k-1} nearly cancel, but the difference in long double still has the digits of a
+ * double. */
 void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
                                   double double_integral[])
 {

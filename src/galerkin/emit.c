@@ -17,7 +17,7 @@ static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
 {
     const struct {
         const char *name;
-        double value; /* also for integers */
+        double value; /* the value of the member `name`; integers are converted */
     } field[] = {{FIELD(max_passes)},        {FIELD(exact_passes)}, {FIELD(correction_goal)}, {FIELD(roundoff_level)},
                  {FIELD(max_trusted_ratio)}, {FIELD(stall_ratio)},  {FIELD(stall_lag)},       {FIELD(is_quadratic)}};
     jet_text_append(text, "static const tvi_passes_rule galerkin_rule = {");

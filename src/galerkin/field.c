@@ -1,6 +1,6 @@
-/* field.c - Evaluates the field of a separable system, F, or of a Hamiltonian, (H_p, -H_q), at the nodes. The sign
- * of H_q is part of the nodes' scale. The unknowns are the inputs of the tape. Passes of this form are a fixed-point
- * iteration. */
+/* field.c - Evaluates the field of a separable system, F, or of a Hamiltonian, (H_p, -H_q), at the nodes, for passes
+ * that are a fixed-point iteration. The tape computes H_q; its sign is in impulse_scale of the nodes. The unknowns
+ * are the inputs of the tape. */
 #include "galerkin/field.h"
 
 static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)

@@ -1,6 +1,5 @@
 /* field.h - Declares the field of a system at the nodes of the Galerkin curve, which gives the rates of the
- * unknowns. All differences between the forms of systems are here, except for the order of the equations
- * (galerkin.c). */
+ * unknowns. The forms of systems differ here, and in the order of their equations (galerkin_is_second_order). */
 #ifndef TVI_SRC_GALERKIN_FIELD_H
 #define TVI_SRC_GALERKIN_FIELD_H
 
@@ -14,15 +13,16 @@
 
 typedef struct galerkin_field_form galerkin_field_form;
 
-/* The work for evaluating the field at the nodes. The unknowns are Q for a separable system, and Q and P otherwise.
- * Their rates are F, or V and F. */
+/* The data with which the field is evaluated at the nodes. The unknowns are Q for a separable system, and (Q, P)
+ * otherwise. Their rates are F, or (V, F). */
 typedef struct {
     const tvi_system *system;
     const galerkin_field_form *form;
     const galerkin_kernels *kernels;
     int node_count; /* the number of nodes; further lanes repeat the last node */
     galerkin_nodes nodes;
-    int pass_input_row_count; /* the number of rows of nodes.values that a pass starts from */
+    /* the number of rows of nodes.values on which a pass depends; they are saved while roundoff is measured */
+    int pass_input_row_count;
     /* The step for which the weights and scales of the nodes were computed; 0 before the first step. */
     double step_size;
     double *node_weight; /* [lanes] */
@@ -31,12 +31,13 @@ typedef struct {
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
     double *impulse_matrix;
-    /* [j][i] The factor by which tables of extrapolated rates are multiplied, so that `predict` gets unknowns or
-     * rates. */
+    /* [j][i] The factors from rates at the nodes to the quantities that the form's `predict` extrapolates: its
+     * unknowns, or the rates themselves. */
     double *rate_to_unknown;
     /* The displacements that are added to the field's values while roundoff is measured; NULL otherwise. */
     tvi_roundoff *value_displacements;
-    void *form_work; /* the work of the field's form */
+    /* the data of the field's form: lagrangian_work, hamiltonian_work or NULL */
+    void *form_work;
 } galerkin_field;
 
 struct galerkin_field_form {
@@ -44,17 +45,17 @@ struct galerkin_field_form {
     /* The rule that ends passes, for a single unknown at one node. */
     const tvi_passes_rule *rule;
     void (*allocate)(galerkin_field *field, tvi_arena *arena);
-    /* Prepares the form after the coefficients have been computed. */
+    /* Prepares the form's data after the coefficients have been computed. */
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
-    /* Predicts the unknowns from the impulses of earlier steps, by tables that are multiplied by rate_to_unknown. */
+    /* Predicts the unknowns from the impulses of earlier steps. The tables of the extrapolation are products with
+     * rate_to_unknown. */
     void (*predict)(galerkin_field *field, const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
      * moves the unknowns itself. */
     tvi_status (*pass)(galerkin_field *field, double *movement, tvi_stats *stats);
-    /* Writes the form's constants into generated code. `text` is the text of the form's generated steps
-     * (generated_*.h). */
+    /* Writes the form's constants into generated code. */
     void (*emit)(jet_text *text, const galerkin_field *field);
     const char *const *text;
 };
@@ -68,14 +69,14 @@ extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton
 extern const galerkin_field_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
     tvi_galerkin_form_product;
 
-/* Tells whether the equations are Q'' = F, and not Q' = V and P' = F. */
+/* Returns whether the equations are Q'' = F, and not Q' = V and P' = F. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)
 {
     return field->system->form == TVI_SEPARABLE;
 }
 
-/* Writes the steps of one system into generated code that has the sweeps of its tapes (emit.c). The field is
- * prepared, and the rule is that of its passes. */
+/* Writes the steps of one system into generated code, after the sweeps of its tapes (emit.c). `rule` is that of the
+ * field's passes. */
 void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule);
 /* Writes the definition of the array `static const int galerkin_NAME[]`, with a 0 after its last element. */
 void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[]);
@@ -84,7 +85,7 @@ extern const char *const tvi_embedded_galerkin_hamiltonian[];
 /* Returns the number of rows at the start of a tape's block that a sweep reads and does not write. */
 static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
-/* Adds the displacements of value_noise to the outputs of a tape in its block x. */
+/* Adds value_displacements to the outputs of a tape in its block. */
 void tvi_galerkin_add_value_displacements(const galerkin_field *field, const jet_tape *tape, double *block);
 
 /* Evaluates the field's tape at the unknowns, which are its inputs. */
@@ -105,8 +106,8 @@ static inline double galerkin_move_unknowns(const galerkin_field *field)
     return movement;
 }
 
-/* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts the pass. *moved is
- * the movement, as the kernel `move` measures it. */
+/* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts the pass. *movement
+ * is measured as by the kernel `move`. */
 static inline tvi_status galerkin_make_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     stats->force_evaluations += field->node_count;

@@ -1,10 +1,12 @@
-/* galerkin.c - Makes steps of the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation
- * (docs/method.md section 4). With a, b, c its coefficients and F_j the field at node j,
- *    separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
- *                  q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
- *    otherwise:    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
- * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Passes solve these equations. They begin with a
- * prediction from earlier steps. The nodes are lanes of one sweep of the field's tape. */
+/* galerkin.c - Makes steps of the Galerkin curve, whose unknowns are the values at m Gauss nodes. This is Gauss
+ * collocation (docs/method.md section 4). With its coefficients a, b, c and the force F_j at node j the equations are,
+ * for a separable system,
+ *    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
+ *    q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
+ * and for any other system, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h),
+ *    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j.
+ * Passes solve these equations. They begin with a prediction from earlier steps. The nodes are lanes of one sweep of
+ * the field's tape. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
@@ -194,8 +196,9 @@ static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *ori
     tvi_system_write_time(stepper->field.system, stepper->field.tape_block, stepper->field.nodes.lanes, t);
 }
 
-/* Predicts the unknowns of a step if the step before it has another size. It extrapolates the last step, beginning
- * after `start_part` of it. If `start_part` is NULL, it uses the field at the start of the step. */
+/* Predicts the unknowns of a step that has no earlier step of the same size. If elapsed_part is not NULL, it
+ * extrapolates the last step, and the new step begins at *elapsed_part of the last one. If elapsed_part is NULL, it
+ * uses the field at the start of the step. */
 static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_origin *origin,
                                      const double *elapsed_part, tvi_stats *stats)
 {
@@ -214,7 +217,7 @@ static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_o
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* The data of steps that the library makes itself, without generated code. */
+/* The data of the passes of a step that the library makes without generated code. */
 typedef struct {
     galerkin_stepper *stepper;
     const tvi_step_origin *origin;
@@ -222,9 +225,9 @@ typedef struct {
     tvi_stats *stats, completed_stats;
 } library_pass_work;
 
-/* Makes the next pass of a step. If passes no longer shrink, it also measures their roundoff, but only if their
- * movement may be roundoff, or if the nodes are near the start of the step. Large movements back and forth far away
- * from the start belong to a step that is too large. */
+/* Makes the next pass of a step. If passes no longer shrink, it also measures their roundoff, provided that the
+ * movement is as small as roundoff or that the nodes are near the start of the step. Otherwise the step is too
+ * large, and its movements back and forth are no roundoff. */
 JET_INLINE tvi_status make_library_pass(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff)
 {
     const library_pass_work *step = work;
@@ -312,8 +315,6 @@ static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_m
     return outcome;
 }
 
-static bool makes_passes(const galerkin_stepper *stepper) { return stepper->passes_rule.max_passes > 0; }
-
 /* Makes a step, predicted from earlier steps. If its passes do not converge, it makes the step again, predicted from
  * the state alone. */
 static tvi_status make_single_step(void *work, double h, const tvi_step_origin *origin,
@@ -327,7 +328,7 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
         predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats).step_count > 0)
         return TVI_OK;
     const bool continues_last_step =
-        makes_passes(stepper) &&
+        stepper->passes_rule.max_passes > 0 &&
         tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_part);
     galerkin_outcome outcome =
         predict_and_make_steps(stepper, make_steps_in_library, continues_last_step, &run, origin, NULL, stats);
@@ -342,7 +343,7 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     const tvi_step_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
                                     state->p_low};
     tvi_stats counted = *stats;
-    if (!makes_passes(stepper) || stepper->field.system->uses_time) return 0;
+    if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
     tvi_galerkin_set_step_size(stepper, run->h);
     run->increments.dq[stepper->n] = run->h;
     const galerkin_outcome outcome =

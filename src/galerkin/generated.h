@@ -1,12 +1,12 @@
-/* generated.h - Defines what the generated steps of all forms share (emit.c): copies of structures whose sizes are
- * constants. Only generated code includes it, after the texts of kernel.h and steps.h. */
+/* generated.h - Defines the parts that the generated steps of all forms share (emit.c): copies of structures in
+ * which sizes are constants. Only generated code includes it, after kernel.h and steps.h. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_H
 #define TVI_SRC_GALERKIN_GENERATED_H
 
 #include "galerkin/steps.h"
 
-/* A block of up to this many numbers is a local variable of the step, so that compilers know that nothing else
- * changes it. */
+/* A block of at most this many numbers is a local variable of the step, so that compilers can keep its values in
+ * registers. */
 enum { GALERKIN_MOST_OWN = 4096 };
 
 JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin_nodes *nodes)

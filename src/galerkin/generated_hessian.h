@@ -1,6 +1,6 @@
-/* generated_hessian.h - Defines the tape blocks of generated passes that use second derivatives (local_blocks.h). The
- * tape's operations do not set the first GALERKIN_KEPT rows of values_block and the first GALERKIN_HESSIAN_KEPT rows
- * of hessian_block. */
+/* generated_hessian.h - Evaluates the tapes of generated passes that use second derivatives (blocks.h), in blocks
+ * that are local variables of the step. The operations of a tape do not set the first GALERKIN_KEPT rows of
+ * values_block and the first GALERKIN_HESSIAN_KEPT rows of hessian_block. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 
@@ -11,7 +11,8 @@ JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_tape_blocks *blocks
     return with_hessian ? GALERKIN_HESSIAN_VALUES(blocks->hessian_block) : GALERKIN_VALUES(blocks->values_block);
 }
 
-/* These are the lengths of the blocks that are local variables of a step. Large blocks are not local. */
+/* The lengths of the local copies of the blocks. If the blocks are longer than GALERKIN_MOST_OWN, there are no local
+ * copies, and the lengths are 1. */
 enum {
     GALERKIN_IS_OWN = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MOST_OWN,
     GALERKIN_OF_VALUES = GALERKIN_IS_OWN ? tvi_values_slots * GALERKIN_LANES : 1,

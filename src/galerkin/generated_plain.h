@@ -5,8 +5,9 @@
 
 #include "galerkin/generated.h"
 
-/* If the tape is split into independent operations, it is evaluated for one register of nodes after the other, and
- * only the impulses are stored. */
+/* The number of nodes in one register. If the tape's operations are emitted as separate functions
+ * (tvi_values_is_split), the tape is evaluated for one register of nodes at a time, and only the impulses are
+ * stored. */
 enum { GALERKIN_WIDTH = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
 #define TAKE(V, blocks) BLOCK_AT(V, destination, 0) = BLOCK_OF(V, source, 0);

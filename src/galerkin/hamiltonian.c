@@ -1,13 +1,14 @@
-/* hamiltonian.c - Evaluates the field of a Hamiltonian K = g h, with h = 0 on the solution, whose second derivatives
- * cost little beside it, as those of a rescaled system do (system/hessian.c). It uses Newton's method (docs/method.md
- * section 5).
+/* hamiltonian.c - Evaluates the field of a Hamiltonian K(q, p) = g h, with h = 0 on the solution, and its second
+ * derivatives, for Newton's method (docs/method.md section 5). The system has them if they take little time compared
+ * with K, as those of a rescaled system do (system/hessian.c).
  *
- * A pass evaluates the gradient (K_q, K_p) at x = (Q, P), and its derivatives, too. The movement of an ordinary pass is
- * d_0. With the gradient to first order it would be followed by
+ * A pass evaluates the gradient (K_q, K_p) at x = (Q, P), and its derivatives, too. The movement by this gradient is
+ * d_0. If the gradient were its expansion to first order, the next movements of a fixed-point iteration would be
  *
- *    d_{k+1} = h a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q).
+ *    d_{k+1} = (step size) a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q).
  *
- * Such a round costs a small part of an evaluation. The pass ends with a movement by the gradient at x + sum_k d_k. */
+ * Each of them is an inner round, which takes a small part of the time of an evaluation. The pass ends with a movement
+ * by the gradient, expanded to first order, at x + sum_k d_k. */
 #include "galerkin/hamiltonian_passes.h"
 #include "galerkin/model.h"
 
@@ -54,7 +55,7 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     if (taken) *taken = work;
 }
 
-/* Returns the component of the gradient that is, up to its sign, the rate of an unknown. */
+/* Returns the component of the gradient that is the rate of an unknown, up to its sign. */
 static int find_gradient_component(const galerkin_field *field, int unknown)
 {
     const int n = field->system->n;
@@ -71,16 +72,16 @@ static bool has_row_entries(const galerkin_hessian_tables *tables, int row)
     return find_row_begin(tables, row) < tables->row_end[row];
 }
 
-/* Returns whether an unknown takes part in the inner rounds: it moves in them, and some rate depends on it. A cyclic
- * coordinate, such as t of a rescaled system whose forces do not depend on t, follows from a quadrature, and its
+/* Returns whether an unknown takes part in the inner rounds: its rate depends on unknowns, so that it moves, and
+ * some rate depends on it. Two unknowns do not: a cyclic coordinate moves, but no rate depends on it, and its
  * momentum is constant. */
 static bool is_unknown_in_rounds(const galerkin_field *field, const galerkin_hessian_tables *tables, int unknown)
 {
     return has_row_entries(tables, unknown) && has_row_entries(tables, find_gradient_component(field, unknown));
 }
 
-/* Returns the index of a second derivative in its block. If it is 0 by construction, this is the index of the zeros
- * after the block. */
+/* Returns the index of a second derivative in hessian_block. If the derivative is 0 by construction, this is the
+ * index of the row of zeros after the block. */
 static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_tables *tables, int row, int column)
 {
     int slot = field->system->hessian_values->slots;
@@ -89,8 +90,8 @@ static int find_hessian_index(const galerkin_field *field, const galerkin_hessia
     return slot * field->nodes.lanes;
 }
 
-/* Appends the unknowns whose rates depend on others to the list: those that take part in the rounds if `part` is
- * set, otherwise those that do not. Returns the length of the list. */
+/* Appends to `list`, which has `count` elements, the unknowns whose rates depend on unknowns: those that take part
+ * in the rounds if in_rounds is set, otherwise those that do not. Returns the new length of the list. */
 static int append_unknowns_with_row(const galerkin_field *field, const galerkin_hessian_tables *tables, bool in_rounds,
                                     int count, int *list)
 {
@@ -204,8 +205,8 @@ const galerkin_field_form tvi_galerkin_form_hamiltonian = {-1,
                                                            make_hamiltonian_pass,
                                                            emit_hamiltonian_field,
                                                            tvi_embedded_galerkin_hamiltonian};
-/* The form of a product K = g h whose second derivatives leave out h g''. A pass therefore leaves a constant part of
- * a movement, and its convergence is linear. */
+/* The form of a Hamiltonian K = g h whose second derivatives are computed without the term h g''. Each pass
+ * therefore reduces the error by a constant factor only, and convergence is linear. */
 const galerkin_field_form tvi_galerkin_form_product = {-1,
                                                        &tvi_galerkin_quasi_newton,
                                                        allocate_hamiltonian_field,

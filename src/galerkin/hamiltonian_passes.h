@@ -1,6 +1,6 @@
-/* hamiltonian_passes.h - Makes the passes of the Galerkin curve of a Hamiltonian with second derivatives
- * (hamiltonian.c). The library runs them with the kernels of its tables. Generated code has its own kernels, in
- * which all sizes are constants. */
+/* hamiltonian_passes.h - Makes the passes of a Hamiltonian's Galerkin curve that use second derivatives
+ * (hamiltonian.c). The library calls kernels through tables; in generated code kernels are inlined, and all sizes
+ * are constants. */
 #ifndef TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 #define TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 
@@ -10,12 +10,15 @@
 
 #include <math.h>
 
-/* The work of the passes. The rows of nodes->values are Q and P, n each, followed by their rates in a prediction. */
+/* The data of the passes. The rows of nodes->values are Q and P, n each; during a prediction 2n rows of their rates
+ * follow. */
 typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    galerkin_nodes rate_nodes;    /* the rates as unknowns of the predictor, which start at 0 */
-    const double *impulse_matrix; /* the factors of impulses in movements (coefficients.h) */
+    /* the rates V and F as unknowns of the predictor, whose values at the start are 0 */
+    galerkin_nodes rate_nodes;
+    /* [j][i] the factors of impulses in unknowns (coefficients.h) */
+    const double *impulse_matrix;
     /* [unknowns] The row of nodes->values that contains each unknown's rate. */
     const int *rate_row;
     galerkin_tape_blocks tape_blocks;
@@ -23,17 +26,18 @@ typedef struct {
      * true. */
     const int *rate_slot[2];
     lanes_inner_rounds rounds;
-    /* [unknowns][lanes] The changes of the impulses by the inner rounds. */
+    /* [unknowns][lanes] The changes of the impulses that the inner rounds make. */
     double *impulse_changes;
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
     double last_movement;
 } hamiltonian_passes;
 
-/* These are squares of relative movements. After a movement of at most 2^-25 the next pass reuses the second
- * derivatives, since its error is the cube of that movement. */
+/* The squares of relative movements. After a movement of at most 2^-25 the next pass reuses the second derivatives,
+ * since the error of that pass is the cube of the movement. */
 #define HAMILTONIAN_SERVES  0x1p-50
 #define HAMILTONIAN_NOTHING 0x1p-144
-/* In the first pass of a step the inner rounds end at this square of a movement: a second pass follows in any case. */
+/* In the first pass of a step the inner rounds end when the square of a relative movement is below this, since a
+ * second pass follows in any case. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
 
 static inline void hamiltonian_predict_unknowns(hamiltonian_passes *passes, const galerkin_extrapolation *extrapolation)
@@ -69,7 +73,7 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
     if (is_first) hamiltonian_set_unknown_sizes(passes);
     GALERKIN_KERNEL(passes->kernels, run_rounds, nodes, &passes->rounds, rates, slot, !serves, passes->last_movement,
                     least, passes->impulse_changes);
-    passes->last_movement = GALERKIN_KERNEL(passes->kernels, move_both, nodes, passes->impulse_matrix, rates,
+    passes->last_movement = GALERKIN_KERNEL(passes->kernels, move_with_changes, nodes, passes->impulse_matrix, rates,
                                             passes->impulse_changes, slot);
     return true;
 }

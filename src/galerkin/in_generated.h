@@ -1,11 +1,10 @@
-/* in_generated.h - says how the texts of a Galerkin step call one another in generated code (emit.c), which has this
- * file in the place of in_library.h. There is one number of lanes, sizes are constants, and what is called is
- * inlined. */
+/* in_generated.h - Defines how the parts of a Galerkin step call one another in generated code (emit.c), in place of
+ * in_library.h. There is one number of lanes, all sizes are constants, and all functions are inlined. */
 #ifndef TVI_SRC_GALERKIN_IN_GENERATED_H
 #define TVI_SRC_GALERKIN_IN_GENERATED_H
 
-/* Computes a b + c. The compiler fuses the two operations if it can; the header with vector intrinsics would take
- * longer to compile than all the rest. */
+/* Computes a b + c. The compiler fuses the two operations if it can. The header with vector intrinsics is not
+ * included, since it would take longer to compile than all other code. */
 #define FUSED(V, a, b, c) ((a) * (b) + (c))
 
 #define OWN              JET_INLINE

@@ -1,11 +1,11 @@
-/* in_library.h - says how the texts of a Galerkin step call one another where the library compiles them for any system.
- * Generated code has in_generated.h in the place of this file. */
+/* in_library.h - Defines how the parts of a Galerkin step call one another in the library, which compiles them for
+ * any system. Generated code includes in_generated.h in place of this file. */
 #ifndef TVI_SRC_GALERKIN_IN_LIBRARY_H
 #define TVI_SRC_GALERKIN_IN_LIBRARY_H
 
 #include "fused.h"
 
-/* Computes a b + c with the same rounding for members and for nodes. */
+/* Computes a b + c with the same rounding in vectors of members and in vectors of nodes. */
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
 /* Kernels are not inlined, so that each has the registers to itself. */

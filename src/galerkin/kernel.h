@@ -1,7 +1,7 @@
-/* kernel.h - Defines the loops of a Galerkin step over its nodes, in one text over vectors. It is included once for
- * each number of LANES of one member, and once for several members (MEMBERS). A vector V holds nodes of one member, or
- * one node of several members from member `here` on. The text is the same for both, so that a member has the same bits
- * alone and among others. loops.h explains the functions of kernel_table.h. */
+/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). It is included once for
+ * each number of lanes of a single member (LANES), and once for several members (MEMBERS). A vector V holds nodes of
+ * one member, or the same node of several members, of which `here` is the first. The code is the same for both, so
+ * that a member gets the same results alone and in a batch, bit for bit. */
 #undef NAME
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS
@@ -9,8 +9,10 @@
 #define V          jet_widest
 #define ONE_VECTOR 0
 #define COLUMN     jet_widest
-/* The vectors of a row, one of them, what they have of a table of the nodes, and the number of node j for all of them;
- * a number of each member. */
+/* VECTORS: the number of vectors in a row. ROW: row u of an array of unknowns. AT: vector v of a row. OF_NODE: vector v
+ * of a row of coefficients, [lanes]. OF_TABLE: vector v of row j of a table of coefficients. NUMBER: the value of each
+ * member at node j. MEMBER: the type of one number for each member. MEMBER_AT: element u of an array of such numbers.
+ * IF_ABOVE: `yes` if a > b, otherwise `no`. KEPT: `now` for members that still move, otherwise `was`. */
 #define VECTORS                 (shape.node_count)
 #define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(shape.node_count * shape.member_count) + here)
 #define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)shape.member_count))
@@ -22,7 +24,8 @@
 #define MAGNITUDE(x)            JET_ABS(V, x)
 #define IF_ABOVE(a, b, yes, no) JET_CHOOSE(V, (a) > (b), yes, no)
 #define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->moving_mask + here), now, was)
-/* Makes the call for each vector of members. The usual sizes are constants. */
+/* Calls the function for each vector of members. For the usual numbers P of nodes, L of lanes and W of members these
+ * are compile-time constants in the call. */
 #define EACH_VECTOR_OF(P, L, W, call)                                                                                  \
     do {                                                                                                               \
         const galerkin_array_shape shape = {P, L, W};                                                                  \

@@ -1,16 +1,17 @@
-/* kernel_ends.h - Defines the part of kernel.h that computes the sums at the end of a step, and for several members
- * decides when passes end. */
+/* kernel_ends.h - Defines the part of kernel.h that sums the impulses at the end of a step, and includes the rule
+ * that ends the passes of several members (algebra/judge.h). */
 
 /* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
 
-/* A column has members of one unknown, or unknowns of one member. Sums are compensated by two-sums: the losses of the
- * additions are summed by themselves, and the loss of the sum of both is its second part. Odd and even nodes make two
- * chains, which do not wait for each other. */
+/* A column is a vector of members for one unknown, or of unknowns for one member. The sums over nodes are
+ * compensated: the rounding errors of the additions are summed separately, and the low-order part of the result is
+ * the rounding error of adding the two sums. Odd and even nodes have separate partial sums, which the processor
+ * computes in parallel. */
 typedef struct {
     COLUMN total[2], loss[2];
 } NAME(two_chains);
 
-/* Adds weight *term to *total, and the rounding error of this addition to *lost. */
+/* Adds weight *term to *total, and the rounding error of this addition to *loss. */
 JET_INLINE void NAME(add_compensated)(COLUMN *total, COLUMN *loss, double weight, const COLUMN *term)
 {
     const COLUMN factor = weight - (COLUMN){0}, next = FUSED(COLUMN, factor, *term, *total), added = next - *total;
@@ -26,7 +27,8 @@ JET_INLINE void NAME(end_chains)(NAME(two_chains) *chains, double *whole, double
     *(COLUMN *)low = less - (both - chains->total[0]);
 }
 
-/* Lists the rows of a column from unknown u on; after the last unknown its row is repeated. */
+/* NAME(rows) is the number of rows in a column. NAME(set_rows) lists them from unknown u on; rows after the last
+ * unknown repeat it. */
 enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
 JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape shape,
                                size_t here)
@@ -36,7 +38,7 @@ JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double 
         row[k] = ROW(nodes->impulses, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
 }
 
-/* Returns the impulses of node j as a vector. */
+/* Returns the impulses of node j in these rows, as a vector. */
 JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_shape shape)
 {
     (void)shape;

@@ -1,5 +1,5 @@
 /* kernel_loops.h - Defines the functions of the kernel table of loops.h, for one number of lanes. kernel.h includes
- * it after the functions that these call. */
+ * it after the functions that they call. */
 
 OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin)
 {
@@ -134,8 +134,8 @@ OWN double NAME(move_in_parts)(const galerkin_nodes *nodes, const double *matrix
     return NAME(move_unknowns)(nodes, matrix, displacements, SHAPE_OF(nodes), 0);
 }
 
-OWN double NAME(move_both)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
-                           const double *changes, const int slot[])
+OWN double NAME(move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
+                                   const double *changes, const int slot[])
 {
     for (int u = 0; u < nodes->unknowns; u++)
         set_impulses_with_changes(nodes->impulse_weight, rates + slot[u] * LANES, changes + u * LANES,

@@ -1,8 +1,9 @@
-/* kernel_matrices.h - Defines the part of kernel.h that solves the equations of a Lagrangian at the nodes. Each lane
- * has its own matrix (lanes_matrix_inverse). */
+/* kernel_matrices.h - Defines the part of kernel.h that inverts L_vv at the nodes and expands the gradient of a
+ * Lagrangian to first order. Each lane has its own matrix (lanes_matrix_inverse). */
 
-/* The former element of the diagonal, as a part of the pivot, is between this and its inverse in a matrix that is
- * factored without exchanges: LINEAR_LEAST_INVERTED of linear_small.h, which this text does not include. */
+/* The least ratio of a pivot to the diagonal element of A in its place, and of that element to the pivot, in a
+ * matrix that is factored without row exchanges. It is equal to LINEAR_LEAST_INVERTED of linear_small.h, which this
+ * file does not include. */
 #define LEAST_PIVOT (1.0 / 16)
 /* Accesses vector v of element i, in an array that stores LANES numbers for each element. */
 #define LANE_AT(x, i, v)        BLOCK_AT(V, (x) + (size_t)(i)*LANES, v)
@@ -145,9 +146,9 @@ JET_INLINE void NAME(invert_column)(lanes_matrix_inverse *f, int column)
 
 /* ---- Without scales and exchanges, of matrices that are plain ---------------------------------------------------- */
 
-/* Gauss and Jordan's, in the inverse's place; false: some pivot is not plain, and nothing stands there. The former
- * element of the diagonal is, as a part of the pivot, between LEAST_PIVOT and its inverse, as in
- * algebra/linear_small.h. */
+/* Inverts the matrix by Gauss-Jordan elimination without row exchanges, and stores the result in `inverse`. Returns
+ * false, with `inverse` undefined, if the ratio of some pivot to the diagonal element is not between LEAST_PIVOT and
+ * 1 / LEAST_PIVOT. */
 JET_INLINE bool NAME(invert_unpivoted)(lanes_matrix_inverse *f)
 {
     const int n = f->n;
@@ -207,8 +208,9 @@ OWN void NAME(correct)(const lanes_matrix_inverse *f, const double *P, const dou
         }
 }
 
-/* Small terms are added first. The outer loop is unrolled: in generated code the model is constant, and the inner
- * loops become constant, too. */
+/* Computes galerkin_kernels.linearise. Each sum adds the products of second derivatives and displacements before the
+ * gradient at the centre, which is larger. The outer loop is unrolled: in generated code the expansion is constant,
+ * and then all bounds of the inner loops are constants, too. */
 OWN void NAME(linearise)(const lanes_gradient_expansion *m, double *out)
 {
     JET_UNROLL(8) for (int i = 0; i < 2 * m->n; i++) EACH_VECTOR_OF_LANES(v)

@@ -1,9 +1,9 @@
-/* kernel_nodes.h - Defines the part of kernel.h that starts, predicts and moves the unknowns at the nodes, and that
- * computes their sizes. */
+/* kernel_nodes.h - Defines the part of kernel.h that computes the unknowns at the nodes without impulses, predicts
+ * and moves the unknowns, and computes their sizes. */
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-/* Sets the free values of unknowns first .. first + count - 1 to q + q_low. Without impulses they keep these values. */
+/* Sets drift_values and drift_values_low of unknowns first .. first + count - 1 to q and q_low. */
 JET_INLINE void NAME(start_half)(const galerkin_nodes *caller_nodes, int first, int count, const double *q,
                                  const double *q_low, galerkin_array_shape shape, size_t here)
 {
@@ -21,10 +21,11 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *caller_nodes, int first, 
     }
 }
 
-/* Starts unknown u at high + base = q + q_low + c (drift + drift_low). Rounded products with one and the same h repeat
- * their errors, whose mean many steps show, if h is nearly a ratio of small numbers, such as 0.1. For this reason the
- * drift is exact. The sum of the impulses is rounded together with `base`, with far smaller bits. `base` is not added
- * to `high`: the sum would end on a grid, and its product with h near the same few points of another. */
+/* Sets the drift values of unknown u to high + base = q + q_low + c (drift + drift_low), with a small `base`. The
+ * products with the drift are exact: if h is near a ratio of small integers, such as 1/10, rounded products would
+ * have the same error in each step, and the errors would add up. The sum of the impulses is first added to `base`,
+ * whose rounding errors are far smaller than those of `high`. The parts are not added here: their rounded sum would
+ * have the last bits of `high`, and those errors would add up, too. */
 JET_INLINE void NAME(start_drift)(const galerkin_nodes *caller_nodes, int u, const double *c,
                                   const tvi_step_origin *origin, const double *drifts, const double *drifts_low,
                                   galerkin_array_shape shape, size_t here)
@@ -46,7 +47,7 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *caller_nodes, int u, con
 
 /* ---- Sums over the nodes ----------------------------------------------------------------------------------------- */
 
-/* A table of factors in sums over the nodes. It is kept in registers if its rows fit into one vector. */
+/* A table of factors in sums over the nodes. The compiler keeps it in registers if a row fits into one vector. */
 typedef struct {
 #if ONE_VECTOR
     V row[LANES];
@@ -66,7 +67,7 @@ JET_INLINE NAME(table) NAME(table_of)(const double *number)
 #endif
 }
 
-/* Adds sum_j (row j of the table) x_j to the partial sums, for vector v. */
+/* Adds sum_j table_jv x_j to the partial sums in `sum`, where table_jv is vector v of row j. */
 JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v,
                                   galerkin_array_shape shape)
 {
@@ -75,7 +76,8 @@ JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBE
     for (int j = 0; j < nodes; j++) sum[j % CHAINS] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % CHAINS]);
 }
 
-/* Defines `name` as the numbers of a row; for several members it loads them into registers. */
+/* Defines `name` as the numbers of a row. For several members it loads them into local variables, which stay in
+ * registers. */
 #if MEMBERS
 #define NUMBERS_IN(name, row)                                                                                          \
     V name[LANES];                                                                                                     \
@@ -91,7 +93,9 @@ JET_INLINE void NAME(clear)(V *x, int count)
     for (int i = 0; i < count; i++) x[i] = (V){0};
 }
 
-/* The sum over the lanes of one member, by fours, then by halves. Lanes after the nodes repeat the last one. */
+/* Returns the sum of x over the lanes of one member: four partial sums, which are added by halves. For one
+ * member the lanes after the last node count, too, which repeat that node; for several members the last node is
+ * added as often. */
 JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape shape)
 {
 #if MEMBERS
@@ -113,7 +117,7 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape shape)
 
 /* ---- Movements --------------------------------------------------------------------------------------------------- */
 
-/* Sets the impulses L_j = weight_j F_j. */
+/* Sets the impulses L_j = impulse_weight_j F_j. */
 JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const double *rates, const int slot[],
                                    galerkin_array_shape shape, size_t here)
 {
@@ -127,8 +131,9 @@ JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const dou
     }
 }
 
-/* Sets x = high + (base + scale sum_j matrix_ji L_j), from the impulses of all nodes. displacements [unknowns][lanes]
- * gets x - high, if it is not NULL. Returns the sum of the squares of (change of x) inverse_size. */
+/* Sets the unknowns x = high + way, way = base + scale sum_j matrix_ji L_j, from the impulses of all nodes. If
+ * `displacements` [unknowns][lanes] is not NULL, it gets `way`. Returns the sum of the squares of (change of x)
+ * inverse_unknown_size. */
 JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const double *matrix, double *displacements,
                                       galerkin_array_shape shape, size_t here)
 {
@@ -168,7 +173,8 @@ JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix
 }
 
 #if MEMBERS
-/* Adds the extrapolation from earlier steps for each member, by the tables that suit it. */
+/* Adds to `sum` the extrapolation of unknown u to node v from earlier steps. Each member uses the tables that its
+ * mask selects. */
 JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapolation, int u, int v,
                                   galerkin_array_shape shape, size_t here)
 {
@@ -189,7 +195,8 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapo
 }
 #endif
 
-/* Predicts the unknowns of all nodes from the impulses of earlier steps. The latest step is added last. */
+/* Predicts the unknowns of all nodes from the impulses of earlier steps. The impulses of the latest step, which have
+ * the largest factors, are added last. */
 JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
                                   const galerkin_extrapolation *caller_extrapolation, galerkin_array_shape shape,
                                   size_t here)
@@ -201,7 +208,7 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
     const bool uses_last_step = *extrapolation.last_step_mask;
     const NAME(table) of_last =
         NAME(table_of)(uses_last_step ? extrapolation.last_step_table : extrapolation.two_step_table);
-    /* A rough extrapolation has one table, and this one is not used. */
+    /* If the last step alone is used, of_before is not used, and any valid address will do. */
     const NAME(table) of_before = NAME(table_of)(extrapolation.two_step_table + (uses_last_step ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknowns; u++) {
@@ -223,7 +230,7 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
     }
 }
 
-/* Returns the size of an unknown, |start| + |value at the last node - start|. */
+/* Returns the size of an unknown: |value at the start of the step| + |value at the last node - value at the start|. */
 JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_array_shape shape, size_t here)
 {
     const MEMBER start = MEMBER_AT(nodes->start_values, u);
@@ -238,9 +245,10 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
     return IF_ABOVE(largest, none, TVI_GALERKIN_LEAST_SHARE * largest, 1 - none);
 }
 
-/* Sets the reciprocal sizes of the unknowns of one subsystem. A small unknown is measured by the largest of its
- * subsystem. With masses, the momentum of a light body is measured by the movement of its coordinate. There are no
- * branches, since the larger of two numbers changes from step to step. */
+/* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of
+ * the largest size in its subsystem (TVI_GALERKIN_LEAST_SHARE). If masses are known, the size of a momentum is at
+ * least momentum_per_unit_drift times the part that is added to its coordinate. There are no branches, because the
+ * processor could not predict which number is larger. */
 JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *caller_nodes, int n, int first, int end,
                                    galerkin_array_shape shape, size_t here)
 {

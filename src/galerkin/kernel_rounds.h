@@ -1,10 +1,12 @@
-/* kernel_rounds.h - the part of kernel.h's text that makes the rounds of a pass which knows second derivatives
- * (hamiltonian.c). Rounds are in single precision, which takes half the time: a pass leaves more than that of its
- * movement, except for the last pass, whose movement is roundoff. Movements are relative to the sizes of the unknowns,
- * so that nothing depends on units. The first round starts from how far the impulses are from those that made the
- * unknowns, and so has the digits of a difference. */
+/* kernel_rounds.h - Defines the part of kernel.h that makes the inner rounds of a pass with second derivatives
+ * (hamiltonian.c). The rounds are in single precision, in half the time: the error that a pass leaves is larger than
+ * 2^-24 of its movement, except in the last pass, whose movement is roundoff. Movements are relative to the sizes of
+ * the unknowns, so that the rounds do not depend on units. The first round starts from the difference between the
+ * new impulses and those from which the unknowns were computed, which is rounded to single precision after it is
+ * taken. */
 
-/* V in single precision, and the vectors of single numbers that sums take a row by. */
+/* SINGLE is the single-precision vector with as many elements as V. ROW_VECTOR is the widest single-precision vector
+ * that divides a row of LANES numbers. SINGLE_AT and PART_AT access such vectors in a row. */
 #define SINGLE KERNEL_NAME(single, V)
 #if LANES % 8 == 0
 #define ROW_VECTOR single_jet_v8
@@ -21,8 +23,8 @@ enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(
 
 /* ---- What drives the rows ---------------------------------------------------------------------------------------- */
 
-/* Packs the groups of so many rows from `first` on that end by `end`; returns the first row that is left. The scale of
- * an unknown is a sign, which the movements of the rounds have in their unit. */
+/* Packs the rows from `first` on in groups of `group` rows, while a whole group ends by `end`. Returns the first row
+ * that is not packed. impulse_scale is 1 or -1 here. */
 JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, int first, int end,
                                  int group)
 {
@@ -45,7 +47,8 @@ JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_inner_
     return first;
 }
 
-/* Packs the rate of a row by the movement of a column, from the second derivatives, group by group. */
+/* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns,
+ * group by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown. */
 JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds)
 {
     int first = 0;
@@ -57,9 +60,10 @@ JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_rounds
     }
 }
 
-/* out = the impulses of such groups by a change; returns the first row that is left. */
-JET_INLINE int NAME(drive_groups)(const lanes_inner_rounds *rounds, const float *change, float *out, int first, int end,
-                                  int group)
+/* Sets `out` to the impulses that follow from `change`, for the groups of pack_groups. Returns the first row that is
+ * left. */
+JET_INLINE int NAME(set_group_impulses)(const lanes_inner_rounds *rounds, const float *change, float *out, int first,
+                                        int end, int group)
 {
     const int count = rounds->column_count;
     for (; first + group <= end; first += group) {
@@ -77,21 +81,23 @@ JET_INLINE int NAME(drive_groups)(const lanes_inner_rounds *rounds, const float 
     return first;
 }
 
-/* The impulses by a change, of all rows or of those that move. */
+/* Sets `out` to the impulses that follow from `change`: those of all rows if `all` is set, otherwise those of the
+ * rows that are also columns. */
 JET_INLINE void NAME(compute_impulses)(const lanes_inner_rounds *rounds, const float *change, bool all, float *out)
 {
     int first = 0;
     for (int which = 0; which < (all ? 2 : 1); which++) {
         const int end = which == 0 ? rounds->moving_row_count : rounds->row_count;
-        first = NAME(drive_groups)(rounds, change, out, first, end, LANES_ROWS);
-        first = NAME(drive_groups)(rounds, change, out, first, end, 2);
-        first = NAME(drive_groups)(rounds, change, out, first, end, 1);
+        first = NAME(set_group_impulses)(rounds, change, out, first, end, LANES_ROWS);
+        first = NAME(set_group_impulses)(rounds, change, out, first, end, 2);
+        first = NAME(set_group_impulses)(rounds, change, out, first, end, 1);
     }
 }
 
 /* ---- What they move ---------------------------------------------------------------------------------------------- */
 
-/* The change by the impulses, and `total` += it; the sum of its squares. */
+/* Computes round_change from round_impulse, and adds it to total_change. Returns the sum of the squares of
+ * round_change. */
 JET_INLINE double NAME(change_by_impulses)(const lanes_inner_rounds *rounds)
 {
     enum { IS_ONE = NAME(parts) == 1 };
@@ -116,7 +122,8 @@ JET_INLINE double NAME(change_by_impulses)(const lanes_inner_rounds *rounds)
     return (double)parts[0];
 }
 
-/* The impulses by the drives less those of the last movement, in the unit of the rounds. */
+/* Sets round_impulse to the impulses of the current rates minus the impulses of the last movement, relative to the
+ * sizes of the unknowns and in units of ROUNDS_UNIT. Sets total_change to 0. */
 JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
                                    const int slot[])
 {
@@ -133,7 +140,7 @@ JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_inne
     }
 }
 
-/* The changes of the impulses that the rounds have found, in units of the unknowns. */
+/* Converts total_impulse to the units of the unknowns, and stores it in `changes`. */
 JET_INLINE void NAME(end_rounds)(const lanes_inner_rounds *rounds, double *changes)
 {
     for (int i = 0; i < rounds->row_count; i++)

@@ -1,4 +1,4 @@
-/* kernel_table.h - gives the table of the functions that kernel.h has just defined, for loops.c. */
+/* kernel_table.h - Defines the table of the kernels that kernel.h has just defined. loops.c includes it. */
 static const galerkin_kernels NAME(kernels) = {
     .start = NAME(start),
     .start_drifting = NAME(start_drifting),
@@ -13,7 +13,7 @@ static const galerkin_kernels NAME(kernels) = {
     .judge = NAME(judge),
 #else
     .move_in_parts = NAME(move_in_parts),
-    .move_both = NAME(move_both),
+    .move_with_changes = NAME(move_with_changes),
     .run_rounds = NAME(run_rounds),
     .evaluate = NAME(evaluate),
     .invert = NAME(invert),

@@ -84,7 +84,8 @@ static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first_
         for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_values_row(nodes, first_row + i)[lane] = value[i];
 }
 
-/* Sets V by the Legendre transform, from rest. */
+/* Predicts that Q and P stay as they are at the start of the step, and computes V there by the Legendre transform,
+ * whose iteration begins with V = 0. Then it moves Q and P by the rates at this point. */
 static tvi_status predict_lagrangian_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     lagrangian_work *work = field->form_work;

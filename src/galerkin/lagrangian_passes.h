@@ -1,5 +1,5 @@
-/* lagrangian_passes.h - Makes the passes of a Lagrangian's Galerkin curve (lagrangian.c). The library runs them with
- * the kernels of its tables. Generated code has its own kernels, in which all sizes are constants. */
+/* lagrangian_passes.h - Makes the passes of a Lagrangian's Galerkin curve (lagrangian.c). The library calls kernels
+ * through tables; in generated code kernels are inlined, and all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 #define TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 
@@ -11,25 +11,27 @@
 #include <math.h>
 #include <string.h>
 
-/* The work of the passes. The rows of nodes->values, n each, are Q, P, V, F and L_v. */
+/* The data of the passes. The rows of nodes->values are Q, P, V, F and L_v, n rows each. */
 typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    galerkin_nodes rate_nodes;    /* V and F as unknowns of the predictor, which start at 0 */
-    const double *impulse_matrix; /* the factors of impulses in movements (coefficients.h) */
+    /* V and F as unknowns of the predictor, whose values at the start are 0 */
+    galerkin_nodes rate_nodes;
+    /* [j][i] the factors of impulses in unknowns (coefficients.h) */
+    const double *impulse_matrix;
     const int *rate_row;
     galerkin_tape_blocks tape_blocks;
     /* [2n] The slots of the gradient in values_block (index false) and in hessian_block (index true). */
     const int *gradient_slot[2];
-    double *coordinate_displacement; /* [n][lanes] Q minus the free values of the nodes */
-    /* [n][lanes] The free values minus the points where the gradient was evaluated, as a number and its low-order
-     * part. */
+    double *coordinate_displacement; /* [n][lanes] Q minus drift_values of the nodes */
+    /* [n][lanes] The drift values minus the centres, which are the points where the gradient was evaluated: a number
+     * and its low-order part. */
     double *centre_offset[2];
-    double *centre_gradient; /* [2n][lanes] the gradient at the points where it was evaluated */
-    /* The expansion of the gradient to first order. */
+    double *centre_gradient; /* [2n][lanes] the gradient at the centres */
+    /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    int inversion_count;                           /* how often L_vv was inverted */
+    int inversion_count;                           /* the number of times that L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
     double last_movement;
 } lagrangian_passes;
@@ -41,12 +43,13 @@ typedef enum {
     LAGRANGIAN_SINGULAR
 } lagrangian_pass_result;
 
-/* The most and the fewest iterations of a pass. More would cost more than they save, as measured. After a single
- * iteration F would not follow V, and the energy would drift by the error of the last pass in V. */
+/* The largest and the smallest number of iterations in a pass. More iterations take more time than they save. After
+ * a single iteration F would still belong to the old V, and the energy would drift by the error of the last pass in
+ * V. */
 enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
 /* If the square of the last relative movement is at most this, the next pass reuses the second derivatives. */
 #define LAGRANGIAN_SERVES 1e-8
-/* The square of a relative movement that is roundoff. No other movement follows from it. */
+/* The square of a relative movement that is only roundoff. After it a pass makes no further iteration. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
 static inline double *lagrangian_values_row(const galerkin_nodes *nodes, int i)
@@ -87,7 +90,7 @@ static inline double lagrangian_move_coordinates(const lagrangian_passes *passes
                            passes->rate_row, passes->coordinate_displacement);
 }
 
-/* Moves Q and P by the current V and F. */
+/* Moves Q and P by the current rates V and F. */
 static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
 {
     (void)lagrangian_move_momenta(passes);
@@ -101,10 +104,10 @@ static inline void lagrangian_predict_unknowns(lagrangian_passes *passes, const 
     lagrangian_move_q_and_p(passes);
 }
 
-/* Rounds the points where the gradient is evaluated by their last bits. The last passes of a step then use the same
- * points, with the gradient to first order from there. At the nodes themselves the roundoff of the gradient would
- * change with their last bits. The nodes would rest where that roundoff happens to be small, first on the side that
- * they come from, and the energy would drift. */
+/* The centres, where the gradient is evaluated, are the nodes with their last LAGRANGIAN_LAST_BITS bits rounded
+ * away, so that the last passes of a step use the same centres. If the gradient were evaluated at the nodes
+ * themselves, its roundoff would change with their last bits. The iteration would stop where that roundoff happens
+ * to be small, more often on the side from which the nodes come, and the energy would drift. */
 enum { LAGRANGIAN_LAST_BITS = 6 };
 static inline void lagrangian_round_last_bits(int count, const double *nodes, double *rounded_values)
 {
@@ -152,7 +155,7 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     return LAGRANGIAN_SINGULAR;
 }
 
-/* Makes one iteration: it moves P, V and Q by the current gradient. Returns the movement. */
+/* Makes one iteration: it moves P, V and Q by the current gradient. Returns the movement of P and Q. */
 static inline double lagrangian_iterate_once(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;
@@ -164,7 +167,7 @@ static inline double lagrangian_iterate_once(lagrangian_passes *passes)
     return moved + lagrangian_move_coordinates(passes);
 }
 
-/* Sets point_offset to the free values minus the points where the gradient was evaluated, in two parts. */
+/* Sets centre_offset to the drift values minus the centres, in two parts. */
 static inline void lagrangian_set_centre_offsets(lagrangian_passes *passes)
 {
     const int half = passes->nodes->unknowns / 2 * passes->nodes->lanes;
@@ -176,8 +179,8 @@ static inline void lagrangian_set_centre_offsets(lagrangian_passes *passes)
     }
 }
 
-/* Computes the gradient to first order at Q and V, which have moved from the points where it was evaluated. The
- * movement of Q is known before it is rounded. */
+/* Computes the gradient to first order at Q and V. The displacement of Q from the centre is computed from Q before
+ * it was rounded. */
 static inline void lagrangian_expand_gradient(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;

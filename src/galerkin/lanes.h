@@ -1,5 +1,5 @@
-/* lanes.h - Defines vectors over the lanes of a block. The number of lanes is one of a few, and known to the compiler.
- * Files that are compiled once for each instruction set include it (ad/vector.h). */
+/* lanes.h - Defines vectors over the lanes of a block, whose number is a constant. Files that are compiled once for
+ * each instruction set (ad/vector.h) and generated code include it. */
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 
@@ -10,7 +10,8 @@
 #define KERNEL_JOIN(f, suffix) f##_##suffix
 #define KERNEL_NAME(f, suffix) KERNEL_JOIN(f, suffix)
 
-/* All lanes at once: BODY(V, blocks), with the jet_widest vectors of which there are as many as make all lanes. */
+/* ALL_LANES calls BODY(V, blocks) with the widest vector type V that divides the number of lanes, and with the
+ * number of such vectors in all lanes. WIDEST is the number of elements of the widest type of the instruction set. */
 enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
 #define ALL_LANES(lanes, BODY)                                                                                         \
     if (WIDEST >= 8 && lanes % 8 == 0) BODY(jet_v8, (lanes / 8))                                                       \

@@ -1,4 +1,5 @@
-/* loops.c - Compiles the loops of loops.h, for each number of lanes and for members, from the text of kernel.h. */
+/* loops.c - Compiles the loops of loops.h from kernel.h, once for each number of lanes of a single member, and once
+ * for several members. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "galerkin/one_member.h"

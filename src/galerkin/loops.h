@@ -1,6 +1,6 @@
-/* loops.h - Declares the loops of the Galerkin curve, which take all time except that of the field. They are compiled
- * once for each instruction set (ad/vector.h). Arrays of nodes are [lanes]. If there are more lanes than nodes, the
- * last node is repeated, with weight 0. */
+/* loops.h - Declares the loops of the Galerkin curve, which take all the time of a step except that of the field.
+ * They are compiled once for each instruction set (ad/vector.h). Arrays of nodes have `lanes` elements. If there are
+ * more lanes than nodes, the last node is repeated, with weight 0. */
 #ifndef TVI_SRC_GALERKIN_LOOPS_H
 #define TVI_SRC_GALERKIN_LOOPS_H
 
@@ -20,50 +20,54 @@ enum { GALERKIN_RING = 3 };
 /* The shape of arrays of unknowns. For one member, unknown u of node i is x[u][i]; lanes after the last node repeat
  * that node with weight 0. For several members, unknown u of node i of member m is x[u][i][m]. */
 typedef struct {
-    /* The number of nodes, the length of a row of the coefficient tables, and the number of members. */
+    /* `lanes` is the length of a row of the coefficient tables. */
     int node_count, lanes, member_count;
 } galerkin_array_shape;
 
-/* The convergence of the passes of a step, from which that of the next step is estimated. Movements are sums of
- * squares, as the kernel `move` measures them. A value of 0 is not known. */
+/* The convergence of the passes of a step, from which that of the next step is estimated. A movement is a sum of
+ * squares, as the kernel `move` measures it. 0 means that a member is unknown. */
 typedef struct {
-    double largest_contraction_ratio; /* the largest ratio of two successive movements of a pass */
-    /* The movement of the first pass, which shows the error of the prediction. */
+    /* the largest ratio of the movements of two successive passes */
+    double largest_contraction_ratio;
+    /* the movement of the first pass, which shows the error of the prediction */
     double first_movement;
 } galerkin_convergence;
 
-/* The state of the iteration of each member of a batch, as tvi_passes of algebra/passes.h has it for one member. */
+/* The state of the iteration of each member of a batch, as galerkin_member_iteration has it for one member. */
 typedef struct {
     double movement[TVI_MOST_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
-    /* The members of tvi_passes. */
+    /* The members of tvi_passes (algebra/passes.h). `correction` is the movement of the last pass that was judged. */
     double correction[TVI_MOST_WIDTH], previous_correction[TVI_MOST_WIDTH], contraction_ratio[TVI_MOST_WIDTH];
     double largest_contraction_ratio[TVI_MOST_WIDTH], correction_without_roundoff[TVI_MOST_WIDTH];
     double first_movement[TVI_MOST_WIDTH]; /* the movement of the first pass */
     double pass_count[TVI_MOST_WIDTH];     /* the number of passes that were made */
-    /* Masks, with all bits set or none: has_ended if the member has converged, is_moving if it still makes passes. */
+    /* Masks. All bits of converged_mask are set if the member has converged, and all bits of moving_mask if it still
+     * makes passes. */
     long long converged_mask[TVI_MOST_WIDTH], moving_mask[TVI_MOST_WIDTH];
 } galerkin_batch_iteration;
 
 /* The impulses from which a step is predicted. Usually both of the last two steps are used, with the factors of
- * two_step_table [2][j][i], whose second half belongs to the earlier step. A member whose prediction is rough, or
- * that has made a single step, uses last_step_table and the last step alone. */
+ * two_step_table [2][j][i], whose second half belongs to the earlier step. Members that last_step_mask selects use
+ * last_step_table [j][i] and the last step alone. */
 typedef struct {
     double step_size;
     const double *two_step_table, *last_step_table, *last_impulses, *impulses_before;
-    /* [member_count] Mask, with all bits set if the member uses the last step alone. */
+    /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
+     * same size, or the prediction of the last step was rough. */
     const long long *last_step_mask;
 } galerkin_extrapolation;
 
-/* The weights of the impulses in the sums at the end of a step, [lanes] each: 1 - c_j of node j, and the weight that
- * gives the last term of the rate's Legendre series. */
+/* The weights of the impulses in the sums at the end of a step, [lanes] each: one_minus_abscissa is 1 - c_j, and
+ * last_term_weight gives the last term of the rate's Legendre series. */
 typedef struct {
     int node_count;
     double *one_minus_abscissa, *last_term_weight;
 } galerkin_end_weights;
 
-/* The sums of a step's impulses L_j, [unknowns][member_count] each, with room for seven more numbers:
- * single_integral = sum_j L_j; double_integral = sum_j (1 - c_j) L_j; the last term of the rate's Legendre series
- * without its sign; the sum of |L_j| at the first and the last node; and the low-order parts of the first two sums. */
+/* The sums of a step's impulses L_j, [unknowns][member_count] each. Each array has room for seven more numbers, so
+ * that a vector can be stored at the last element. single_integral = sum_j L_j; double_integral = sum_j (1 - c_j)
+ * L_j; last_term is the magnitude of the last term of the rate's Legendre series; end_impulse_size is |L_j| of the
+ * first node plus that of the last node. */
 typedef struct {
     double *single_integral, *double_integral, *last_term, *end_impulse_size, *single_integral_low,
         *double_integral_low;
@@ -72,19 +76,19 @@ typedef struct {
 /* The quantities from which the tail of a step is computed (algebra/tail.h). */
 typedef struct {
     int n;
-    bool is_separable, has_masses; /* has_masses is also set for a driven system (system/system.h) */
+    /* has_masses: the tail compares movements (tvi_system.compares_movements) */
+    bool is_separable, has_masses;
     tvi_subsystems subsystems;
     galerkin_impulse_sums impulse_sums;
     /* The reciprocal of the quadrature weight b of the first and the last node. */
     double inverse_end_weight;
-    /* [n] galerkin_nodes.impulse_scale, and the reciprocal of its magnitude. */
+    /* [n] galerkin_nodes.impulse_scale, and the reciprocals of the magnitudes of these factors. */
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
 } galerkin_tail_inputs;
 
-/* Returns |p| and the sizes of its changes in the step, for one component. galerkin_coordinate_change returns how far a
- * coordinate moves in a system that is not separable. */
+/* Returns |p| plus the magnitudes of the changes of p in the step, for one component. */
 static inline double galerkin_momentum_size(const galerkin_tail_inputs *inputs, size_t coordinate_index,
                                             size_t momentum_index)
 {
@@ -98,8 +102,8 @@ static inline double galerkin_coordinate_change(const galerkin_tail_inputs *inpu
     return inputs->impulse_sums.end_impulse_size[coordinate_index] * inputs->inverse_end_weight;
 }
 
-/* Returns the contribution of one component to the tail. `coordinate_index` is the index of its coordinate in the
- * arrays, and `momentum_index` that of its momentum. */
+/* Returns the sizes of one component from which its tail is computed. coordinate_index is the index of the
+ * component's coordinate in the arrays, and momentum_index that of its momentum. */
 static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, bool is_separable,
                                                                  double scale, double inverse_scale,
                                                                  size_t coordinate_index, size_t momentum_index)
@@ -118,7 +122,7 @@ static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_
 }
 
 /* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (double_integral +
- * double_integral_low), and sets *low to the low-order part of the result. */
+ * double_integral_low). Sets *low to the low-order part of the result. */
 static inline double galerkin_coordinate_increment(double drift, double drift_low, double scale, double double_integral,
                                                    double double_integral_low, double *low)
 {
@@ -129,17 +133,19 @@ static inline double galerkin_coordinate_increment(double drift, double drift_lo
     return sum;
 }
 
-/* A component that is smaller than this part of the largest component of its subsystem is measured by that part: its
- * roundoff is no smaller than that of the others. */
+/* To the size of a component this part of the largest size in its subsystem is added, because the roundoff of a
+ * small component comes from the larger ones. */
 #define TVI_GALERKIN_LEAST_SHARE 1e-3
 
-/* The unknowns of a step at its nodes. The rate F_j of an unknown at node j acts by its impulse L_j =
- * impulse_weight_j F_j. Impulses are rounded once and enter all sums alike, so that conservation laws of these sums
- * do not depend on the rounding of L_j. Unless noted otherwise, arrays have the shape of galerkin_array_shape. */
+/* The unknowns of a step at its nodes. The rate F_j of an unknown at node j changes the unknowns only through the
+ * impulse L_j = impulse_weight_j F_j. Each impulse is rounded once, and all sums use the rounded number, so that
+ * conservation laws of these sums do not depend on the rounding. Unless noted otherwise, arrays have the shape of
+ * galerkin_array_shape. */
 typedef struct {
     int lanes, unknowns;
-    /* A pass moves all unknowns if moving_unknowns = unknowns. Otherwise it moves the first moving_unknowns of the
-     * coordinates and of the momenta, each of which has half_unknowns unknowns. */
+    /* If moving_unknowns = unknowns, a pass moves all of them. Otherwise the unknowns are unknowns_per_half
+     * coordinates followed by as many momenta, and a pass moves only the first moving_unknowns coordinates and the
+     * first moving_unknowns momenta. */
     int unknowns_per_half, moving_unknowns;
     int node_count, member_count;
     double *values;
@@ -151,11 +157,11 @@ typedef struct {
     double *impulse_scale;  /* [unknowns] the factor of each unknown's sums of impulses */
     /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
     double *inverse_unknown_size;
-    /* [n] The momentum that moves a coordinate by 1 in this step, or infinity if the mass is not known. */
+    /* [n] The momentum whose drift moves the coordinate by 1 in this step, or infinity if the mass is not known. */
     double *momentum_per_unit_drift;
     tvi_subsystems subsystems;
-    /* [member_count] Mask, with all bits set if the member still makes passes. The impulses of all other members
-     * stay unchanged. */
+    /* [member_count] All bits of the mask are set if the member still makes passes. The impulses of all other
+     * members stay unchanged. */
     const long long *moving_mask;
 } galerkin_nodes;
 
@@ -169,7 +175,7 @@ static inline galerkin_nodes galerkin_nodes_with_all_moving(const galerkin_nodes
 
 /* The inputs of the kernel `evaluate`, which computes components of the curve at several points: out[u][k] =
  * start_values[u] + (theta[k] drift[u] + impulse_scale[u] sum_j table_jk impulses[u][j]) with u < component_count
- * and k < point_count. point_count is 1, the number of lanes or TVI_SAMPLES. The table is [lanes][point_count]. */
+ * and k < point_count. point_count is 1, the number of lanes or TVI_SAMPLES. */
 typedef struct {
     int lanes, point_count, component_count;
     const double *theta, *start_values, *drift, *impulse_scale;
@@ -178,7 +184,7 @@ typedef struct {
 /* An n x n matrix A at each node, whose inverse the kernel `invert` computes. */
 typedef struct {
     int n;
-    /* [n][n][lanes] The matrix A before the inversion, which may replace A by its LU factors. */
+    /* [n][n][lanes] The matrix A; the inversion may replace it by its LU factors. */
     double *matrix;
     double *inverse;                  /* [n][n][lanes] the inverse of A */
     double *row_scale, *column_scale; /* [n][lanes] */
@@ -206,8 +212,8 @@ typedef struct {
 
 /* The data of the inner rounds of a Newton pass (kernel_rounds.h), for a matrix of second derivatives at each node.
  * Its rows are the unknowns whose rates depend on others. Its columns are the unknowns that move and that enter some
- * rate. The rows that are also columns come first. Rows are stored in groups of LANES_ROWS, whose sums are
- * independent of each other; the rest is in groups of half as many, and so on. */
+ * rate. The rows that are also columns come first. Rows are stored in groups of LANES_ROWS, whose sums are computed
+ * in parallel. The rows that are left form groups of 2 and of 1. */
 enum { LANES_ROWS = 4 };
 static inline int lanes_row_group_size(int remaining_rows)
 {
@@ -217,14 +223,13 @@ typedef struct {
     /* The numbers of columns, of rows that are also columns, and of all rows. */
     int column_count, moving_row_count, row_count;
     const int *unknown_of_row; /* [rows] */
-    /* The index of each matrix element in the block of second derivatives, for one group of rows after the other,
-     * [column_count][group]. */
+    /* For each group of rows, [column_count][rows of the group]: the index of each matrix element in hessian_block. */
     const int *hessian_index;
-    /* The block of second derivatives, which also contains zeros for missing elements. */
+    /* The block of the tape with second derivatives, followed by zeros for missing elements. */
     const double *hessian_block;
-    /* [lanes][lanes] The factors of impulses in movements, in single precision. */
+    /* [lanes][lanes] The factors of impulses in unknowns, in single precision. */
     float *impulse_matrix;
-    /* The matrix elements in single precision, for one group of rows after the other, [column_count][group][lanes]. */
+    /* The matrix elements in single precision; for each group of rows, [column_count][rows of the group][lanes]. */
     float *packed_hessian;
     /* [row_count] The size of each unknown in this step, and its reciprocal. */
     double *unknown_size, *inverse_unknown_size;
@@ -243,7 +248,7 @@ typedef struct galerkin_kernels {
                            double *drift_low);
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *increments);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
-    /* Sets the impulses L_j from the rates, and moves the unknowns x to free_values + (free_values_low + scale sum_j
+    /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low + scale sum_j
      * matrix_ji L_j), with the matrix of coefficients.h. moved [member_count] is the sum of the squares of (change
      * of x) inverse_size; it is a NaN if any change is a NaN. */
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
@@ -258,7 +263,8 @@ typedef struct galerkin_kernels {
                          const double *drift_low, const tvi_increments *increments);
     void (*end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
                 const tvi_increments *increments);
-    /* Computes the tail of each member, [member_count]. share and ratio [n][member_count] are scratch space. */
+    /* Computes the tail of each member, [member_count], from the share and the ratio of each component
+     * (algebra/tail.h), for which `share` and `ratio` [n][member_count] have room. */
     void (*tail)(const galerkin_tail_inputs *inputs, int width, double *share, double *ratio, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
@@ -266,35 +272,37 @@ typedef struct galerkin_kernels {
     int (*judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *rule, int width, int count);
 
     /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
-     * displacements [unknowns][lanes]: the moved values are free_values + displacements, rounded. */
+     * displacements [unknowns][lanes]: the moved values are drift_values + displacements, rounded. */
     double (*move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                             double *displacements);
-    /* Does what `move` does, with the impulses L_j = impulse_weight_j F_j + changes[u][j], which are rounded once. */
-    double (*move_both)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const double *changes,
-                        const int slot[]);
-    /* Computes the changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it
-     * (kernel_rounds.h). The rounds end when the square of the next movement is expected to be at most `least`, or the
-     * error of the first order. The changes are 0 if the movements do not shrink. `moved` belongs to the pass whose
-     * second derivatives serve again, unless they are new. */
+    /* move_with_changes does what `move` does, with the impulses L_j = impulse_weight_j F_j + changes[u][j], which
+     * are rounded once. */
+    double (*move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
+                                const double *changes, const int slot[]);
+    /* Computes the changes of the impulses, [unknowns][lanes], that a movement and the inner rounds after it make
+     * (kernel_rounds.h). The rounds end when the square of the next movement is expected to be at most the larger of
+     * `least` and the error of the expansion to first order. The changes are 0 if the movements of the rounds do not
+     * shrink. If the second derivatives are not new, `movement` is that of the last pass, in which they were used,
+     * too. */
     void (*run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
                        const int slot[], bool is_new, double movement, double least, double *changes);
     void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);
 
-    /* Inverts the matrix of each lane, for a Lagrangian. It returns the smallest pivot, relative to rows and columns
-     * that are scaled to size 1. It returns 1 if no pivot is much smaller than the diagonal element that it came
-     * from, and 0 if there is a NaN. */
+    /* Inverts the matrix of each lane. Returns 1 if elimination without row exchanges sufficed, because no pivot was
+     * much smaller or larger than the diagonal element in its place. Otherwise returns the smallest pivot of the
+     * matrix with rows and columns scaled to size 1, or 0 if there is a NaN. */
     double (*invert)(lanes_matrix_inverse *inverse);
-    /* Computes the corrected velocities V = from + A^-1 ((P - p) - change), [n][lanes] each, with the inverse of A =
-     * L_vv. */
+    /* Computes the corrected velocities V = from + A^-1 ((P - p) - change), [n][lanes] each. `inverse` contains
+     * A^-1, with A = L_vv. */
     void (*correct)(const lanes_matrix_inverse *inverse, const double *P, const double *p, const double *change,
                     const double *from, double *V);
-    /* Sets `out` [2n][lanes] to the expansion of L_q after the displacement, and to the change of L_v by the
-     * displacement of q alone. */
+    /* Sets the first n rows of `out` [2n][lanes] to the expansion of L_q at the displaced point, and its last n rows
+     * to the change of L_v by the displacement of q alone. */
     void (*linearise)(const lanes_gradient_expansion *expansion, double *out);
 } galerkin_kernels;
 
-/* The kernels for one member, one table for each number of lanes, and the kernels for several members. Each
- * instruction set has its own. */
+/* The kernels for one member, one table for each number of lanes, and the kernels for several members, for each
+ * instruction set. */
 extern const galerkin_kernels *const tvi_galerkin_kernels_base[GALERKIN_KERNEL_TABLES],
     *const tvi_galerkin_kernels_avx2[GALERKIN_KERNEL_TABLES],
         *const tvi_galerkin_kernels_avx512[GALERKIN_KERNEL_TABLES];

@@ -1,4 +1,5 @@
-/* method.c - Describes the Galerkin curve as a method: type I with free values at Gauss nodes (galerkin.c). */
+/* method.c - Describes the Galerkin curve as a method: a type I generating function of a curve whose values at the
+ * Gauss nodes are unknowns (galerkin.c). */
 #include "method/list.h"
 
 const tvi_descriptor tvi_galerkin = {

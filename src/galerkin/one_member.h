@@ -1,5 +1,5 @@
-/* one_member.h - Defines the loops that exist only for a single member: impulses with small changes, and the curve
- * at points between the nodes. */
+/* one_member.h - Defines the loops for a single member alone: they add small changes to impulses, and evaluate the
+ * curve at points between the nodes. */
 #ifndef TVI_SRC_GALERKIN_ONE_MEMBER_H
 #define TVI_SRC_GALERKIN_ONE_MEMBER_H
 
@@ -20,8 +20,9 @@ JET_INLINE double multiply_add_rounded_once(double a, double b, double c)
 #endif
 }
 
-/* Sets the impulses L = weight F + change. Were rates and changes added first, a change of less than a unit roundoff
- * of the rate would be rounded in the same way from step to step (docs/method.md section 6). */
+/* Sets the impulses L = weight F + change. If the change were added to the rate before the multiplication, a change
+ * below the roundoff of the rate would be lost or rounded up in the same way in each step (docs/method.md section
+ * 6). */
 JET_INLINE void set_impulses_with_changes(const double *weight, const double *rate, const double *change,
                                           double *restrict impulse, int lanes)
 {

@@ -1,11 +1,11 @@
-/* places.c - Evaluates the curve of the last step at other points: dense output, and the samples of a search for
- * events. */
+/* places.c - Evaluates the curve of the last step at other points, for dense output and for the samples in which
+ * events are searched. */
 #include "galerkin/step.h"
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-/* Computes x [components][places] = start + its change up to theta, by a table of dense.h, [lanes][places], and the
- * impulses. */
+/* Computes x [components][point_count]: the components of the curve at the parts theta of the step. integral_table
+ * [lanes][point_count] contains integrals of dense.h. */
 static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int point_count,
                                const double theta[], const double *integral_table, const double *impulses,
                                const double *start, const double *drift, const double *impulse_scale, double *x)
@@ -17,8 +17,8 @@ static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_ra
         stepper->field.kernels->evaluate(&to, integral_table, impulses + from * lanes, x + from * point_count);
 }
 
-/* Computes q, p [n][places], components used[0] of q and used[1] of p. It integrates the polynomial of degree m - 1
- * through the rates. */
+/* Computes q and p [n][point_count], of q the components used_range[0] and of p the components used_range[1]. It
+ * integrates the polynomial of degree m - 1 through the rates. */
 static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_range used_range[2], int point_count,
                            const double theta[], const double *single_integral, const double *double_integral,
                            const double q_start[], const double p_start[], double *q, double *p)

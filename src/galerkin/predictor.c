@@ -23,8 +23,8 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
-/* Computes basis[k][i]: polynomials of degree k, orthonormal on the first `fitted` of 3 m points, which are the nodes
- * of the last step, of the one before it, and of the next one. */
+/* Computes basis[k][i]: polynomials of degree k at 3 m points, orthonormal on the first fitted_point_count of these
+ * points. The points are the nodes of the last step, of the step before it, and of the next one. */
 static void set_orthonormal_polynomials(const galerkin_coefficients *coefficients, int fitted_point_count, int degree,
                                         long double basis[][3 * MAX_LANES])
 {
@@ -46,8 +46,9 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
     }
 }
 
-/* Computes ahead [point][next], of 2 m points and m: the factors of the rates of `steps` steps in those of the next
- * step, for polynomials of least squares, sum_k pi_k(1 + c_next) pi_k(s_point). */
+/* Computes factors[point][next]: the factor of the rate at `point` of the earlier steps in the predicted rate at
+ * node `next` of the next step. The prediction is a least-squares fit by polynomials, so that the factor is sum_k
+ * pi_k(1 + c_next) pi_k(s_point), with pi_k the orthonormal polynomials. */
 static void fit_extrapolation_factors(const galerkin_coefficients *coefficients, int step_count, int degree,
                                       long double factors[][MAX_LANES])
 {
@@ -76,8 +77,8 @@ static void set_extrapolation_table(const galerkin_coefficients *coefficients, c
         }
 }
 
-/* Prepares the tables. The degree 3m/2 for two steps saved the most passes: above it roundoff grows by more than
- * truncation falls. */
+/* Computes the tables for two steps and for one. For two steps a polynomial of degree 3m/2 needs the fewest passes:
+ * a higher degree raises the roundoff of the prediction more than it lowers its truncation error. */
 void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                     const galerkin_field *field)
 {
@@ -87,8 +88,8 @@ void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerki
     for (int i = 0; i < field->nodes.unknowns + coefficients->lanes; i++) predictor->ones[i] = 1;
 }
 
-/* Computes the table from a step of size h / ratio to one that begins after a part of it: its node i is at part + ratio
- * c_i there. */
+/* Computes resized_step_table for a step that is `ratio` times as large as the last one and begins at elapsed_part
+ * of it. In units of the last step the nodes of the new step are at elapsed_part + ratio c_i. */
 static void set_resized_step_table(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                    const galerkin_node_polynomials *polynomials, const galerkin_kernels *kernels,
                                    double ratio, double elapsed_part)

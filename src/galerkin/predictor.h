@@ -5,7 +5,7 @@
 #include "galerkin/coefficients.h"
 #include "galerkin/field.h"
 
-/* The last two steps: the arena's history stores this structure and their impulses. */
+/* The history of the last two steps. The integrator's history stores this structure and the impulses. */
 typedef struct {
     /* The sizes of the last step and of the step before it; 0 if there is none. */
     double step_size, previous_step_size;
@@ -15,7 +15,7 @@ typedef struct {
     long last_ring_index; /* the index of the last step's impulses in the ring */
 } galerkin_history;
 
-/* Returns whether the ring index of a loaded history is within the ring. */
+/* Returns whether last_ring_index of a loaded history is within the ring. */
 static inline bool galerkin_is_ring_index_valid(const galerkin_history *history)
 {
     return history->last_ring_index >= 0 && history->last_ring_index < GALERKIN_RING;
@@ -27,13 +27,13 @@ typedef struct {
     double *impulse_ring[GALERKIN_RING];
     /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
     double *two_step_table, *last_step_table;
-    /* If the first movement of a step is larger than this, its prediction was off by more than a hundredth. The next
+    /* If the first movement of a step is larger than this, its prediction had a relative error above 1/100. The next
      * step is then predicted from the last step alone. */
     double rough_movement_limit;
-    /* [j][lanes] The factors of the last step's impulses in a step that is table_step_ratio times as large, and that
-     * begins after the part table_start_part of the last step. */
+    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is table_step_ratio times as
+     * large and begins at table_elapsed_part of the last step. */
     double *resized_step_table;
-    /* The ratio is 0 before the table is first computed. */
+    /* For which step resized_step_table was computed. The ratio is 0 before the first computation. */
     double table_step_ratio, table_elapsed_part;
     /* [unknowns][lanes] The rates that were extrapolated from the last step. */
     double *extrapolated_rates;
@@ -50,11 +50,12 @@ static inline bool galerkin_follows_last_step(const galerkin_history *history, d
 }
 
 /* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those
- * of the last step. *start_part is the part of the last step after which the new step begins. */
+ * of the last step. *elapsed_part is the part of the last step at which the new step begins: 1 for its end, 0 for
+ * its start. */
 bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
                                              double *elapsed_part);
-/* Returns how many of the last two steps have the size of this step, which begins where the last step ended if part
- * is 1. */
+/* Returns how many of the last two steps have the size of this step and lead up to it without a gap: 0 if
+ * elapsed_part is not 1. */
 int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
                                           double elapsed_part);
 /* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */

@@ -1,6 +1,6 @@
 /* probe.c - Defines when the passes of a Galerkin step may end (algebra/passes.h), and measures the roundoff of a
- * pass, below which movements cannot fall. For a small motion about a position of size 1 this roundoff exceeds that
- * of the momenta, since they have no more digits than the force at this position. */
+ * pass, below which movements cannot fall. For example, in a small motion about a position of size 1 the force has
+ * absolute errors of the roundoff of that position, which exceed the roundoff of the small momenta. */
 #include "galerkin/probe.h"
 #include "method/stepper.h"
 
@@ -11,13 +11,15 @@
 
 /* ---- The rules --------------------------------------------------------------------------------------------------- */
 
-/* The rules of the passes. Sizes are squares, summed over all unknowns and lanes, relative to the sizes of the
- * unknowns; here they are for a single one. The error that a step leaves has the same sign in the next step, but
- * roundoff changes its sign. The error stays below the roundoff of N steps if it is that of one step / sqrt(N), with
- * 2^-80 for more than 10^9 steps. A Newton method, whose passes cost more, allows 2^16 times fewer. Passes of a small
- * step soon do no more than roundoff, which does not show how far they contract: they are then assumed to contract as
- * those of an earlier step did. In the equations of a Hamiltonian the passes of Q may contract little and those of P
- * much, alternately. */
+/* The rules that end the passes. Sizes of corrections are squares, summed over all unknowns and lanes, relative to the
+ * sizes of the unknowns. The numbers here are for a single unknown at one node.
+ *
+ * correction_goal: the error that a step leaves has the same sign in each step and grows as the number N of steps, but
+ * roundoff grows as sqrt(N). A goal of 2^-80 keeps the error below the roundoff for more than 10^9 steps. Passes of
+ * Newton's method cost more; their goal of 2^-72 does so for N smaller by 2^16.
+ * roundoff_level: corrections below it do not show how fast the passes contract. The passes of a small step are soon
+ * below it; they are assumed to contract as those of an earlier step.
+ * stall_period: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
     .max_passes = 100, .correction_goal = SQUARE(GOAL), .roundoff_level = SQUARE(32 * DBL_EPSILON),                    \
@@ -39,8 +41,8 @@ tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_ru
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-/* A movement is roundoff if displacing the unknowns and the values of the field by this many units of roundoff moves
- * them as far. */
+/* A movement counts as roundoff if displacing the unknowns and the values of the field by this many units of
+ * roundoff moves the unknowns as far. */
 enum { UNITS = 16 };
 
 static size_t count_doubles_in_rows(const galerkin_field *field, int row_count)
@@ -60,7 +62,7 @@ void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *aren
     probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknowns));
 }
 
-/* Displaces the unknowns, and the free values from which passes compute them, by UNITS units of roundoff. The signs
+/* Displaces the unknowns, and the drift values from which passes compute them, by UNITS units of roundoff. The signs
  * are the bits of a pseudorandom sequence. */
 static void displace_unknowns(galerkin_nodes *nodes)
 {
@@ -108,8 +110,8 @@ static tvi_status make_displaced_pass(galerkin_field *field, galerkin_roundoff_p
     return status;
 }
 
-/* Measures a pass and its roundoff. The rounds of a pass may move the unknowns back and forth, so that only the
- * distance from their old to their new values counts. */
+/* Measures the movement of a pass and its roundoff. The iterations within a pass may move the unknowns back and
+ * forth, so that only the distance from their old to their new values counts. */
 tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundoff_probe *probe, double *movement,
                                          double *roundoff, tvi_stats *stats)
 {

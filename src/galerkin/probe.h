@@ -9,15 +9,15 @@
 /* The memory for measuring the roundoff of a pass. */
 typedef struct {
     tvi_roundoff value_displacements;
-    /* [rows][lanes] The values before a pass, and after a pass from displaced values. */
+    /* [pass_input_row_count][lanes] The values of the nodes before a pass, and after a pass from displaced values. */
     double *values_before_pass, *values_of_displaced_pass;
-    /* [unknowns][lanes] Copies of the nodes' arrays of these names. */
+    /* [unknowns][lanes] Copies of drift_values_low and of the impulses of the nodes. */
     double *saved_drift_values_low, *saved_impulses;
 } galerkin_roundoff_probe;
 
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
-/* Returns the rule for all `numbers` unknowns at all nodes of a step, from the rule for a single one and from the
+/* Returns the rule for all value_count unknowns at all nodes of a step, from the rule for a single one and from the
  * user's options. */
 tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
                                                const tvi_options *options);

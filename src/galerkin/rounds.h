@@ -6,10 +6,12 @@
 #include "galerkin/lanes.h"
 
 enum { MOST_ROUNDS = 32 };
-/* Rounds end when the next movement is at most twice the error of the expansion to first order. Half of this bound
- * takes more time, and twice this bound takes more passes. It is a square, as movements are measured. */
+/* The rounds end when the square of the next movement is at most this times the square of the error of the
+ * first-order expansion: a movement of twice the error. Half this bound was slower because of more rounds, twice
+ * this bound because of more passes. */
 #define ROUNDS_LEFT_OUT 4
-/* Relative movements are measured in this unit, so that their squares, down to 2^-144, are single-precision numbers. */
+/* Relative movements are stored in this unit, so that the squares of movements down to 2^-72 do not underflow in
+ * single precision. */
 #define ROUNDS_UNIT 0x1p-40
 
 typedef float single_jet_v8 JET_VECTOR(float, 8);

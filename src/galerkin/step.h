@@ -18,12 +18,13 @@ typedef struct {
     galerkin_node_polynomials node_polynomials;
     /* [unknowns] h M^-1 p0 of a separable system, and its low-order part; 0 for any other system. */
     double *drift, *drift_low;
-    double *tail_share, *tail_ratio; /* [n] scratch space of the tail */
-    /* [2n] The factors of integrals of the impulses in the changes of q and p. */
+    /* [n] scratch space: the share and the ratio of each component in the tail (algebra/tail.h) */
+    double *tail_share, *tail_ratio;
+    /* [2n] The factors of the sums of impulses in the increments of q and p. */
     double *increment_scale;
     galerkin_tail_inputs tail_inputs;
     galerkin_step_data step_data; /* points to the members above */
-    /* The functions of the system's generated code; NULL if there is none. */
+    /* The system's generated code, or NULL if there is none. */
     const galerkin_code *generated_code;
 } galerkin_stepper;
 

@@ -1,5 +1,5 @@
-/* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5), in one text. The library compiles it for
- * any system, with the loops of its tables (galerkin.c); batch.c makes a step of several members of the same parts.
+/* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5). The library compiles this code for any
+ * system and calls kernels through tables (galerkin.c); batch.c makes a step of several members of the same parts.
  * Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
@@ -22,7 +22,8 @@ typedef struct galerkin_step_data {
     double rough_movement_limit;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
-    double *tail_share, *tail_ratio; /* [n][member_count] scratch space of the tail */
+    /* [n][member_count] scratch space: the share and the ratio of each component in the tail */
+    double *tail_share, *tail_ratio;
     /* [GALERKIN_RING] The impulses of the last steps, stored in the history. */
     double *const *impulse_ring;
     /* lagrangian_passes or hamiltonian_passes, or NULL if passes use no second derivatives. */
@@ -33,12 +34,13 @@ typedef struct galerkin_step_data {
 /* The functions that make the passes of a step and predict its unknowns. The library and generated code supply
  * different ones. */
 typedef struct {
-    /* Makes the next pass from the current unknowns. moved [member_count] is the movement, as the kernel `move`
-     * measures it. If passes no longer shrink, the caller passes a roundoff that is not NULL: the function then also
-     * measures how far the roundoff of a pass moves the unknowns, if it can. */
+    /* Makes the next pass from the current unknowns. `movement` [member_count] is measured as by the kernel `move`.
+     * If passes no longer shrink, the caller passes a roundoff that is not NULL: the function then also measures how
+     * far the roundoff of a pass moves the unknowns, if it can. */
     tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff);
     void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
-    void (*after_step)(void *work); /* called after each step of a run, unless it is NULL */
+    /* called after each completed step of a run; may be NULL */
+    void (*after_step)(void *work);
     void *work;
 } galerkin_pass_functions;
 
@@ -47,7 +49,8 @@ typedef struct {
     tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
     int pass_count;
     tvi_passes convergence_test;
-    /* The convergence of an earlier step of the same size, and then of this step. */
+    /* At the start of the iteration the convergence of an earlier step of the same size, and at its end that of this
+     * step. */
     galerkin_convergence convergence;
 } galerkin_member_iteration;
 
@@ -61,8 +64,8 @@ typedef struct galerkin_outcome {
     long step_count, pass_count;
     /* The number of passes that evaluated second derivatives at the nodes; generated code alone sets it. */
     long hessian_pass_count;
-    /* The index of the last step's impulses in the ring, and how many of the last two steps have the size of this
-     * step. */
+    /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
+     * size of the next step. */
     int last_ring_index, equal_step_count;
     galerkin_convergence convergence; /* the convergence of the last step */
     double last_start_time;           /* the time at which the last step began */
@@ -89,7 +92,9 @@ JET_INLINE double *galerkin_impulses_in_ring(const galerkin_step_data *step_data
                                                                 : ring_index - GALERKIN_RING];
 }
 
-/* Returns a mask with all bits set if the last step alone predicts the unknowns of a member, and 0 otherwise. */
+/* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only
+ * one earlier step has the same size, or the first movement of the last step exceeded rough_movement_limit.
+ * Otherwise returns 0. */
 JET_INLINE long long galerkin_mask_rough_prediction(const galerkin_step_data *step_data, int equal_step_count,
                                                     double first_movement)
 {
@@ -250,7 +255,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
     }
 }
 
-/* The function of generated code that makes steps, as galerkin_make_steps does. */
+/* The entry point of generated code: `steps` makes steps, as galerkin_make_steps does. */
 typedef struct galerkin_code {
     void (*steps)(const galerkin_step_data *step_data, const tvi_run_request *run, const tvi_step_origin *origin,
                   const tvi_run_state *state, galerkin_outcome *outcome);
