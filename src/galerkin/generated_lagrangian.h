@@ -31,8 +31,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };
     galerkin_local_blocks own;
     _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], movement[2 * ALL];
-    _Alignas(64) double lu[N * ALL], inverse[N * ALL], scale[2 * ALL], x[ALL];
-    int pivot[ALL];
+    _Alignas(64) double lu[N * ALL], inverse[N * ALL], x[ALL];
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
     galerkin_step_data local_data = *step_data;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
@@ -62,9 +61,6 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
         passes.gradient_expansion.displacement = movement;
         passes.velocity_hessian_inverse.matrix = lu;
         passes.velocity_hessian_inverse.inverse = inverse;
-        passes.velocity_hessian_inverse.row_scale = scale;
-        passes.velocity_hessian_inverse.column_scale = scale + ALL;
-        passes.velocity_hessian_inverse.pivot_row = pivot;
         passes.velocity_hessian_inverse.scratch_column = x;
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, galerkin_predict_lagrangian, NULL,

@@ -22,9 +22,6 @@ static void allocate_velocity_hessian_inverse(lanes_matrix_inverse *inverse, tvi
     *inverse = (lanes_matrix_inverse){.n = n};
     inverse->matrix = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
     inverse->inverse = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
-    inverse->row_scale = tvi_arena_allocate_doubles(arena, numbers);
-    inverse->column_scale = tvi_arena_allocate_doubles(arena, numbers);
-    inverse->pivot_row = tvi_arena_allocate(arena, numbers * sizeof(int));
     inverse->scratch_column = tvi_arena_allocate_doubles(arena, numbers);
 }
 
@@ -54,6 +51,24 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     if (taken) *taken = work;
 }
 
+bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *factor)
+{
+    tvi_lu_factor *lu_factor = factor;
+    const int n = inverse->n;
+    double *x = inverse->scratch_column;
+    for (int lane = 0; lane < lanes; lane++) {
+        for (int i = 0; i < n * n; i++) lu_factor->lu[i] = inverse->matrix[i * lanes + lane];
+        if (tvi_factor_compute(lu_factor) != TVI_OK || tvi_factor_least_pivot(lu_factor) <= n * DBL_EPSILON)
+            return false;
+        for (int column = 0; column < n; column++) {
+            for (int i = 0; i < n; i++) x[i] = i == column;
+            tvi_factor_solve(lu_factor, x);
+            for (int i = 0; i < n; i++) inverse->inverse[(i * n + column) * lanes + lane] = x[i];
+        }
+    }
+    return true;
+}
+
 static void prepare_lagrangian_passes(lagrangian_passes *work, const galerkin_field *field,
                                       const galerkin_hessian_tables *tables)
 {
@@ -73,6 +88,8 @@ static void prepare_lagrangian_field(galerkin_field *field)
     lagrangian_work *work = field->form_work;
     tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
     prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
+    work->passes.invert_with_exchanges = tvi_galerkin_invert_with_exchanges;
+    work->passes.factor = &work->legendre_transform.slope_factor;
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }
 

@@ -184,13 +184,8 @@ typedef struct {
 /* An n x n matrix A at each node, whose inverse the kernel `invert` computes. */
 typedef struct {
     int n;
-    /* [n][n][lanes] The matrix A; the inversion may replace it by its LU factors. */
-    double *matrix;
-    double *inverse;                  /* [n][n][lanes] the inverse of A */
-    double *row_scale, *column_scale; /* [n][lanes] */
-    int *pivot_row;                   /* [n][lanes] */
-    bool has_row_exchanges;           /* whether partial pivoting exchanged any rows */
-    double *scratch_column;           /* [n][lanes] scratch space for one column */
+    double *matrix, *inverse; /* [n][n][lanes] A and its inverse */
+    double *scratch_column;   /* [n][lanes] scratch space for one column */
 } lanes_matrix_inverse;
 
 /* A nonzero element of a row of the Hessian: its column, and the slot of the tape's block that contains it. */
@@ -288,10 +283,9 @@ typedef struct galerkin_kernels {
                        const int slot[], bool is_new, double movement, double least, double *changes);
     void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);
 
-    /* Inverts the matrix of each lane. Returns 1 if elimination without row exchanges sufficed, because no pivot was
-     * much smaller or larger than the diagonal element in its place. Otherwise returns the smallest pivot of the
-     * matrix with rows and columns scaled to size 1, or 0 if there is a NaN. */
-    double (*invert)(lanes_matrix_inverse *inverse);
+    /* Inverts the matrix of each lane by elimination without row exchanges. Returns false, with `inverse` undefined, if
+     * some pivot is much smaller or larger than the diagonal element in its place, or if there is a NaN. */
+    bool (*invert)(const lanes_matrix_inverse *inverse);
     /* Computes the corrected velocities V = from + A^-1 ((P - p) - change), [n][lanes] each. `inverse` contains
      * A^-1, with A = L_vv. */
     void (*correct)(const lanes_matrix_inverse *inverse, const double *P, const double *p, const double *change,
