@@ -67,18 +67,11 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
-    enum { IS_OWN = tvi_values_is_split && GALERKIN_KEPT * GALERKIN_LANES <= GALERKIN_MOST_OWN };
-    _Alignas(64) double x[IS_OWN ? GALERKIN_KEPT * GALERKIN_LANES : 1];
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
     galerkin_step_data local_data = *step_data;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
     local_data.tail_inputs = &inputs;
     local_data.passes_rule = &galerkin_rule;
-    if (IS_OWN) {
-        nodes.values = x;
-        galerkin_copy_rows(x, step_data->nodes->values, outcome->equal_step_count > 0 ? GALERKIN_UNKNOWNS : 0,
-                           GALERKIN_KEPT);
-    }
     const galerkin_pass_functions pass_functions = {galerkin_make_fixed_point_pass, galerkin_predict_fixed_point, NULL,
                                                     &local_data};
     galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
