@@ -14,13 +14,6 @@ enum { MOST_LANES = 256 };
  * number of members, and MOST_BYTES for more: such a block is partly in the second-level cache. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
-/* The history of the last two steps of each member. Each array is [member_count], and its elements are the members
- * of galerkin_history with these names. */
-typedef struct {
-    double *step_size, *previous_step_size, *start_time;
-    galerkin_convergence *convergence;
-} galerkin_batch_history;
-
 typedef struct {
     tvi_member_stepper member_stepper;
     /* the stepper of member_stepper, which owns all tables of coefficients */
@@ -36,7 +29,7 @@ typedef struct {
     double *tail_share, *tail_ratio; /* [n][width] */
     double *tail;                    /* [width] */
     /* The integrator's history stores `history`, last_ring_index and impulse_ring. */
-    galerkin_batch_history history;
+    galerkin_history *history; /* [member_count]; last_ring_index is not used */
     long *last_ring_index;
     /* [unknowns][node_count][member_count] The impulses of the last two steps and of the next one. */
     double *impulse_ring[GALERKIN_RING];
@@ -81,19 +74,6 @@ static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const 
     nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, row_arrays);
 }
 
-static void allocate_batch_history(galerkin_batch_stepper *stepper, tvi_arena *arena, size_t impulse_count)
-{
-    const size_t member_count = (size_t)stepper->nodes.member_count;
-    double **const of_last[] = {&stepper->history.step_size, &stepper->history.previous_step_size,
-                                &stepper->history.start_time};
-    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_allocate_in_history(arena, member_count * sizeof(double));
-    stepper->history.convergence =
-        tvi_arena_allocate_in_history(arena, member_count * sizeof *stepper->history.convergence);
-    stepper->last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *stepper->last_ring_index);
-    for (int i = 0; i < GALERKIN_RING; i++)
-        stepper->impulse_ring[i] = tvi_arena_allocate_in_history(arena, impulse_count * sizeof(double));
-}
-
 static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                     int member_count)
 {
@@ -115,7 +95,11 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     stepper.tail = tvi_arena_allocate_doubles(arena, count);
     stepper.lanes_mask = tvi_arena_allocate(arena, count * sizeof *stepper.lanes_mask);
     stepper.last_step_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_mask);
-    allocate_batch_history(&stepper, arena, unknowns * (size_t)options->degree);
+    stepper.history = tvi_arena_allocate_history(arena, count * sizeof *stepper.history);
+    stepper.last_ring_index = tvi_arena_allocate_history(arena, sizeof *stepper.last_ring_index);
+    for (int i = 0; i < GALERKIN_RING; i++)
+        stepper.impulse_ring[i] =
+            tvi_arena_allocate_history(arena, unknowns * (size_t)options->degree * sizeof(double));
     if (taken) *taken = stepper;
     return taken;
 }
@@ -182,11 +166,8 @@ static void copy_history_from_lane(const void *work, int lane, void *single_step
 {
     const galerkin_batch_stepper *stepper = work;
     const galerkin_predictor *predictor = &((galerkin_stepper *)single_stepper)->predictor;
-    const galerkin_batch_history *last = &stepper->history;
-    *predictor->history = (galerkin_history){.step_size = last->step_size[lane],
-                                             .previous_step_size = last->previous_step_size[lane],
-                                             .start_time = last->start_time[lane],
-                                             .convergence = last->convergence[lane]};
+    *predictor->history = stepper->history[lane];
+    predictor->history->last_ring_index = 0;
     for (int i = 0; i < 2; i++)
         gather_member_impulses(stepper, impulses_of_step(stepper, -i), lane, galerkin_impulses_of_step(predictor, -i));
 }
@@ -195,20 +176,14 @@ static void copy_history_to_lane(void *work, int lane, const void *single_steppe
 {
     const galerkin_batch_stepper *stepper = work;
     const galerkin_predictor *predictor = &((const galerkin_stepper *)single_stepper)->predictor;
-    stepper->history.step_size[lane] = predictor->history->step_size;
-    stepper->history.previous_step_size[lane] = predictor->history->previous_step_size;
-    stepper->history.start_time[lane] = predictor->history->start_time;
-    stepper->history.convergence[lane] = predictor->history->convergence;
+    stepper->history[lane] = *predictor->history;
     for (int i = 0; i < 2; i++)
         scatter_member_impulses(stepper, galerkin_impulses_of_step(predictor, -i), lane, impulses_of_step(stepper, -i));
 }
 
 static void forget_lane_history(void *work, int lane)
 {
-    const galerkin_batch_stepper *stepper = work;
-    stepper->history.step_size[lane] = stepper->history.previous_step_size[lane] = stepper->history.start_time[lane] =
-        0;
-    stepper->history.convergence[lane] = (galerkin_convergence){0};
+    ((const galerkin_batch_stepper *)work)->history[lane] = (galerkin_history){0};
 }
 
 static bool is_ring_index_valid(const void *work)
@@ -234,17 +209,16 @@ static void step_member_alone(galerkin_batch_stepper *stepper, double h, const t
 static int select_members_for_lanes(galerkin_batch_stepper *stepper, double h, const double t[],
                                     const tvi_status status[])
 {
-    const galerkin_batch_history *last = &stepper->history;
     int count = 0;
     for (int member = 0; member < stepper->nodes.member_count; member++) {
-        const bool goes_on = status[member] == TVI_OK && last->step_size[member] == h &&
-                             fabs(t[member] - (last->start_time[member] + h)) < 0.25 * fabs(h);
-        stepper->iteration.largest_contraction_ratio[member] = last->convergence[member].largest_contraction_ratio;
-        stepper->lanes_mask[member] = stepper->iteration.moving_mask[member] = goes_on ? -1 : 0;
-        stepper->last_step_mask[member] =
-            galerkin_mask_rough_prediction(&stepper->step_data, last->previous_step_size[member] == h ? 2 : 1,
-                                           last->convergence[member].first_movement);
-        count += goes_on;
+        const galerkin_history *history = &stepper->history[member];
+        const bool is_next =
+            status[member] == TVI_OK && history->step_size == h && galerkin_follows_last_step(history, h, t[member]);
+        stepper->iteration.largest_contraction_ratio[member] = history->convergence.largest_contraction_ratio;
+        stepper->lanes_mask[member] = stepper->iteration.moving_mask[member] = is_next ? -1 : 0;
+        stepper->last_step_mask[member] = galerkin_mask_rough_prediction(
+            &stepper->step_data, history->previous_step_size == h ? 2 : 1, history->convergence.first_movement);
+        count += is_next;
     }
     return count;
 }
@@ -358,12 +332,14 @@ static void finish_step_in_lanes(galerkin_batch_stepper *stepper, double h, cons
     copy_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
     copy_members_in_lanes(stepper, n, stepper->increments.dp_low, results->increments.dp_low);
     copy_members_in_lanes(stepper, 1, stepper->tail, results->tail);
-    copy_members_in_lanes(stepper, 1, origins->t, stepper->history.start_time);
     for (int member = 0; member < stepper->nodes.member_count; member++) {
         if (!stepper->lanes_mask[member]) continue;
-        stepper->history.previous_step_size[member] = h;
-        stepper->history.convergence[member] = (galerkin_convergence){
-            stepper->iteration.largest_contraction_ratio[member], stepper->iteration.first_movement[member]};
+        stepper->history[member] =
+            (galerkin_history){.step_size = h,
+                               .previous_step_size = h,
+                               .start_time = origins->t[member],
+                               .convergence = {stepper->iteration.largest_contraction_ratio[member],
+                                               stepper->iteration.first_movement[member]}};
         results->passes[member] = (int)stepper->iteration.pass_count[member];
     }
 }
