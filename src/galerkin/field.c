@@ -54,9 +54,7 @@ static void emit_fixed_point_field(jet_text *text, const galerkin_field *field)
     tvi_galerkin_emit_int_array(text, "slot", field->nodes.unknowns, field->rate_row);
 }
 
-const galerkin_field_form tvi_galerkin_form_plain = {-1,
-                                                     &tvi_galerkin_fixed_point,
-                                                     allocate_fixed_point_field,
+const galerkin_field_form tvi_galerkin_form_plain = {allocate_fixed_point_field,
                                                      prepare_fixed_point_field,
                                                      predict_fixed_point_from_start,
                                                      predict_fixed_point_unknowns,

@@ -41,9 +41,6 @@ typedef struct {
 } galerkin_field;
 
 struct galerkin_field_form {
-    int force_sign; /* 1 or -1: the factor from the tape's output to the rate of P */
-    /* The rule that ends passes, for a single unknown at one node. */
-    const tvi_passes_rule *rule;
     void (*allocate)(galerkin_field *field, tvi_arena *arena);
     /* Prepares the form's data after the coefficients have been computed. */
     void (*prepare)(galerkin_field *field);
@@ -66,8 +63,7 @@ extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton
 
 /* The forms of the field. The rates of the plain form are outputs of the tape. The other forms use second
  * derivatives. */
-extern const galerkin_field_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
-    tvi_galerkin_form_product;
+extern const galerkin_field_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian;
 
 /* Returns whether the equations are Q'' = F, and not Q' = V and P' = F. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)

@@ -45,8 +45,16 @@ static const galerkin_field_form *select_field_form(const tvi_system *system)
 {
     return !system->hessian_values          ? &tvi_galerkin_form_plain
            : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
-           : system->hessian_is_complete    ? &tvi_galerkin_form_hamiltonian
-                                            : &tvi_galerkin_form_product;
+                                            : &tvi_galerkin_form_hamiltonian;
+}
+
+/* If the second derivatives of a Hamiltonian K = g h are computed without the term h g'', each pass reduces the error
+ * by a constant factor only, and the passes are not those of Newton's method. */
+static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
+{
+    return !system->hessian_values                                          ? &tvi_galerkin_fixed_point
+           : system->form == TVI_HAMILTONIAN && system->hessian_is_complete ? &tvi_galerkin_newton
+                                                                            : &tvi_galerkin_quasi_newton;
 }
 
 bool tvi_galerkin_needs_no_hessian(const tvi_system *system)
@@ -142,7 +150,8 @@ static void prepare_stepper(void *work)
     const int numbers = stepper->field.nodes.unknowns * stepper->field.nodes.lanes;
     tvi_galerkin_prepare_predictor(&stepper->predictor, &stepper->coefficients, &stepper->field);
     stepper->tail_inputs.inverse_end_weight = stepper->coefficients.inverse_end_weight;
-    stepper->passes_rule = tvi_galerkin_scale_passes_rule(stepper->field.form->rule, numbers, stepper->options);
+    stepper->passes_rule =
+        tvi_galerkin_scale_passes_rule(select_passes_rule(stepper->field.system), numbers, stepper->options);
     const bool iterates = stepper->options->passes != TVI_PREDICT_ONLY;
     stepper->generated_code = stepper->field.system->code && iterates ? stepper->field.system->code->galerkin : NULL;
     stepper->step_data = (galerkin_step_data){.kernels = stepper->field.kernels,
@@ -174,8 +183,8 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
     for (int i = 0; i < nodes->lanes; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
     for (int u = 0; u < nodes->unknowns; u++)
         nodes->impulse_scale[u] = galerkin_is_second_order(&stepper->field) ? h / stepper->field.system->mass[u]
-                                  : u < stepper->n                          ? 1
-                                                                            : stepper->field.form->force_sign;
+                                  : u < stepper->n || stepper->field.system->form == TVI_LAGRANGIAN ? 1
+                                                                                                    : -1;
     for (int i = 0; i < stepper->n; i++) {
         stepper->increment_scale[i] = nodes->impulse_scale[i];
         stepper->tail_inputs.inverse_impulse_scale[i] = 1 / fabs(nodes->impulse_scale[i]);

@@ -196,23 +196,7 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
     tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
 }
 
-const galerkin_field_form tvi_galerkin_form_hamiltonian = {-1,
-                                                           &tvi_galerkin_newton,
-                                                           allocate_hamiltonian_field,
-                                                           prepare_hamiltonian_field,
-                                                           predict_hamiltonian_from_start,
-                                                           predict_hamiltonian_unknowns,
-                                                           make_hamiltonian_pass,
-                                                           emit_hamiltonian_field,
-                                                           tvi_embedded_galerkin_hamiltonian};
-/* The form of a Hamiltonian K = g h whose second derivatives are computed without the term h g''. Each pass
- * therefore reduces the error by a constant factor only, and convergence is linear. */
-const galerkin_field_form tvi_galerkin_form_product = {-1,
-                                                       &tvi_galerkin_quasi_newton,
-                                                       allocate_hamiltonian_field,
-                                                       prepare_hamiltonian_field,
-                                                       predict_hamiltonian_from_start,
-                                                       predict_hamiltonian_unknowns,
-                                                       make_hamiltonian_pass,
-                                                       emit_hamiltonian_field,
-                                                       tvi_embedded_galerkin_hamiltonian};
+const galerkin_field_form tvi_galerkin_form_hamiltonian = {
+    allocate_hamiltonian_field,       prepare_hamiltonian_field, predict_hamiltonian_from_start,
+    predict_hamiltonian_unknowns,     make_hamiltonian_pass,     emit_hamiltonian_field,
+    tvi_embedded_galerkin_hamiltonian};

@@ -157,12 +157,6 @@ static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
     tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
 }
 
-const galerkin_field_form tvi_galerkin_form_lagrangian = {1,
-                                                          &tvi_galerkin_quasi_newton,
-                                                          allocate_lagrangian_field,
-                                                          prepare_lagrangian_field,
-                                                          predict_lagrangian_from_start,
-                                                          predict_lagrangian_unknowns,
-                                                          make_lagrangian_pass,
-                                                          emit_lagrangian_field,
-                                                          tvi_embedded_galerkin_lagrangian};
+const galerkin_field_form tvi_galerkin_form_lagrangian = {
+    allocate_lagrangian_field, prepare_lagrangian_field, predict_lagrangian_from_start,   predict_lagrangian_unknowns,
+    make_lagrangian_pass,      emit_lagrangian_field,    tvi_embedded_galerkin_lagrangian};
