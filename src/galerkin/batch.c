@@ -25,9 +25,8 @@ typedef struct {
     /* [member_count] Masks. All bits of lanes_mask are set if the member is stepped together with others. All bits
      * of last_step_mask are set if its unknowns are predicted from its last step alone. */
     long long *lanes_mask, *last_step_mask;
-    tvi_increments increments;       /* [n][member_count] the increments of the state */
-    double *tail_share, *tail_ratio; /* [n][width] */
-    double *tail;                    /* [width] */
+    tvi_increments increments; /* [n][member_count] the increments of the state */
+    double *tail;              /* [width] */
     /* The integrator's history stores `history`, last_ring_index and impulse_ring. */
     galerkin_history *history; /* [member_count]; last_ring_index is not used */
     long *last_ring_index;
@@ -88,18 +87,18 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     double **const row_arrays[] = {&sums->single_integral,   &sums->double_integral,      &sums->last_term,
                                    &sums->end_impulse_size,  &sums->single_integral_low,  &sums->double_integral_low,
                                    &stepper.step_data.drift, &stepper.step_data.drift_low};
-    double **const of_n[] = {&stepper.increments.dq,     &stepper.increments.dp, &stepper.increments.dq_low,
-                             &stepper.increments.dp_low, &stepper.tail_share,    &stepper.tail_ratio};
+    double **const of_n[] = {&stepper.increments.dq,     &stepper.increments.dp,     &stepper.increments.dq_low,
+                             &stepper.increments.dp_low, &stepper.tail_inputs.share, &stepper.tail_inputs.ratio};
     for (size_t i = 0; i < 8; i++) *row_arrays[i] = tvi_arena_allocate_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
     stepper.tail = tvi_arena_allocate_doubles(arena, count);
     stepper.lanes_mask = tvi_arena_allocate(arena, count * sizeof *stepper.lanes_mask);
     stepper.last_step_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_mask);
-    stepper.history = tvi_arena_allocate_history(arena, count * sizeof *stepper.history);
-    stepper.last_ring_index = tvi_arena_allocate_history(arena, sizeof *stepper.last_ring_index);
+    stepper.history = tvi_arena_allocate_in_history(arena, count * sizeof *stepper.history);
+    stepper.last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *stepper.last_ring_index);
     for (int i = 0; i < GALERKIN_RING; i++)
         stepper.impulse_ring[i] =
-            tvi_arena_allocate_history(arena, unknowns * (size_t)options->degree * sizeof(double));
+            tvi_arena_allocate_in_history(arena, unknowns * (size_t)options->degree * sizeof(double));
     if (taken) *taken = stepper;
     return taken;
 }
@@ -119,17 +118,17 @@ static void prepare_batch_stepper(void *work)
     nodes->impulse_scale = member_nodes->impulse_scale;
     nodes->momentum_per_unit_drift = member_nodes->momentum_per_unit_drift;
     nodes->subsystems = member_nodes->subsystems;
-    const galerkin_impulse_sums sums = stepper->tail_inputs.impulse_sums;
+    const galerkin_tail_inputs arrays = stepper->tail_inputs;
     stepper->tail_inputs = single_stepper->tail_inputs;
-    stepper->tail_inputs.impulse_sums = sums;
+    stepper->tail_inputs.impulse_sums = arrays.impulse_sums;
+    stepper->tail_inputs.share = arrays.share;
+    stepper->tail_inputs.ratio = arrays.ratio;
     stepper->step_data = single_stepper->step_data;
     stepper->step_data.kernels = *kernel_tables[single_stepper->field.system->field_values->sweeps->isa];
     stepper->step_data.nodes = nodes;
     stepper->step_data.tail_inputs = &stepper->tail_inputs;
     stepper->step_data.drift = drift;
     stepper->step_data.drift_low = drift_low;
-    stepper->step_data.tail_share = stepper->tail_share;
-    stepper->step_data.tail_ratio = stepper->tail_ratio;
     stepper->step_data.impulse_ring = stepper->impulse_ring;
 }
 

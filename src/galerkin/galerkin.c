@@ -129,10 +129,10 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.field);
     tvi_galerkin_allocate_node_polynomials(&stepper.node_polynomials, arena, stepper.field.node_count, lanes,
                                            system->field_values->sweeps);
-    stepper.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
-    stepper.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
-    stepper.tail_share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
-    stepper.tail_ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
+    stepper.step_data.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    stepper.step_data.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    stepper.tail_inputs.share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
+    stepper.tail_inputs.ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
     stepper.increment_scale = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
     allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
     stepper.field.form->allocate(&stepper.field, arena);
@@ -165,10 +165,8 @@ static void prepare_stepper(void *work)
                                               .last_step_table = stepper->predictor.last_step_table,
                                               .rough_movement_limit = stepper->predictor.rough_movement_limit,
                                               .impulse_ring = stepper->predictor.impulse_ring,
-                                              .drift = stepper->drift,
-                                              .drift_low = stepper->drift_low,
-                                              .tail_share = stepper->tail_share,
-                                              .tail_ratio = stepper->tail_ratio,
+                                              .drift = stepper->step_data.drift,
+                                              .drift_low = stepper->step_data.drift_low,
                                               .step_size = &stepper->field.step_size,
                                               .form_work = stepper->field.form_work};
 }

@@ -74,17 +74,15 @@ OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sum
         }
 }
 
-OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int members, double *restrict share,
-                    double *restrict ratio, double tail[])
+OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int member_count, double tail[])
 {
     const galerkin_tail_inputs inputs = *tail_inputs;
-    const int width = MEMBERS ? members : 1;
+    const int width = MEMBERS ? member_count : 1;
+    double *restrict share = inputs.share, *restrict ratio = inputs.ratio;
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(inputs.is_separable ? at : at + inputs.n * width);
-            const tvi_tail_component component =
-                galerkin_tail_part_of_component(&inputs, inputs.is_separable, inputs.impulse_scale[i],
-                                                inputs.inverse_impulse_scale[i], (size_t)at, momentum);
+            const tvi_tail_component component = galerkin_tail_part_of_component(&inputs, i, (size_t)at, momentum);
             share[at] = tvi_tail_component_share(&component, inputs.is_separable || inputs.has_masses);
             ratio[at] = tvi_tail_component_ratio(&component);
         }
@@ -143,9 +141,12 @@ OWN double NAME(move_with_changes)(const galerkin_nodes *nodes, const double *ma
     return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 
-OWN void NAME(evaluate)(const galerkin_curve_evaluation *p, const double *table, const double *impulses, double *out)
+OWN void NAME(evaluate)(const galerkin_curve_evaluation *evaluation, const double *integral_table,
+                        const double *impulses, double *out)
 {
-    evaluate_curve_of_lanes(p, table, impulses, out, LANES);
+    if (evaluation->point_count == TVI_SAMPLES)
+        evaluate_curve_at_points(evaluation, integral_table, impulses, out, LANES, TVI_SAMPLES);
+    else evaluate_curve_at_points(evaluation, integral_table, impulses, out, LANES, evaluation->point_count);
 }
 #endif
 

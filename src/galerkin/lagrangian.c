@@ -41,6 +41,7 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
                              &work.passes.centre_offset[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half_size);
     work.passes.centre_gradient = tvi_arena_allocate_doubles(arena, 2 * half_size);
+    work.passes.gradient_expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * half_size);
     work.start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
     tvi_legendre_allocate(&work.legendre_transform, arena, system);
     allocate_velocity_hessian_inverse(&work.passes.velocity_hessian_inverse, arena, n, field->nodes.lanes);
@@ -79,8 +80,13 @@ static void prepare_lagrangian_passes(lagrangian_passes *work, const galerkin_fi
     work->tape_blocks = tables->blocks;
     work->gradient_slot[false] = system->field_values->output_slot;
     work->gradient_slot[true] = system->hessian_values->output_slot;
-    work->gradient_expansion = tables->expansion;
-    work->gradient_expansion.centre_gradient = work->centre_gradient;
+    work->gradient_expansion = (lanes_gradient_expansion){system->n,
+                                                          field->nodes.lanes,
+                                                          work->gradient_expansion.displacement,
+                                                          work->centre_gradient,
+                                                          tables->blocks.hessian_block,
+                                                          tables->hessian_element,
+                                                          tables->row_end};
 }
 
 static void prepare_lagrangian_field(galerkin_field *field)
@@ -89,7 +95,7 @@ static void prepare_lagrangian_field(galerkin_field *field)
     tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
     prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
     work->passes.invert_with_exchanges = tvi_galerkin_invert_with_exchanges;
-    work->passes.factor = &work->legendre_transform.slope_factor;
+    work->passes.factor = &work->legendre_transform.jacobian_factor;
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }
 

@@ -86,38 +86,26 @@ typedef struct {
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
+    double *share, *ratio; /* [n][member_count] scratch space: the share and the ratio of each component */
 } galerkin_tail_inputs;
 
-/* Returns |p| plus the magnitudes of the changes of p in the step, for one component. */
-static inline double galerkin_momentum_size(const galerkin_tail_inputs *inputs, size_t coordinate_index,
-                                            size_t momentum_index)
+/* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
+ * of its coordinate and its momentum in the arrays. */
+static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, int i,
+                                                            size_t coordinate_index, size_t momentum_index)
 {
-    return fabs(inputs->start_p[coordinate_index]) +
-           (fabs(inputs->momentum_increment[coordinate_index]) +
-            inputs->impulse_sums.end_impulse_size[momentum_index] * inputs->inverse_end_weight);
-}
-
-static inline double galerkin_coordinate_change(const galerkin_tail_inputs *inputs, size_t coordinate_index)
-{
-    return inputs->impulse_sums.end_impulse_size[coordinate_index] * inputs->inverse_end_weight;
-}
-
-/* Returns the sizes of one component from which its tail is computed. coordinate_index is the index of the
- * component's coordinate in the arrays, and momentum_index that of its momentum. */
-static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, bool is_separable,
-                                                                 double scale, double inverse_scale,
-                                                                 size_t coordinate_index, size_t momentum_index)
-{
-    const double *last = inputs->impulse_sums.last_term;
-    tvi_tail_component component = {.momentum_size = galerkin_momentum_size(inputs, coordinate_index, momentum_index),
+    const double *last = inputs->impulse_sums.last_term, *end_size = inputs->impulse_sums.end_impulse_size;
+    tvi_tail_component component = {.momentum_size = fabs(inputs->start_p[coordinate_index]) +
+                                                     (fabs(inputs->momentum_increment[coordinate_index]) +
+                                                      end_size[momentum_index] * inputs->inverse_end_weight),
                                     .last_term_p = last[momentum_index],
-                                    .last_term_q = is_separable ? 0 : last[coordinate_index],
+                                    .last_term_q = inputs->is_separable ? 0 : last[coordinate_index],
                                     .position_size = fabs(inputs->start_q[coordinate_index])};
     component.inverse_momentum = 1 / component.momentum_size;
-    component.movement_size =
-        is_separable ? fabs(scale) * component.momentum_size : galerkin_coordinate_change(inputs, coordinate_index);
-    component.inverse_movement =
-        is_separable ? inverse_scale * component.inverse_momentum : 1 / component.movement_size;
+    component.movement_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
+                                                   : end_size[coordinate_index] * inputs->inverse_end_weight;
+    component.inverse_movement = inputs->is_separable ? inputs->inverse_impulse_scale[i] * component.inverse_momentum
+                                                      : 1 / component.movement_size;
     return component;
 }
 
@@ -258,9 +246,8 @@ typedef struct galerkin_kernels {
                          const double *drift_low, const tvi_increments *increments);
     void (*end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
                 const tvi_increments *increments);
-    /* Computes the tail of each member, [member_count], from the share and the ratio of each component
-     * (algebra/tail.h), for which `share` and `ratio` [n][member_count] have room. */
-    void (*tail)(const galerkin_tail_inputs *inputs, int width, double *share, double *ratio, double tail[]);
+    /* Computes the tail of each member, [member_count]. */
+    void (*tail)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
      * members have converged in pass number `count`. It returns how many members still make passes. */

@@ -11,7 +11,6 @@ void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_a
     tables->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lanes, 0);
     tables->blocks.hessian_block =
         tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
-    tables->expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * (size_t)system->n * lanes);
     tables->hessian_element =
         tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *tables->hessian_element);
     tables->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *tables->row_end);
@@ -51,12 +50,6 @@ void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const 
         field->rate_to_unknown[node * lanes + i] = 1 / field->node_weight[node];
     }
     tables->blocks.sweep_data = field;
-    tables->expansion = (lanes_gradient_expansion){system->n,
-                                                   lanes,
-                                                   tables->expansion.displacement,
-                                                   .hessian_block = tables->blocks.hessian_block,
-                                                   .hessian_element = tables->hessian_element,
-                                                   .row_end = tables->row_end};
 }
 
 bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessian)

@@ -52,12 +52,4 @@ JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evalua
     JET_BLOCKS(point_count, EVALUATE, );
 }
 
-JET_INLINE void evaluate_curve_of_lanes(const galerkin_curve_evaluation *evaluation, const double *integral_table,
-                                        const double *impulses, double *out, int lanes)
-{
-    if (evaluation->point_count == TVI_SAMPLES)
-        evaluate_curve_at_points(evaluation, integral_table, impulses, out, lanes, TVI_SAMPLES);
-    else evaluate_curve_at_points(evaluation, integral_table, impulses, out, lanes, evaluation->point_count);
-}
-
 #endif

@@ -27,7 +27,7 @@ static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_
     const bool separable = galerkin_is_second_order(&stepper->field);
     if (!separable) of_p += stepper->n * stepper->field.nodes.lanes;
     integrate_impulses(stepper, used_range[0], point_count, theta, separable ? double_integral : single_integral,
-                       impulses, q_start, stepper->drift, stepper->increment_scale, q);
+                       impulses, q_start, stepper->step_data.drift, stepper->increment_scale, q);
     integrate_impulses(stepper, used_range[1], point_count, theta, single_integral, of_p, p_start,
                        stepper->predictor.zeros, stepper->increment_scale + stepper->n, p);
 }

@@ -19,7 +19,7 @@
  * Newton's method cost more; their goal of 2^-72 does so for N smaller by 2^16.
  * roundoff_level: corrections below it do not show how fast the passes contract. The passes of a small step are soon
  * below it; they are assumed to contract as those of an earlier step.
- * stall_period: in the equations of a Hamiltonian, passes may alternately contract much and little. */
+ * stall_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
     .max_passes = 100, .correction_goal = SQUARE(GOAL), .roundoff_level = SQUARE(32 * DBL_EPSILON),                    \

@@ -16,10 +16,6 @@ typedef struct {
     galerkin_roundoff_probe probe;
     tvi_passes_rule passes_rule;
     galerkin_node_polynomials node_polynomials;
-    /* [unknowns] h M^-1 p0 of a separable system, and its low-order part; 0 for any other system. */
-    double *drift, *drift_low;
-    /* [n] scratch space: the share and the ratio of each component in the tail (algebra/tail.h) */
-    double *tail_share, *tail_ratio;
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
     double *increment_scale;
     galerkin_tail_inputs tail_inputs;

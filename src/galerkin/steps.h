@@ -22,8 +22,6 @@ typedef struct galerkin_step_data {
     double rough_movement_limit;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
-    /* [n][member_count] scratch space: the share and the ratio of each component in the tail */
-    double *tail_share, *tail_ratio;
     /* [GALERKIN_RING] The impulses of the last steps, stored in the history. */
     double *const *impulse_ring;
     /* lagrangian_passes or hamiltonian_passes, or NULL if passes use no second derivatives. */
@@ -183,9 +181,7 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data,
                         step_data->drift_low, increments);
     else GALERKIN_KERNEL(step_data->kernels, end, nodes, &inputs.impulse_sums, inputs.n, increments);
     for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
-    if (nodes->node_count > 1)
-        GALERKIN_KERNEL(step_data->kernels, tail, &inputs, nodes->member_count, step_data->tail_share,
-                        step_data->tail_ratio, tail);
+    if (nodes->node_count > 1) GALERKIN_KERNEL(step_data->kernels, tail, &inputs, nodes->member_count, tail);
 }
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */

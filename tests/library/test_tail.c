@@ -371,9 +371,11 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
                                      .inverse_impulse_scale = per_scale,
                                      .start_q = zero,
                                      .start_p = p,
-                                     .momentum_increment = zero};
+                                     .momentum_increment = zero,
+                                     .share = share,
+                                     .ratio = ratio};
     double tail;
-    tvi_galerkin_kernels_base[0]->tail(&of, 1, share, ratio, &tail);
+    tvi_galerkin_kernels_base[0]->tail(&of, 1, &tail);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);
 }
 END_TEST
