@@ -24,8 +24,7 @@ JET_INLINE void galerkin_predict_hamiltonian(void *work, const galerkin_nodes *n
     hamiltonian_predict_unknowns(work, extrapolation);
 }
 
-/* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. The
- * first GALERKIN_ROUND rows belong to unknowns that are also columns. */
+/* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. */
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
@@ -50,7 +49,6 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.rate_slot[false] = galerkin_value_slot;
     passes.rate_slot[true] = galerkin_hessian_slot;
     passes.rounds.column_count = GALERKIN_COLUMNS;
-    passes.rounds.moving_row_count = GALERKIN_ROUND;
     passes.rounds.row_count = GALERKIN_ROWS;
     passes.rounds.unknown_of_row = galerkin_unknown;
     passes.rounds.hessian_index = galerkin_index_of;

@@ -102,32 +102,27 @@ static int append_unknowns_with_row(const galerkin_field *field, const galerkin_
     return count;
 }
 
-/* Appends the indices of the matrix elements of rows `first` .. `end` - 1, one group of rows after the other.
- * Returns the end of the list. */
-static int *append_hessian_indices(const galerkin_field *field, const galerkin_hessian_tables *tables,
-                                   const lanes_inner_rounds *rounds, int first, int end, int *index)
+/* Lists the indices of the matrix elements, one group of rows after the other. */
+static void list_hessian_indices(const galerkin_field *field, const galerkin_hessian_tables *tables,
+                                 const lanes_inner_rounds *rounds, int *index)
 {
-    for (int group; first < end; first += group) {
-        group = lanes_row_group_size(end - first);
+    for (int first = 0; first < rounds->row_count; first += LANES_ROWS)
         for (int column = 0; column < rounds->column_count; column++)
-            for (int i = first; i < first + group; i++)
+            for (int i = first; i < first + lanes_row_group_size(rounds, first); i++)
                 *index++ = find_hessian_index(field, tables, find_gradient_component(field, rounds->unknown_of_row[i]),
                                               rounds->unknown_of_row[column]);
-    }
-    return index;
 }
 
 static void prepare_inner_rounds(const galerkin_field *field, const hamiltonian_work *work, lanes_inner_rounds *rounds)
 {
     const galerkin_hessian_tables *tables = &work->hessian_tables;
-    for (int u = 0; u < field->nodes.unknowns; u++) rounds->column_count += is_unknown_in_rounds(field, tables, u);
-    rounds->moving_row_count = append_unknowns_with_row(field, tables, true, 0, work->unknown_of_row);
-    rounds->row_count = append_unknowns_with_row(field, tables, false, rounds->moving_row_count, work->unknown_of_row);
+    int *unknown = work->unknown_of_row;
+    rounds->column_count = append_unknowns_with_row(field, tables, true, 0, unknown);
+    rounds->row_count = append_unknowns_with_row(field, tables, false, rounds->column_count, unknown);
     rounds->hessian_block = tables->blocks.hessian_block;
     for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++)
         rounds->impulse_matrix[i] = (float)field->impulse_matrix[i];
-    int *index = append_hessian_indices(field, tables, rounds, 0, rounds->moving_row_count, work->hessian_index);
-    (void)append_hessian_indices(field, tables, rounds, rounds->moving_row_count, rounds->row_count, index);
+    list_hessian_indices(field, tables, rounds, work->hessian_index);
 }
 
 static void prepare_hamiltonian_field(galerkin_field *field)
@@ -187,8 +182,8 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
     const lanes_inner_rounds *rounds = &work->passes.rounds;
     const int unknowns = field->nodes.unknowns;
     tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
-    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n",
-                    rounds->column_count, rounds->moving_row_count, rounds->row_count);
+    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROWS = %d };\n", rounds->column_count,
+                    rounds->row_count);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->rate_slot[true]);
     tvi_galerkin_emit_int_array(text, "unknown", rounds->row_count, rounds->unknown_of_row);

@@ -23,16 +23,16 @@ enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(
 
 /* ---- What drives the rows ---------------------------------------------------------------------------------------- */
 
-/* Packs the rows from `first` on in groups of `group` rows, while a whole group ends by `end`. Returns the first row
- * that is not packed. impulse_scale is 1 or -1 here. */
-JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, int first, int end,
-                                 int group)
+/* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns, group
+ * by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown. impulse_scale
+ * is 1 or -1 here. */
+JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds)
 {
-    const int count = rounds->column_count;
-    for (; first + group <= end; first += group) {
-        const int *index = rounds->hessian_index + first * count;
-        float *packed = rounds->packed_hessian + first * count * LANES;
-        for (int column = 0; column < count; column++, index += group, packed += group * LANES)
+    const int *index = rounds->hessian_index;
+    float *packed = rounds->packed_hessian;
+    for (int first = 0, group; first < rounds->row_count; first += group) {
+        group = lanes_row_group_size(rounds, first);
+        for (int column = 0; column < rounds->column_count; column++, index += group, packed += group * LANES)
             for (int v = 0; v < NAME(vectors); v++) {
                 const V by_column =
                     (nodes->impulse_scale[rounds->unknown_of_row[column]] * rounds->unknown_size[column]) *
@@ -44,53 +44,31 @@ JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_inner_
                 }
             }
     }
-    return first;
 }
 
-/* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns,
- * group by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown. */
-JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds)
+/* Sets `group` rows of `out` from `first` on to the impulses that follow from `change`. */
+JET_INLINE void NAME(compute_group)(const lanes_inner_rounds *rounds, const float *change, int first, int group,
+                                    float *out)
 {
-    int first = 0;
-    for (int which = 0; which < 2; which++) {
-        const int end = which == 0 ? rounds->moving_row_count : rounds->row_count;
-        first = NAME(pack_groups)(nodes, rounds, first, end, LANES_ROWS);
-        first = NAME(pack_groups)(nodes, rounds, first, end, 2);
-        first = NAME(pack_groups)(nodes, rounds, first, end, 1);
-    }
+    const float *packed = rounds->packed_hessian + first * rounds->column_count * LANES;
+    ROW_VECTOR sum[LANES_ROWS][NAME(parts)];
+    for (int i = 0; i < group; i++)
+        for (int b = 0; b < NAME(parts); b++) sum[i][b] = (ROW_VECTOR){0};
+    for (int column = 0; column < rounds->column_count; column++)
+        for (int i = 0; i < group; i++, packed += LANES)
+            for (int b = 0; b < NAME(parts); b++) sum[i][b] += PART_AT(packed, b) * PART_AT(change + column * LANES, b);
+    for (int i = 0; i < group; i++)
+        for (int b = 0; b < NAME(parts); b++) PART_AT(out + (first + i) * LANES, b) = sum[i][b];
 }
 
-/* Sets `out` to the impulses that follow from `change`, for the groups of pack_groups. Returns the first row that is
- * left. */
-JET_INLINE int NAME(set_group_impulses)(const lanes_inner_rounds *rounds, const float *change, float *out, int first,
-                                        int end, int group)
+/* Sets the rows of `out` up to end_row, and to the end of its group, to the impulses that follow from `change`. The size
+ * of a full group is a constant in the call. */
+JET_INLINE void NAME(compute_impulses)(const lanes_inner_rounds *rounds, const float *change, int end_row, float *out)
 {
-    const int count = rounds->column_count;
-    for (; first + group <= end; first += group) {
-        const float *packed = rounds->packed_hessian + first * count * LANES;
-        ROW_VECTOR sum[LANES_ROWS][NAME(parts)];
-        for (int i = 0; i < group; i++)
-            for (int b = 0; b < NAME(parts); b++) sum[i][b] = (ROW_VECTOR){0};
-        for (int column = 0; column < count; column++)
-            for (int i = 0; i < group; i++, packed += LANES)
-                for (int b = 0; b < NAME(parts); b++)
-                    sum[i][b] += PART_AT(packed, b) * PART_AT(change + column * LANES, b);
-        for (int i = 0; i < group; i++)
-            for (int b = 0; b < NAME(parts); b++) PART_AT(out + (first + i) * LANES, b) = sum[i][b];
-    }
-    return first;
-}
-
-/* Sets `out` to the impulses that follow from `change`: those of all rows if `all` is set, otherwise those of the
- * rows that are also columns. */
-JET_INLINE void NAME(compute_impulses)(const lanes_inner_rounds *rounds, const float *change, bool all, float *out)
-{
-    int first = 0;
-    for (int which = 0; which < (all ? 2 : 1); which++) {
-        const int end = which == 0 ? rounds->moving_row_count : rounds->row_count;
-        first = NAME(set_group_impulses)(rounds, change, out, first, end, LANES_ROWS);
-        first = NAME(set_group_impulses)(rounds, change, out, first, end, 2);
-        first = NAME(set_group_impulses)(rounds, change, out, first, end, 1);
+    for (int first = 0; first < end_row; first += LANES_ROWS) {
+        const int group = lanes_row_group_size(rounds, first);
+        if (group == LANES_ROWS) NAME(compute_group)(rounds, change, first, LANES_ROWS, out);
+        else NAME(compute_group)(rounds, change, first, group, out);
     }
 }
 
@@ -164,11 +142,11 @@ OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds 
     do {
         earlier = before;
         before = now;
-        NAME(compute_impulses)(rounds, rounds->round_change, false, rounds->round_impulse);
+        NAME(compute_impulses)(rounds, rounds->round_change, rounds->column_count, rounds->round_impulse);
         now = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
     } while (++count < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
              (now < before || now < earlier));
-    NAME(compute_impulses)(rounds, rounds->total_change, true, rounds->total_impulse);
+    NAME(compute_impulses)(rounds, rounds->total_change, rounds->row_count, rounds->total_impulse);
     if (now <= first) NAME(end_rounds)(rounds, changes);
     else memset(changes, 0, (size_t)(nodes->unknowns * LANES) * sizeof *changes);
 }

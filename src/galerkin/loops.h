@@ -193,19 +193,14 @@ typedef struct {
     const int *row_end; /* [2n] the index in hessian_element at which each row ends */
 } lanes_gradient_expansion;
 
-/* The data of the inner rounds of a Newton pass (kernel_rounds.h), for a matrix of second derivatives at each node.
- * Its rows are the unknowns whose rates depend on others. Its columns are the unknowns that move and that enter some
- * rate. The rows that are also columns come first. Rows are stored in groups of LANES_ROWS, whose sums are computed
- * in parallel. The rows that are left form groups of 2 and of 1. */
+/* The data of the inner rounds of a Newton pass (kernel_rounds.h), for a matrix of second derivatives at each node. Its
+ * rows are the unknowns whose rates depend on others. Its columns are the unknowns that move and that enter some rate;
+ * they are also the first rows. Rows are stored in groups of LANES_ROWS, whose sums are computed in parallel; the last
+ * group may have fewer. */
 enum { LANES_ROWS = 4 };
-static inline int lanes_row_group_size(int remaining_rows)
-{
-    return remaining_rows >= LANES_ROWS ? LANES_ROWS : remaining_rows >= 2 ? 2 : 1;
-}
 typedef struct {
-    /* The numbers of columns, of rows that are also columns, and of all rows. */
-    int column_count, moving_row_count, row_count;
-    const int *unknown_of_row; /* [rows] */
+    int column_count, row_count;
+    const int *unknown_of_row; /* [row_count] */
     /* For each group of rows, [column_count][rows of the group]: the index of each matrix element in hessian_block. */
     const int *hessian_index;
     /* The block of the tape with second derivatives, followed by zeros for missing elements. */
@@ -221,6 +216,12 @@ typedef struct {
     /* [row_count][lanes] The impulses that follow from round_change, and those that follow from total_change. */
     float *round_impulse, *total_impulse;
 } lanes_inner_rounds;
+
+/* Returns the number of rows in the group that begins with row `first`. */
+static inline int lanes_row_group_size(const lanes_inner_rounds *rounds, int first)
+{
+    return rounds->row_count - first < LANES_ROWS ? rounds->row_count - first : LANES_ROWS;
+}
 
 /* The kernels of a step, for one member or for several; kernel.h defines them. */
 typedef struct galerkin_kernels {
