@@ -179,7 +179,7 @@ $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the steps of the Galerkin curve, for one system, and what they are made with by its form
 EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h width.h tail.h) \
-                     $(addprefix src/galerkin/,in_generated.h loops.h lanes.h one_member.h rounds.h kernel.h \
+                     $(addprefix src/galerkin/,in_generated.h loops.h lanes.h kernel.h \
                          blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
 # texts that others read
 EMBEDDED_TEXTS := src/algebra/judge.h src/generating/taylor_rows.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_rounds.h kernel_matrices.h kernel_loops.h)

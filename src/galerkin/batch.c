@@ -47,7 +47,7 @@ static const galerkin_kernels *const *const kernel_tables[JET_ISA_COUNT] = {
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
     const int node_count = options->degree, bytes = system->field_values->slots * node_count * (int)sizeof(double);
-    if (!tvi_galerkin_needs_no_hessian(system) || options->passes == TVI_PREDICT_ONLY) return 1;
+    if (system->hessian_values || options->passes == TVI_PREDICT_ONLY) return 1;
     const bool has_steps = system->code && system->code->galerkin;
     if (TVI_LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
     int member_count = TVI_LEAST_WIDTH;

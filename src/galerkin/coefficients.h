@@ -1,9 +1,40 @@
-/* coefficients.h - Computes the coefficients of Gauss collocation, as they act on impulses (docs/method.md section
- * 6). */
+/* coefficients.h - Computes the coefficients of Gauss collocation, as they act on impulses (docs/method.md section 6),
+ * and polynomials through the Gauss nodes. */
 #ifndef TVI_SRC_GALERKIN_COEFFICIENTS_H
 #define TVI_SRC_GALERKIN_COEFFICIENTS_H
 
-#include "galerkin/dense.h"
+#include "galerkin/loops.h"
+#include "method/stepper.h"
+
+/* The polynomials l_j(s) / b_j and their integrals, where l_j is 1 at node j of the Galerkin curve and 0 at all other
+ * nodes. These integrals times the impulses h b_j F_j give the curve at any point of the step. */
+typedef struct {
+    int node_count;
+    const jet_sweeps *sweeps;
+    /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
+    double *legendre_coefficient;
+    long double reciprocal[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */
+    /* [k] 1 / (4 k + 2), a factor in integrals of Legendre's polynomials. */
+    long double legendre_integral_factor[TVI_GALERKIN_MAX_LANES + 1];
+    /* [j][lanes] legendre_coefficient, transposed: a row holds the factors of P_0, P_1, .. for one node */
+    double *transposed_coefficient;
+    /* [lanes][TVI_SAMPLES] The single and double integrals of l_j / b_j from 0 to each sample point. */
+    double *single_integral, *double_integral;
+} galerkin_node_polynomials;
+
+void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
+                                            int lanes, const jet_sweeps *sweeps);
+/* Prepares the tables for the Gauss nodes of [0, 1]. */
+void tvi_galerkin_prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[]);
+/* Computes P[k][i] = P_k(2 s_i - 1), k < node_count, i < lanes. */
+void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int lanes,
+                                                const double s[], double *P);
+/* Computes single_integral[j] = int_0^s l_j / b_j in long double. `node` contains the Gauss nodes. */
+void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, long double s,
+                                             const long double node[], long double single_integral[]);
+/* Computes single_integral[j] = int_0^s l_j(r) / b_j dr and double_integral[j] = int_0^s (s - r) l_j(r) / b_j dr. */
+void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
+                                  double double_integral[]);
 
 typedef struct {
     int node_count, lanes;

@@ -57,11 +57,6 @@ static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
                                                                             : &tvi_galerkin_quasi_newton;
 }
 
-bool tvi_galerkin_needs_no_hessian(const tvi_system *system)
-{
-    return select_field_form(system) == &tvi_galerkin_form_plain;
-}
-
 /* Counts how many of the last coordinates are cyclic: H does not depend on them. An example is the time of a
  * rescaled system whose forces do not depend on it. The momentum of a cyclic coordinate is constant, and the
  * coordinate follows from a quadrature, so that passes need not move them. */
@@ -282,22 +277,14 @@ static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_ru
     stats->factorisations += outcome->hessian_pass_count * stepper->field.node_count;
 }
 
-static void update_history(galerkin_history *history, double h, const galerkin_outcome *outcome)
-{
-    *history = (galerkin_history){.step_size = h,
-                                  .previous_step_size = outcome->step_count > 1 ? h : history->step_size,
-                                  .start_time = outcome->last_start_time,
-                                  .convergence = outcome->convergence,
-                                  .last_ring_index = outcome->last_ring_index};
-}
-
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                         const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats);
 
-/* Makes steps of size field.step_size, by generated code or by the library. The first step is predicted from earlier
- * steps, or from the state alone. */
+/* Makes steps of size field.step_size, by generated code or by the library. If *continues_last_step is set, the first
+ * step is predicted from earlier steps, if that is possible; otherwise *continues_last_step is cleared, and the first step
+ * is predicted from the state alone. */
 static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
-                                               bool continues_last_step, const tvi_run_request *run,
+                                               bool *continues_last_step, const tvi_run_request *run,
                                                const tvi_step_origin *origin, const tvi_run_state *state,
                                                tvi_stats *stats)
 {
@@ -305,18 +292,22 @@ static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_m
     galerkin_outcome outcome = {.last_ring_index = (int)history->last_ring_index, .largest_tail = stats->largest_tail};
     double elapsed_part;
     if (stepper->field.step_size == history->step_size) outcome.convergence = history->convergence;
-    continues_last_step = continues_last_step && tvi_galerkin_can_predict_from_last_step(
-                                                     &stepper->predictor, &stepper->field, origin->t, &elapsed_part);
-    outcome.equal_step_count =
-        continues_last_step ? tvi_galerkin_count_steps_of_same_size(&stepper->predictor, &stepper->field, elapsed_part)
-                            : 0;
+    *continues_last_step &=
+        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_part);
+    if (*continues_last_step)
+        outcome.equal_step_count =
+            tvi_galerkin_count_steps_of_same_size(&stepper->predictor, &stepper->field, elapsed_part);
     if (outcome.equal_step_count == 0)
-        outcome.status = predict_first_step(stepper, origin, continues_last_step ? &elapsed_part : NULL, stats);
+        outcome.status = predict_first_step(stepper, origin, *continues_last_step ? &elapsed_part : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
     set_node_times(stepper, origin, stepper->field.step_size);
     make_steps(stepper, run, origin, state, &outcome, stats);
     if (outcome.step_count < 1) return outcome;
-    update_history(history, run->h, &outcome);
+    *history = (galerkin_history){.step_size = run->h,
+                                  .previous_step_size = outcome.step_count > 1 ? run->h : history->step_size,
+                                  .start_time = outcome.last_start_time,
+                                  .convergence = outcome.convergence,
+                                  .last_ring_index = outcome.last_ring_index};
     stats->residual = sqrt(outcome.last_movement);
     stats->tail = outcome.last_tail;
     return outcome;
@@ -329,18 +320,20 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
 {
     galerkin_stepper *stepper = work;
     const tvi_run_request run = {.h = h, .max_steps = 1, .increments = *increments};
-    double elapsed_part;
+    bool continues_last_step = true;
     tvi_galerkin_set_step_size(stepper, h);
     if (stepper->generated_code &&
-        predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats).step_count > 0)
+        predict_and_make_steps(stepper, make_steps_by_generated_code, &continues_last_step, &run, origin, NULL, stats)
+                .step_count > 0)
         return TVI_OK;
-    const bool continues_last_step =
-        stepper->passes_rule.max_passes > 0 &&
-        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_part);
+    continues_last_step = stepper->passes_rule.max_passes > 0;
     galerkin_outcome outcome =
-        predict_and_make_steps(stepper, make_steps_in_library, continues_last_step, &run, origin, NULL, stats);
-    if (outcome.step_count < 1 && continues_last_step)
-        outcome = predict_and_make_steps(stepper, make_steps_in_library, false, &run, origin, NULL, stats);
+        predict_and_make_steps(stepper, make_steps_in_library, &continues_last_step, &run, origin, NULL, stats);
+    if (outcome.step_count < 1 && continues_last_step) {
+        continues_last_step = false;
+        outcome =
+            predict_and_make_steps(stepper, make_steps_in_library, &continues_last_step, &run, origin, NULL, stats);
+    }
     return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }
 
@@ -350,12 +343,13 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     const tvi_step_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
                                     state->p_low};
     tvi_stats counted = *stats;
+    bool continues_last_step = true;
     if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
     tvi_galerkin_set_step_size(stepper, run->h);
     run->increments.dq[stepper->n] = run->h;
     const galerkin_outcome outcome =
         predict_and_make_steps(stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_in_library,
-                               true, run, &origin, state, &counted);
+                               &continues_last_step, run, &origin, state, &counted);
     if (outcome.step_count < 1) return 0;
     *stats = counted;
     stats->largest_tail = outcome.largest_tail;

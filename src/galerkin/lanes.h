@@ -1,11 +1,15 @@
-/* lanes.h - Defines vectors over the lanes of a block, whose number is a constant. Files that are compiled once for
- * each instruction set (ad/vector.h) and generated code include it. */
+/* lanes.h - Defines vectors over the lanes of a block, whose number is a constant, and the loops and limits of a single
+ * member that do not depend on the number of lanes. Files that are compiled once for each instruction set (ad/vector.h)
+ * and generated code include it. */
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 
 #include "galerkin/in_library.h"
 #include "galerkin/loops.h"
+#include "rule.h"
 #include "vector.h"
+
+#include <math.h>
 
 #define KERNEL_JOIN(f, suffix) f##_##suffix
 #define KERNEL_NAME(f, suffix) KERNEL_JOIN(f, suffix)
@@ -38,5 +42,77 @@ JET_INLINE double add_lanes_of_jet_v8(jet_v8 vector)
 /* These macros access vector k of an array, to write and to read. */
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
+
+/* ---- Impulses and curves of a single member ---------------------------------------------------------------------- */
+
+/* Returns a b + c, rounded once if c is small compared with a b. Without a fused operation it uses Dekker's product. */
+JET_INLINE double multiply_add_rounded_once(double a, double b, double c)
+{
+#ifdef __FMA__
+    return JET_FMA_OF_NUMBERS(a, b, c);
+#else
+    const double split = 0x1p27 + 1, product = a * b, big_a = split * a, big_b = split * b;
+    const double high_a = big_a - (big_a - a), high_b = big_b - (big_b - b), low_a = a - high_a, low_b = b - high_b;
+    return product + ((((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b) + c);
+#endif
+}
+
+/* Sets the impulses L = weight F + change. If the change were added to the rate before the multiplication, a change
+ * below the roundoff of the rate would be lost or rounded up in the same way in each step (docs/method.md section
+ * 6). */
+JET_INLINE void set_impulses_with_changes(const double *weight, const double *rate, const double *change,
+                                          double *restrict impulse, int lanes)
+{
+    JET_IN_VECTORS
+    for (int i = 0; i < lanes; i++) impulse[i] = multiply_add_rounded_once(weight[i], rate[i], change[i]);
+}
+
+#define EVALUATE(V, S)                                                                                                 \
+    {                                                                                                                  \
+        const V theta = *(const V *)(evaluation->theta + here);                                                        \
+        V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(integral_table + j * point_count + here);                \
+        for (int u = 0; u < count; u++) {                                                                              \
+            V sums[CHAINS] = {0};                                                                                      \
+            for (int j = 0; j < lanes; j++)                                                                            \
+                sums[j % CHAINS] += row[j] * impulses[(size_t)u * (size_t)lanes + (size_t)j];                          \
+            *(V *)(out + u * point_count + here) =                                                                     \
+                start[u] + (theta * drift[u] + scale[u] * ((sums[0] + sums[1]) + (sums[2] + sums[3])));                \
+        }                                                                                                              \
+    }
+
+JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evaluation, const double *integral_table,
+                                         const double *impulses, double *restrict out, int lanes, int point_count)
+{
+    const double *start = evaluation->start_values, *drift = evaluation->drift, *scale = evaluation->impulse_scale;
+    const int count = evaluation->component_count;
+    JET_BLOCKS(point_count, EVALUATE, );
+}
+
+/* ---- Inner rounds in single precision (kernel_rounds.h) --------------------------------------------------------- */
+
+enum { MOST_ROUNDS = 32 };
+/* The rounds end when the square of the next movement is at most this times the square of the error of the
+ * first-order expansion: a movement of twice the error. Half this bound was slower because of more rounds, twice
+ * this bound because of more passes. */
+#define ROUNDS_LEFT_OUT 4
+/* Relative movements are stored in this unit, so that the squares of movements down to 2^-72 do not underflow in
+ * single precision. */
+#define ROUNDS_UNIT 0x1p-40
+
+typedef float single_jet_v8 JET_VECTOR(float, 8);
+typedef float single_jet_v4 JET_VECTOR(float, 4);
+typedef float single_jet_v2 JET_VECTOR(float, 2);
+typedef float single_jet_v1;
+
+/* These macros convert vectors from double to single precision, and back. */
+#define NARROW_jet_v8(x) JET_CONVERT(single_jet_v8, x)
+#define NARROW_jet_v4(x) JET_CONVERT(single_jet_v4, x)
+#define NARROW_jet_v2(x) JET_CONVERT(single_jet_v2, x)
+#define NARROW_jet_v1(x) ((float)(x))
+#define WIDEN_jet_v8(x)  JET_CONVERT(jet_v8, x)
+#define WIDEN_jet_v4(x)  JET_CONVERT(jet_v4, x)
+#define WIDEN_jet_v2(x)  JET_CONVERT(jet_v2, x)
+#define WIDEN_jet_v1(x)  ((double)(x))
 
 #endif

@@ -2,8 +2,7 @@
  * for several members. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
-#include "galerkin/one_member.h"
-#include "galerkin/rounds.h"
+#include "galerkin/lanes.h"
 
 #include <math.h>
 

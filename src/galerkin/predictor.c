@@ -1,5 +1,5 @@
-/* predictor.c - Predicts the unknowns of a step from earlier steps (predictor.h). */
-#include "galerkin/predictor.h"
+/* predictor.c - Predicts the unknowns of a step from earlier steps (step.h). */
+#include "galerkin/step.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* probe.c - Defines when the passes of a Galerkin step may end (algebra/passes.h), and measures the roundoff of a
  * pass, below which movements cannot fall. For example, in a small motion about a position of size 1 the force has
  * absolute errors of the roundoff of that position, which exceed the roundoff of the small momenta. */
-#include "galerkin/probe.h"
+#include "galerkin/step.h"
 #include "method/stepper.h"
 
 #include <float.h>

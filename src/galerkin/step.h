@@ -1,11 +1,109 @@
-/* step.h - Declares the stepper of the Galerkin curve (galerkin.c). The stepper of several members uses it, too
- * (batch.c). */
+/* step.h - Declares the stepper of the Galerkin curve (galerkin.c), which the stepper of several members uses, too
+ * (batch.c), and the functions of its parts: the prediction of the unknowns and the measurement of roundoff. */
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
 
-#include "galerkin/predictor.h"
-#include "galerkin/probe.h"
+#include "galerkin/coefficients.h"
+#include "galerkin/field.h"
 #include "galerkin/steps.h"
+#include "system/roundoff.h"
+
+/* ---- The prediction of the unknowns from earlier steps (predictor.c; docs/method.md section 5) ------------------ */
+
+/* The history of the last two steps. The integrator's history stores this structure and the impulses. */
+typedef struct {
+    /* The sizes of the last step and of the step before it; 0 if there is none. */
+    double step_size, previous_step_size;
+    double start_time; /* the time at which the last step began */
+    /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
+    galerkin_convergence convergence;
+    long last_ring_index; /* the index of the last step's impulses in the ring */
+} galerkin_history;
+
+/* Returns whether last_ring_index of a loaded history is within the ring. */
+static inline bool galerkin_is_ring_index_valid(const galerkin_history *history)
+{
+    return history->last_ring_index >= 0 && history->last_ring_index < GALERKIN_RING;
+}
+
+typedef struct {
+    galerkin_history *history;
+    /* The impulses of the last steps, [unknowns][lanes] each, stored in the history as a ring buffer. */
+    double *impulse_ring[GALERKIN_RING];
+    /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
+    double *two_step_table, *last_step_table;
+    /* If the first movement of a step is larger than this, its prediction had a relative error above 1/100. The next
+     * step is then predicted from the last step alone. */
+    double rough_movement_limit;
+    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is table_step_ratio times as
+     * large and begins at table_elapsed_part of the last step. */
+    double *resized_step_table;
+    /* For which step resized_step_table was computed. The ratio is 0 before the first computation. */
+    double table_step_ratio, table_elapsed_part;
+    /* [unknowns][lanes] The rates that were extrapolated from the last step. */
+    double *extrapolated_rates;
+    double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */
+} galerkin_predictor;
+
+void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena, const galerkin_field *field);
+void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                    const galerkin_field *field);
+/* Returns whether a step of size h from time t begins where the last step ended. */
+static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
+{
+    return fabs(t - (history->start_time + history->step_size)) < 0.25 * fabs(h);
+}
+
+/* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those
+ * of the last step. *elapsed_part is the part of the last step at which the new step begins: 1 for its end, 0 for
+ * its start. */
+bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
+                                             double *elapsed_part);
+/* Returns how many of the last two steps have the size of this step and lead up to it without a gap: 0 if
+ * elapsed_part is not 1. */
+int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
+                                          double elapsed_part);
+/* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */
+void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                         const galerkin_node_polynomials *polynomials, galerkin_field *field,
+                                         double elapsed_part);
+/* Returns the impulses of the last step if steps_after_last is 0, of an earlier step if it is negative, and of the next
+ * step if it is 1. */
+static inline double *galerkin_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
+{
+    return predictor
+        ->impulse_ring[(predictor->history->last_ring_index + steps_after_last + GALERKIN_RING) % GALERKIN_RING];
+}
+
+/* ---- The rules that end passes, and the roundoff of a pass (probe.c; docs/method.md section 5) ------------------- */
+
+/* The memory for measuring the roundoff of a pass. */
+typedef struct {
+    tvi_roundoff value_displacements;
+    /* [pass_input_row_count][lanes] The values of the nodes before a pass, and after a pass from displaced values. */
+    double *values_before_pass, *values_of_displaced_pass;
+    /* [unknowns][lanes] Copies of drift_values_low and of the impulses of the nodes. */
+    double *saved_drift_values_low, *saved_impulses;
+} galerkin_roundoff_probe;
+
+void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
+
+/* Returns the rule for all value_count unknowns at all nodes of a step, from the rule for a single one and from the
+ * user's options. */
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
+                                               const tvi_options *options);
+
+/* Returns whether the nodes are still near the start of the step (tvi_roundoff_is_motion_small of roundoff.h), and have
+ * not diverged. */
+bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_origin *origin);
+
+/* Makes the next pass, which moves the unknowns by *movement, and measures its roundoff: the difference from a pass
+ * with displaced unknowns and displaced values of the field. Both results are sums of squares, as the passes measure
+ * movements. */
+TVI_NODISCARD tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundoff_probe *probe,
+                                                       double *movement, double *roundoff, tvi_stats *stats);
+
+/* ---- The stepper ------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     const tvi_options *options;
@@ -31,8 +129,5 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[]);
 void tvi_galerkin_compute_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
                                   const double p_start[], double *q, double *p);
-
-/* Returns whether the passes of this system use no second derivatives. */
-bool tvi_galerkin_needs_no_hessian(const tvi_system *system);
 
 #endif

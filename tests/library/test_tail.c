@@ -359,7 +359,7 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
     const int n = 2 + _i / 2;
     const bool is_alone = _i % 2 == 1;
     int member[] = {1, 0, 2, 3, 4}, end[] = {1, n};
-    double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8];
+    double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8], tail;
     for (int i = 0; i < n; i++) scale[i] = per_scale[i] = p[i] = 1, last[i] = 1e-4;
     p[1] = 1e-3, last[1] = 5e-4;
     const galerkin_tail_inputs of = {.n = n,
@@ -374,7 +374,6 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
                                      .momentum_increment = zero,
                                      .share = share,
                                      .ratio = ratio};
-    double tail;
     tvi_galerkin_kernels_base[0]->tail(&of, 1, &tail);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);
 }
