@@ -280,9 +280,9 @@ static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_ru
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                         const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats);
 
-/* Makes steps of size field.step_size, by generated code or by the library. If *continues_last_step is set, the first
- * step is predicted from earlier steps, if that is possible; otherwise *continues_last_step is cleared, and the first step
- * is predicted from the state alone. */
+/* Makes steps of size field.step_size, by generated code or by the library. If *continues_last_step is set, the
+ * first step is predicted from earlier steps, if that is possible; otherwise *continues_last_step is cleared, and
+ * the first step is predicted from the state alone. */
 static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
                                                bool *continues_last_step, const tvi_run_request *run,
                                                const tvi_step_origin *origin, const tvi_run_state *state,

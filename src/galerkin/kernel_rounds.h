@@ -23,9 +23,9 @@ enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(
 
 /* ---- What drives the rows ---------------------------------------------------------------------------------------- */
 
-/* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns, group
- * by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown. impulse_scale
- * is 1 or -1 here. */
+/* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns,
+ * group by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown.
+ * impulse_scale is 1 or -1 here. */
 JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds)
 {
     const int *index = rounds->hessian_index;
@@ -61,8 +61,8 @@ JET_INLINE void NAME(compute_group)(const lanes_inner_rounds *rounds, const floa
         for (int b = 0; b < NAME(parts); b++) PART_AT(out + (first + i) * LANES, b) = sum[i][b];
 }
 
-/* Sets the rows of `out` up to end_row, and to the end of its group, to the impulses that follow from `change`. The size
- * of a full group is a constant in the call. */
+/* Sets the rows of `out` up to end_row, and to the end of its group, to the impulses that follow from `change`. The
+ * size of a full group is a constant in the call. */
 JET_INLINE void NAME(compute_impulses)(const lanes_inner_rounds *rounds, const float *change, int end_row, float *out)
 {
     for (int first = 0; first < end_row; first += LANES_ROWS) {

@@ -31,7 +31,8 @@ typedef struct {
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges), and the work of this function. */
+    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges), and the work of this
+     * function. */
     bool (*invert_with_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *factor);
     void *factor;
     int inversion_count; /* the number of times that L_vv was inverted */
