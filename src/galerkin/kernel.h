@@ -59,7 +59,7 @@
 #define COLUMN jet_v2
 #endif
 #define VECTORS           (shape.lanes / NUMBERS_OF(V))
-#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)shape.lanes)
+#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)shape.lanes + here)
 #define AT(row, v)        (*(V *)((row) + (size_t)(v)*NUMBERS_OF(V)))
 #define OF_NODE(table, v) AT(table, v)
 #if ONE_VECTOR
@@ -69,7 +69,7 @@
 #endif
 #define NUMBER(row, j)          ((row)[j])
 #define MEMBER                  double
-#define MEMBER_AT(array, u)     ((array)[u])
+#define MEMBER_AT(array, u)     ((array)[(size_t)(u) + here])
 #define MAGNITUDE(x)            fabs(x)
 #define IF_ABOVE(a, b, yes, no) ((a) > (b) ? (yes) : (no))
 #define KEPT(now, was)          (now)

@@ -33,7 +33,6 @@ enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
 JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape shape,
                                size_t here)
 {
-    (void)here;
     for (int k = 0; k < NAME(rows); k++)
         row[k] = ROW(nodes->impulses, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
 }
@@ -51,11 +50,9 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *caller_nodes, const galerkin_end_weights *weights,
+JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
                                     const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    (void)here;
     const int count = MEMBERS ? shape.node_count : shape.lanes;
     for (int u = 0; u < nodes->unknowns; u += NAME(rows)) {
         const size_t at = (size_t)u * (size_t)shape.member_count + here;

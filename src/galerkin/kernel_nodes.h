@@ -4,11 +4,9 @@
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 /* Sets drift_values and drift_values_low of unknowns first .. first + count - 1 to q and q_low. */
-JET_INLINE void NAME(start_half)(const galerkin_nodes *caller_nodes, int first, int count, const double *q,
+JET_INLINE void NAME(start_half)(const galerkin_nodes *nodes, int first, int count, const double *q,
                                  const double *q_low, galerkin_array_shape shape, size_t here)
 {
-    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    (void)here;
     for (int u = 0; u < count; u++) {
         double *high = ROW(nodes->drift_values, first + u);
         double *base = ROW(nodes->drift_values_low, first + u);
@@ -26,12 +24,10 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *caller_nodes, int first, 
  * have the same error in each step, and the errors would add up. The sum of the impulses is first added to `base`,
  * whose rounding errors are far smaller than those of `high`. The parts are not added here: their rounded sum would
  * have the last bits of `high`, and those errors would add up, too. */
-JET_INLINE void NAME(start_drift)(const galerkin_nodes *caller_nodes, int u, const double *c,
-                                  const tvi_step_origin *origin, const double *drifts, const double *drifts_low,
-                                  galerkin_array_shape shape, size_t here)
+JET_INLINE void NAME(start_drift)(const galerkin_nodes *nodes, int u, const double *c, const tvi_step_origin *origin,
+                                  const double *drifts, const double *drifts_low, galerkin_array_shape shape,
+                                  size_t here)
 {
-    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    (void)here;
     double *high = ROW(nodes->drift_values, u);
     double *base = ROW(nodes->drift_values_low, u);
     const V start = MEMBER_AT(origin->q, u) - (V){0}, low = MEMBER_AT(origin->q_low, u) - (V){0};
@@ -122,7 +118,6 @@ JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const dou
                                    galerkin_array_shape shape, size_t here)
 {
     const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    (void)here;
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *rate = ROW(rates, slot[u]);
         double *impulse = ROW(nodes->impulses, u);
@@ -138,7 +133,6 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const 
                                       galerkin_array_shape shape, size_t here)
 {
     const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    (void)here;
     const int moving = nodes->moving_unknowns, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
     const NAME(table) table = NAME(table_of)(matrix);
     V squares[LANES];
@@ -202,7 +196,6 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
                                   size_t here)
 {
     const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    (void)here;
     const galerkin_extrapolation extrapolation = *caller_extrapolation;
 #if !MEMBERS
     const bool uses_last_step = *extrapolation.last_step_mask;
@@ -235,7 +228,6 @@ JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_arr
 {
     const MEMBER start = MEMBER_AT(nodes->start_values, u);
     const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? shape.node_count - 1 : shape.lanes - 1) - start;
-    (void)here;
     return MAGNITUDE(start) + MAGNITUDE(way);
 }
 
@@ -249,10 +241,9 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
  * the largest size in its subsystem (TVI_GALERKIN_LEAST_SHARE). If masses are known, the size of a momentum is at
  * least momentum_per_unit_drift times the part that is added to its coordinate. There are no branches, because the
  * processor could not predict which number is larger. */
-JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *caller_nodes, int n, int first, int end,
-                                   galerkin_array_shape shape, size_t here)
+JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first, int end, galerkin_array_shape shape,
+                                   size_t here)
 {
-    const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     const bool has_momenta = nodes->unknowns > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {
