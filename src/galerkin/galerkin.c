@@ -294,9 +294,8 @@ static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_m
     if (stepper->field.step_size == history->step_size) outcome.convergence = history->convergence;
     *continues_last_step &=
         tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_part);
-    if (*continues_last_step)
-        outcome.equal_step_count =
-            tvi_galerkin_count_steps_of_same_size(&stepper->predictor, &stepper->field, elapsed_part);
+    if (*continues_last_step && elapsed_part == 1 && stepper->field.step_size == history->step_size)
+        outcome.equal_step_count = stepper->field.step_size == history->previous_step_size ? 2 : 1;
     if (outcome.equal_step_count == 0)
         outcome.status = predict_first_step(stepper, origin, *continues_last_step ? &elapsed_part : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
@@ -384,7 +383,7 @@ static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_option
 
 static bool is_history_valid(const void *work)
 {
-    return galerkin_is_ring_index_valid(((const galerkin_stepper *)work)->predictor.history);
+    return galerkin_is_ring_index_valid(((const galerkin_stepper *)work)->predictor.history->last_ring_index);
 }
 
 const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,

@@ -17,13 +17,6 @@ JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_hamiltonian(void *work, const galerkin_nodes *nodes,
-                                             const galerkin_extrapolation *extrapolation)
-{
-    (void)nodes;
-    hamiltonian_predict_unknowns(work, extrapolation);
-}
-
 /* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. */
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
@@ -62,7 +55,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
         passes.rounds.round_impulse = impulse;
         passes.rounds.total_impulse = all;
     }
-    const galerkin_pass_functions pass_functions = {galerkin_make_hamiltonian_pass, galerkin_predict_hamiltonian, NULL,
+    const galerkin_pass_functions pass_functions = {galerkin_make_hamiltonian_pass, hamiltonian_predict_unknowns, NULL,
                                                     &passes};
     galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
 }

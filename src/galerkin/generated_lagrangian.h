@@ -17,13 +17,6 @@ JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_n
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_lagrangian(void *work, const galerkin_nodes *nodes,
-                                            const galerkin_extrapolation *extrapolation)
-{
-    (void)nodes;
-    lagrangian_predict_unknowns(work, extrapolation);
-}
-
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
@@ -63,7 +56,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
         passes.velocity_hessian_inverse.inverse = inverse;
         passes.velocity_hessian_inverse.scratch_column = x;
     }
-    const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, galerkin_predict_lagrangian, NULL,
+    const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, lagrangian_predict_unknowns, NULL,
                                                     &passes};
     galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
     outcome->hessian_pass_count = passes.inversion_count;

@@ -164,7 +164,7 @@ static tvi_status predict_hamiltonian_from_start(galerkin_field *field, const tv
 static void predict_hamiltonian_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
 {
     hamiltonian_work *work = field->form_work;
-    hamiltonian_predict_unknowns(&work->passes, extrapolation);
+    hamiltonian_predict_unknowns(&work->passes, &field->nodes, extrapolation);
 }
 
 static tvi_status make_hamiltonian_pass(galerkin_field *field, double *movement, tvi_stats *stats)

@@ -40,8 +40,12 @@ typedef struct {
  * second pass follows in any case. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
 
-static inline void hamiltonian_predict_unknowns(hamiltonian_passes *passes, const galerkin_extrapolation *extrapolation)
+/* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a hamiltonian_passes. */
+static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes *nodes,
+                                                const galerkin_extrapolation *extrapolation)
 {
+    hamiltonian_passes *passes = work;
+    (void)nodes;
     double moved;
     const galerkin_nodes all = galerkin_nodes_with_all_moving(passes->nodes);
     galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);

@@ -134,7 +134,7 @@ static tvi_status predict_lagrangian_from_start(galerkin_field *field, const tvi
 static void predict_lagrangian_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
 {
     lagrangian_work *work = field->form_work;
-    lagrangian_predict_unknowns(&work->passes, extrapolation);
+    lagrangian_predict_unknowns(&work->passes, &field->nodes, extrapolation);
 }
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */

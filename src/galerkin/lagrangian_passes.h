@@ -102,8 +102,12 @@ static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
     passes->last_movement = INFINITY;
 }
 
-static inline void lagrangian_predict_unknowns(lagrangian_passes *passes, const galerkin_extrapolation *extrapolation)
+/* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a lagrangian_passes. */
+static inline void lagrangian_predict_unknowns(void *work, const galerkin_nodes *nodes,
+                                               const galerkin_extrapolation *extrapolation)
 {
+    lagrangian_passes *passes = work;
+    (void)nodes;
     galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);
     lagrangian_move_q_and_p(passes);
 }

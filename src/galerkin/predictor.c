@@ -127,14 +127,6 @@ bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor
     return ratio <= 1.5 && (is_next ? ratio >= -2 : t == history->start_time && ratio > 0);
 }
 
-int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
-                                          double elapsed_part)
-{
-    const galerkin_history *history = predictor->history;
-    if (elapsed_part != 1 || field->step_size != history->step_size) return 0;
-    return field->step_size == history->previous_step_size ? 2 : 1;
-}
-
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                          const galerkin_node_polynomials *polynomials, galerkin_field *field,
                                          double elapsed_part)

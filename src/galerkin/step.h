@@ -20,10 +20,10 @@ typedef struct {
     long last_ring_index; /* the index of the last step's impulses in the ring */
 } galerkin_history;
 
-/* Returns whether last_ring_index of a loaded history is within the ring. */
-static inline bool galerkin_is_ring_index_valid(const galerkin_history *history)
+/* Returns whether the index of a loaded history is within the ring. */
+static inline bool galerkin_is_ring_index_valid(long last_ring_index)
 {
-    return history->last_ring_index >= 0 && history->last_ring_index < GALERKIN_RING;
+    return last_ring_index >= 0 && last_ring_index < GALERKIN_RING;
 }
 
 typedef struct {
@@ -59,10 +59,6 @@ static inline bool galerkin_follows_last_step(const galerkin_history *history, d
  * its start. */
 bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
                                              double *elapsed_part);
-/* Returns how many of the last two steps have the size of this step and lead up to it without a gap: 0 if
- * elapsed_part is not 1. */
-int tvi_galerkin_count_steps_of_same_size(const galerkin_predictor *predictor, const galerkin_field *field,
-                                          double elapsed_part);
 /* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                          const galerkin_node_polynomials *polynomials, galerkin_field *field,
