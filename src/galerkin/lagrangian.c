@@ -52,18 +52,17 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     if (taken) *taken = work;
 }
 
-bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *factor)
+bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor)
 {
-    tvi_lu_factor *lu_factor = factor;
+    tvi_lu_factor *factor = lu_factor;
     const int n = inverse->n;
     double *x = inverse->scratch_column;
     for (int lane = 0; lane < lanes; lane++) {
-        for (int i = 0; i < n * n; i++) lu_factor->lu[i] = inverse->matrix[i * lanes + lane];
-        if (tvi_factor_compute(lu_factor) != TVI_OK || tvi_factor_least_pivot(lu_factor) <= n * DBL_EPSILON)
-            return false;
+        for (int i = 0; i < n * n; i++) factor->lu[i] = inverse->matrix[i * lanes + lane];
+        if (tvi_factor_compute(factor) != TVI_OK || tvi_factor_least_pivot(factor) <= n * DBL_EPSILON) return false;
         for (int column = 0; column < n; column++) {
             for (int i = 0; i < n; i++) x[i] = i == column;
-            tvi_factor_solve(lu_factor, x);
+            tvi_factor_solve(factor, x);
             for (int i = 0; i < n; i++) inverse->inverse[(i * n + column) * lanes + lane] = x[i];
         }
     }
@@ -95,7 +94,7 @@ static void prepare_lagrangian_field(galerkin_field *field)
     tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
     prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
     work->passes.invert_with_exchanges = tvi_galerkin_invert_with_exchanges;
-    work->passes.factor = &work->legendre_transform.jacobian_factor;
+    work->passes.lu_factor = &work->legendre_transform.jacobian_factor;
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }
 

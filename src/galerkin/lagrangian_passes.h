@@ -31,10 +31,9 @@ typedef struct {
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges), and the work of this
-     * function. */
-    bool (*invert_with_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *factor);
-    void *factor;
+    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges). */
+    bool (*invert_with_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
+    void *lu_factor;     /* the tvi_lu_factor for invert_with_exchanges */
     int inversion_count; /* the number of times that L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
     double last_movement;
@@ -156,7 +155,7 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
         }
     passes->inversion_count++;
     if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse) ||
-        passes->invert_with_exchanges(&passes->velocity_hessian_inverse, lanes, passes->factor))
+        passes->invert_with_exchanges(&passes->velocity_hessian_inverse, lanes, passes->lu_factor))
         return LAGRANGIAN_PASSED;
     for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
         if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + expansion->hessian_element[k].slot * lanes))

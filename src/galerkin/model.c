@@ -25,7 +25,7 @@ static void list_hessian_rows(const tvi_system *system, lanes_hessian_element *e
         row_end[system->hessian[k].row]++;
         if (system->hessian[k].row != system->hessian[k].column) row_end[system->hessian[k].column]++;
     }
-    /* The array end holds the beginning of each row here. The loop below advances it to the end. */
+    /* Here row_end gets the beginning of each row. The loop after it advances it to the end. */
     for (int i = 0, before = 0; i < rows; i++) {
         const int count = row_end[i];
         row_end[i] = before;

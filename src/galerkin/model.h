@@ -22,9 +22,9 @@ void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const 
 /* Evaluates a tape of the field in its block, and adds the displacements of value_noise. */
 galerkin_sweep tvi_galerkin_sweep_tape;
 
-/* Inverts the matrix of each lane by elimination with row exchanges. `factor` is a tvi_lu_factor. Returns false if a
+/* Inverts the matrix of each lane by elimination with row exchanges. `lu_factor` is a tvi_lu_factor. Returns false if a
  * matrix is singular or not finite. */
-bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *factor);
+bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
 
 /* Writes the tables of second derivatives into generated code, as constants. */
 void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tables *tables);
