@@ -94,6 +94,7 @@ static void prepare_lagrangian_field(galerkin_field *field)
     tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
     prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
     work->passes.invert_with_exchanges = tvi_galerkin_invert_with_exchanges;
+    work->passes.library_inverse = &work->passes.velocity_hessian_inverse;
     work->passes.lu_factor = &work->legendre_transform.jacobian_factor;
     for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
 }

@@ -31,9 +31,11 @@ typedef struct {
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges). */
+    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges), with the tvi_lu_factor and in
+     * the arrays of the library. */
     bool (*invert_with_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
-    void *lu_factor;     /* the tvi_lu_factor for invert_with_exchanges */
+    const lanes_matrix_inverse *library_inverse;
+    void *lu_factor;
     int inversion_count; /* the number of times that L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
     double last_movement;
@@ -145,7 +147,8 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     const lanes_gradient_expansion *expansion = &passes->gradient_expansion;
     const int n = expansion->n, lanes = expansion->lanes;
     double *a = passes->velocity_hessian_inverse.matrix;
-    memset(a, 0, (size_t)(n * n * lanes) * sizeof *a);
+    const size_t bytes = (size_t)(n * n * lanes) * sizeof *a;
+    memset(a, 0, bytes);
     for (int i = n; i < 2 * n; i++)
         for (int k = expansion->row_end[i - 1]; k < expansion->row_end[i]; k++) {
             const lanes_hessian_element *term = &expansion->hessian_element[k];
@@ -154,9 +157,14 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
                 memcpy(element, passes->tape_blocks.hessian_block + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     passes->inversion_count++;
-    if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse) ||
-        passes->invert_with_exchanges(&passes->velocity_hessian_inverse, lanes, passes->lu_factor))
+    if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
+    /* The called function gets no address of a local array of generated code: compilers would no longer know that other
+     * pointers do not point to it. */
+    memmove(passes->library_inverse->matrix, a, bytes);
+    if (passes->invert_with_exchanges(passes->library_inverse, lanes, passes->lu_factor)) {
+        memmove(passes->velocity_hessian_inverse.inverse, passes->library_inverse->inverse, bytes);
         return LAGRANGIAN_PASSED;
+    }
     for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
         if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + expansion->hessian_element[k].slot * lanes))
             return LAGRANGIAN_NO_NUMBER;
