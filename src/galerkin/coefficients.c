@@ -13,10 +13,10 @@ void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomia
 {
     polynomials->node_count = node_count;
     polynomials->sweeps = sweeps;
-    polynomials->legendre_coefficient = tvi_arena_doubles(arena, (size_t)node_count * (size_t)node_count);
-    polynomials->transposed_coefficient = tvi_arena_doubles(arena, (size_t)node_count * (size_t)lanes);
-    polynomials->single_integral = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
-    polynomials->double_integral = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
+    polynomials->transposed_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
+    polynomials->single_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
 /* Computes P_0 .. P_top at x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */

@@ -92,7 +92,7 @@ typedef struct {
 /* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
  * of its coordinate and its momentum in the arrays. */
 static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, int i,
-                                                            size_t coordinate_index, size_t momentum_index)
+                                                                 size_t coordinate_index, size_t momentum_index)
 {
     const double *last = inputs->impulse_sums.last_term, *end_size = inputs->impulse_sums.end_impulse_size;
     tvi_tail_component component = {.momentum_size = fabs(inputs->start_p[coordinate_index]) +

@@ -91,7 +91,7 @@ tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_ru
 
 /* Returns whether the nodes are still near the start of the step (tvi_roundoff_is_motion_small of roundoff.h), and have
  * not diverged. */
-bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_origin *origin);
+bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_step_origin *origin);
 
 /* Makes the next pass, which moves the unknowns by *movement, and measures its roundoff: the difference from a pass
  * with displaced unknowns and displaced values of the field. Both results are sums of squares, as the passes measure

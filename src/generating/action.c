@@ -38,7 +38,7 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
     const int values =
         tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
-        const double of_force = fabs(h) * change[i], of_second = separable ? 0 : change[n + i];
+        const double of_force = fabs(h) * field_change[i], of_second = separable ? 0 : field_change[n + i];
         p_roundoff[i] = of_force + DBL_EPSILON * fabs(p[i]);
         if (separable) q_roundoff[i] = fabs(h) / system->mass[i] * of_force;
         else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * of_second;
