@@ -48,7 +48,6 @@ static inline double step_size_largest_component(const tvi_curve *curve, bool of
         size = tvi_larger(fabs(of_momentum ? tvi_curve_momentum_coefficient(curve, k, i)
                                            : tvi_curve_position_coefficients(curve, k)[i]),
                           size);
-    JET_ALONE(size);
     return size;
 }
 
@@ -103,10 +102,9 @@ static inline double step_size_log_by_term(const tvi_curve *curve, const step_si
     double farthest = -INFINITY;
     for (int i = 0; i < REACH_SIZED_BY; i++) {
         const int apart = x.order - first_terms[i].order;
-        double usable_step =
+        const double usable_step =
             apart > 0 ? (log_relative_size + first_terms[i].log_size - x.log_size) * curve->reciprocal_integer[apart]
                       : -INFINITY;
-        JET_ALONE(usable_step);
         farthest = tvi_larger(usable_step, farthest);
     }
     return farthest > -INFINITY ? farthest : INFINITY;
@@ -119,11 +117,10 @@ static inline double step_size_log_by_last_terms(const tvi_curve *curve, const s
     double least = INFINITY;
     for (int i = 0; i < REACH_LAST; i++) {
         const step_size_term x = ends->last_terms[i];
-        double usable_step =
+        const double usable_step =
             x.order > 1 ? step_size_log_by_term(curve, ends->first_terms, x,
                                                 log_relative_size * x.order * curve->reciprocal_integer[degree])
                         : INFINITY;
-        JET_ALONE(usable_step);
         least = tvi_smaller(usable_step, least);
     }
     return least;
