@@ -49,9 +49,9 @@ static void emit_double_array(jet_text *text, const char *tape_name, const char 
 
 static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
-    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d},\n", (int)run->op,
+    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
-                    run->first_constant_term, run->terms, run->term);
+                    run->is_scattered, run->first_constant_term, run->terms, run->term);
 }
 
 typedef struct {
@@ -156,6 +156,9 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
     const char *name = emitter->request->name;
     const int index = (int)(run - emitter->tape->run);
     if (run->op == OP_LINEAR) jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
+    else if (run->is_scattered)
+        jet_text_append(emitter->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
+                        run->terms);
     else if (rule_names[run->op])
         jet_text_append(emitter->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_names[run->op]);
     else
@@ -177,9 +180,10 @@ static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run 
 static void emit_run_lists(const tape_emitter *emitter)
 {
     const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->runs;
-    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", emitter->request->name);
+    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, SCATTERED, LINEAR)", emitter->request->name);
     for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
-    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, LINEAR, SUMS)", emitter->request->name);
+    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, SCATTERED, LINEAR, SUMS)",
+                    emitter->request->name);
     for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
         emit_run_of_adjoint_list(emitter, run);
     jet_text_append(emitter->text, "\n");

@@ -2,9 +2,10 @@
  * rules.
  *
  * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each run
- * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); or LINEAR(T, i, terms). For adjoints it
- * defines T_RUNS_BACK, the same list in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on,
- * whose adjoint function is T_sums_back_i. */
+ * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); SCATTERED(T, i, squares, terms) for
+ * products with scattered operands, on tapes of values; or LINEAR(T, i, terms). For adjoints it defines T_RUNS_BACK,
+ * the same list in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on, whose adjoint function
+ * is T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -14,6 +15,8 @@
     inside &= evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,       \
                               x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);
 #define VALUES_PRODUCTS(T, i, squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_SCATTERED(T, i, squares, terms)                                                                         \
+    compute_scattered_product_values(&T, &T##_run[i], x, lanes, squares, terms);
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_linear_order(&T, &T##_run[i], x, lanes, terms);                                                            \
     add_constant_terms(&T, &T##_run[i], x, lanes);
@@ -64,7 +67,7 @@
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
         bool inside = true;                                                                                            \
-        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_LINEAR);                                                         \
+        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_LINEAR);                                       \
         return inside;                                                                                                 \
     }
 
@@ -108,32 +111,35 @@
         return inside;                                                                                                 \
     }
 
+/* Stands for SCATTERED on tapes of series, which have no scattered operands. */
+#define NONE(T, i, squares, terms)
+
 #define JET_GENERATED_SERIES(T)                                                                                        \
     JET_INLINE bool T##_series_of(double *x, int k)                                                                    \
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
-        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, SERIES_LINEAR) return true;                                             \
+        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, NONE, SERIES_LINEAR) return true;                                       \
     }
 
 #define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, TANGENTS_LINEAR) return true;                                       \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, NONE, TANGENTS_LINEAR) return true;                                 \
     }
 
 #define JET_GENERATED_TANGENTS_PER_LANE(T, LANES)                                                                      \
     NEVER void T##_tangents_per_lane_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, PER_LANE_LINEAR);                                                   \
+        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, NONE, PER_LANE_LINEAR);                                             \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, ADJOINTS_LINEAR, ADJOINTS_SUMS)                                \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, NONE, ADJOINTS_LINEAR, ADJOINTS_SUMS)                          \
     }
 
 #endif

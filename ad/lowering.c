@@ -216,9 +216,10 @@ static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement
     return true;
 }
 
-static bool are_operands_adjacent_in_subgroups(const graph_lowering *lowering, tape_placement *const group[], int count)
+static bool are_operands_adjacent_in_subgroups(const graph_lowering *lowering, tape_placement *const group[], int count,
+                                               int *subgroup_count)
 {
-    for (int begin = 0, end = 0; begin < count; begin = end) {
+    for (int begin = 0, end = 0; begin < count; begin = end, ++*subgroup_count) {
         while (end < count && group[end]->subgroup == group[begin]->subgroup) end++;
         for (int pair = 0; pair < group[0]->operand_pair_count; pair++)
             for (int factor = 0; factor < 2; factor++)
@@ -244,10 +245,18 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
 }
 
 /* Arranges the operations of a group so that their operands are adjacent. If the order by subgroups does this, it is
- * kept. Otherwise the group is sorted by one operand, and the other operand is copied to adjacent slots. */
+ * kept. Otherwise the group is sorted by one operand, and the other operand is copied to adjacent slots. Tapes of
+ * values read scattered operands where they are, unless each subgroup has at least SHORT operations on
+ * average; copies are then cheaper. */
+enum { SHORT = 4 };
 static void arrange_group_operands(graph_lowering *lowering, tape_placement *group[], int count)
 {
-    if (are_operands_adjacent_in_subgroups(lowering, group, count)) return;
+    int subgroup_count = 0;
+    const bool in_subgroups = are_operands_adjacent_in_subgroups(lowering, group, count, &subgroup_count);
+    const bool is_scattered = JET_HAS(SCATTERED) && lowering->kind == JET_TAPE_VALUES &&
+                              is_sum_of_products_op(group[0]->op) && (!in_subgroups || count < SHORT * subgroup_count);
+    for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
+    if (in_subgroups || is_scattered) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
     for (int pair = 0; pair < group[0]->operand_pair_count; pair++)

@@ -14,6 +14,8 @@ typedef struct {
     int subgroup;      /* Operations of a level with equal subgroups read adjacent slots (assign_subgroups). */
     int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
+    /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */
+    bool is_scattered;
     /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
      * otherwise 1. */
     int operand_pair_count;

@@ -59,9 +59,10 @@ static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run,
 static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run, int i, const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_operand_b;
+    const int k0 = run->term + (run->is_scattered ? i * run->terms : 0), at = run->is_scattered ? 0 : i;
     long double sum = 0;
-    for (int k = run->term; k < run->term + run->terms; k++)
-        sum += tape->term_coefficient[k] * values[tape->term_slot[k] + i] * values[second[k] + i];
+    for (int k = k0; k < k0 + run->terms; k++)
+        sum += tape->term_coefficient[k] * values[tape->term_slot[k] + at] * values[second[k] + at];
     return sum;
 }
 

@@ -8,7 +8,7 @@
 /* Says which runs are split. */
 typedef enum {
     JET_SPLIT_NONE, /* None: all runs stay as they are. */
-    JET_SPLIT_SUMS, /* Splits LINEAR runs. */
+    JET_SPLIT_SUMS, /* Splits LINEAR runs and runs with scattered operands. */
     /* Splits all runs, on tapes of values. Each operation follows its operands, and stands directly before those
      * operations that wait for no other one. */
     JET_SPLIT_ALL

@@ -21,16 +21,24 @@ typedef struct {
     const double *factor_a[JET_TERMS_MAX], *factor_b[JET_TERMS_MAX];
 } product_terms;
 
-JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *run, const double *block, size_t lanes,
-                                          int terms)
+JET_INLINE product_terms locate_terms_at_slots(const double *coefficient, const int *slot_a, const int *slot_b,
+                                               const double *block, size_t lanes, int terms)
 {
     product_terms p;
     for (int t = 0; t < terms; t++) {
-        p.coefficient[t] = tape->term_coefficient[run->term + t];
-        p.factor_a[t] = block + (size_t)tape->term_slot[run->term + t] * lanes;
-        p.factor_b[t] = block + (size_t)tape->term_operand_b[run->term + t] * lanes;
+        p.coefficient[t] = coefficient[t];
+        p.factor_a[t] = block + (size_t)slot_a[t] * lanes;
+        p.factor_b[t] = block + (size_t)slot_b[t] * lanes;
     }
     return p;
+}
+
+JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *run, const double *block, size_t lanes,
+                                          int terms)
+{
+    const int first = run->term;
+    return locate_terms_at_slots(tape->term_coefficient + first, tape->term_slot + first, tape->term_operand_b + first,
+                                 block, lanes, terms);
 }
 
 /* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The factors that a recurrence computes last
@@ -68,9 +76,28 @@ TABLE(values_eight, compute_product_values, (const jet_tape *tape, const jet_run
 TABLE(values_any, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape,
       run, block, lanes)
 
+JET_INLINE void compute_scattered_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                                 bool squares, int terms)
+{
+    const size_t stride = (size_t)lanes;
+    const double *c = tape->term_coefficient + run->term;
+    const int *a = tape->term_slot + run->term, *b = squares ? a : tape->term_operand_b + run->term;
+    double *z = block + (size_t)run->z * stride, *const end = z + (size_t)run->operation_count * stride;
+    for (; z < end; z += stride, a += terms, b += terms, c += terms) {
+        const product_terms p = locate_terms_at_slots(c, a, b, block, stride, terms);
+        JET_BLOCKS(lanes, VALUES, JET_OF);
+    }
+}
+TABLE(scattered_eight, compute_scattered_product_values, (const jet_tape *tape, const jet_run *run, double *block),
+      tape, run, block, 8)
+TABLE(scattered_any, compute_scattered_product_values,
+      (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run, block, lanes)
+
 void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
-    if (lanes == 8) FUNCTION(values_eight, run)(tape, run, block);
+    if (run->is_scattered && lanes == 8) FUNCTION(scattered_eight, run)(tape, run, block);
+    else if (run->is_scattered) FUNCTION(scattered_any, run)(tape, run, block, lanes);
+    else if (lanes == 8) FUNCTION(values_eight, run)(tape, run, block);
     else FUNCTION(values_any, run)(tape, run, block, lanes);
 }
 

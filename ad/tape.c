@@ -42,7 +42,7 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
 static bool join_linear_run(jet_run *run, const jet_run *next)
 {
     if (next->terms != run->terms) return false;
-    run->has_constant_terms |= next->has_constant_terms;
+    if (next->has_constant_terms) run->has_constant_terms = 1;
     return true;
 }
 
@@ -50,7 +50,8 @@ static bool join_linear_run(jet_run *run, const jet_run *next)
  * if the operation joins the run before. */
 static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 {
-    const jet_run run = {z->op, 1, z->slot, .terms = z->operand_pair_count, .term = tape->terms};
+    const jet_run run = {
+        z->op, 1, z->slot, .terms = z->operand_pair_count, .term = tape->terms, .is_scattered = z->is_scattered};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
@@ -59,7 +60,8 @@ static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 
 static bool join_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
 {
-    if (next->terms != run->terms) return false;
+    if (next->terms != run->terms || next->is_scattered != run->is_scattered) return false;
+    if (run->is_scattered) return true;
     for (int here = run->term, there = next->term; there < next->term + next->terms; here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
             tape->term_slot[there] != tape->term_slot[here] + run->operation_count ||

@@ -23,12 +23,14 @@ typedef enum {
  * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own,
  * term_coefficient[k] times slot term_slot[k], for `terms` values k from term + i * terms on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
- * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. */
+ * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. If operands are scattered, on
+ * tapes of values alone, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
-    double exponent;        /* Exponent of POW; all others have 0. */
-    int has_constant_terms; /* LINEAR: 1 if some constant term is not 0, otherwise 0. */
+    double exponent; /* Exponent of POW; all others have 0. */
+    /* LINEAR: 1 if some constant term is not 0. PRODUCTS and SQUARES: 1 if operands are scattered. Otherwise 0. */
+    short has_constant_terms, is_scattered;
     int first_constant_term, terms, term;
 } jet_run;
 

@@ -13,7 +13,8 @@ typedef struct {
 
 /* Lists all arrays of a tape, to free and to hash them. An array that is left out would never be freed. */
 enum { TAPE_ARRAYS = 9 };
-_Static_assert(sizeof(jet_run) == 10 * sizeof(int) + sizeof(double), "A run, whose bytes are hashed, has no gaps.");
+_Static_assert(sizeof(jet_run) == 9 * sizeof(int) + 2 * sizeof(short) + sizeof(double),
+               "A run, whose bytes are hashed, has no gaps.");
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
     const size_t terms = (size_t)tape->terms;

@@ -27,7 +27,8 @@ static int last_slot(const jet_run *run, int first) { return first + run->operat
  * lacks operations, or be a sum, which can always be copied. */
 static bool can_pad_run(const run_padding *p, const jet_run *run)
 {
-    if (run->op == OP_LINEAR || run->w != 0 || padding_length(run->operation_count) == 0) return false;
+    if (run->op == OP_LINEAR || run->is_scattered || run->w != 0 || padding_length(run->operation_count) == 0)
+        return false;
     for (int k = 0, first; (first = jet_operation_operand_slot(p->tape, run, 0, k)) >= 0; k++) {
         const int slot = last_slot(run, first);
         if (!p->producing_run[slot]) return false;
@@ -143,7 +144,8 @@ static void fill_padded_tape(const run_padding *p, jet_tape *to)
     for (int i = 0; i < tape->outputs; i++) to->output_slot[i] = p->new_slot[tape->output_slot[i]];
 }
 
-/* Builds the new tape, and replaces the old one by it. */
+/* Builds the new tape, and replaces the old one by it. Tapes of series alone are padded; they have no scattered
+ * operands. */
 static bool build_padded_tape(const run_padding *p, int new_slots)
 {
     jet_tape *tape = p->tape, to = *tape;

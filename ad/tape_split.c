@@ -14,6 +14,9 @@ typedef struct {
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
+/* Tells whether each operation of the run has terms of its own. */
+static bool has_terms_per_operation(const jet_run *run) { return run->op == OP_LINEAR || run->is_scattered; }
+
 static void append_split_terms(jet_tape *split, const jet_tape *tape, int first, int count, int shift)
 {
     for (int term = first; term < first + count; term++, split->terms++) {
@@ -31,7 +34,8 @@ static void append_split_run(const run_splitting *s, const jet_run *run, int fro
     part.operation_count = count;
     part.z += from;
     part.term = s->split->terms;
-    if (run->op == OP_LINEAR) append_split_terms(s->split, tape, run->term + from * run->terms, count * run->terms, 0);
+    if (has_terms_per_operation(run))
+        append_split_terms(s->split, tape, run->term + from * run->terms, count * run->terms, 0);
     else append_split_terms(s->split, tape, run->term, run->terms, from);
     if (run->terms == 0) {
         part.a += from;
@@ -44,7 +48,7 @@ static void append_split_run(const run_splitting *s, const jet_run *run, int fro
 static void split_runs_in_tape_order(const run_splitting *s, jet_split_mode mode)
 {
     for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->runs; run++) {
-        const bool is_apart = mode == JET_SPLIT_SUMS && run->op == OP_LINEAR;
+        const bool is_apart = mode == JET_SPLIT_SUMS && has_terms_per_operation(run);
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
             append_split_run(s, run, i, is_apart ? 1 : run->operation_count);
     }
@@ -57,8 +61,8 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, 
     const int reads = run->terms > 0 ? run->terms : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
     if (run->terms == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
-    const int term = run->term + which + (run->op == OP_LINEAR ? i * run->terms : 0),
-              shift = run->op == OP_LINEAR ? 0 : i;
+    const int term = run->term + which + (has_terms_per_operation(run) ? i * run->terms : 0),
+              shift = has_terms_per_operation(run) ? 0 : i;
     return shift + (k < reads ? tape->term_slot[term] : tape->term_operand_b[term]);
 }
 
