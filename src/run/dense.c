@@ -32,7 +32,7 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     double t;
     if (!it || !q || !p) return tvi_refuse_run_arguments((tvi_run_arguments){it, &t, q, p, 1}, "");
     if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
-    if (!it->has_dense) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
+    if (!it->has_dense_output) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
     return tvi_compute_dense_state(it, theta, &t, q, p);
 }
 
@@ -40,8 +40,8 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 
 const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
-/* Computes the states at all sample points by one call of the stepper's `dense` for each. It is used for methods whose
- * stepper has no function that computes all sample points at once. */
+/* Computes the states at all sample points by one call of the stepper's `dense` for each, if the stepper has no
+ * function that computes all of them at once. */
 static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;

@@ -12,7 +12,7 @@ enum { MOST_SECTIONS = 120 };
 
 /* Returns the minimum of the parabola through the three middle samples. If that lies outside of them, or if
  * wants_golden_section is set, it returns a point that divides the larger of the two intervals in the golden ratio. */
-static double next_sample_position(const tvi_event_sample dip[TVI_DIP_SAMPLES], bool wants_golden_section)
+static double next_sample_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], bool wants_golden_section)
 {
     const double golden = 0.3819660112501051;
     const double left = dip[2].theta - dip[1].theta, right = dip[3].theta - dip[2].theta,
@@ -55,7 +55,7 @@ bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int 
     if (sample_count >= MOST_SECTIONS || dip[3].theta - dip[1].theta <= LEAST_SECTION || is_zero_excluded(dip))
         return false;
     if (change <= UNITS * DBL_EPSILON * fabs(dip[2].g)) return false;
-    *theta = next_sample_position(dip, sample_count % 3 == 2);
+    *theta = next_sample_theta(dip, sample_count % 3 == 2);
     return true;
 }
 

@@ -12,7 +12,7 @@
 
 static size_t count_parameters_of_all_members(const tvi_ensemble *ensemble)
 {
-    return (size_t)tvi_system_parameters(ensemble->system) * (size_t)ensemble->members;
+    return (size_t)tvi_system_parameters(ensemble->system) * (size_t)ensemble->member_count;
 }
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
@@ -23,9 +23,9 @@ static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const t
                                             const tvi_options *options)
 {
     tvi_status status =
-        worker == ensemble->worker
+        worker == ensemble->workers
             ? tvi_integrator_create(&worker->single_integrator, ensemble->system, options)
-            : tvi_integrator_create_like(&worker->single_integrator, ensemble->worker->single_integrator, 1);
+            : tvi_integrator_create_like(&worker->single_integrator, ensemble->workers->single_integrator, 1);
     if (status != TVI_OK) return status;
     worker->member_q = calloc(2 * (size_t)ensemble->n, sizeof *worker->member_q);
     if (!worker->member_q) return TVI_ENOMEM;
@@ -37,28 +37,29 @@ static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const t
 
 static tvi_status allocate_member_memory(tvi_ensemble *ensemble)
 {
-    const tvi_integrator *batch = ensemble->worker->batch_integrator;
+    const tvi_integrator *batch = ensemble->workers->batch_integrator;
     ensemble->width = batch->width;
-    ensemble->batches = (ensemble->members - 1) / ensemble->width + 1;
+    ensemble->batch_count = (ensemble->member_count - 1) / ensemble->width + 1;
     ensemble->history_bytes = batch->history_bytes;
-    ensemble->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)ensemble->batches * ensemble->history_bytes);
+    ensemble->batch_histories = aligned_alloc(ARENA_ALIGNMENT, (size_t)ensemble->batch_count * ensemble->history_bytes);
     ensemble->parameters = calloc(count_parameters_of_all_members(ensemble) + 1, sizeof *ensemble->parameters);
-    ensemble->stops = calloc((size_t)ensemble->members, tvi_size_of_stop_in_bytes(ensemble->n));
-    ensemble->failed = calloc((size_t)ensemble->members, sizeof *ensemble->failed);
-    if (!ensemble->memory || !ensemble->parameters || !ensemble->stops || !ensemble->failed) return TVI_ENOMEM;
-    memset(ensemble->memory, 0, (size_t)ensemble->batches * ensemble->history_bytes);
+    ensemble->stops = calloc((size_t)ensemble->member_count, tvi_size_of_stop_in_bytes(ensemble->n));
+    ensemble->failure_status = calloc((size_t)ensemble->member_count, sizeof *ensemble->failure_status);
+    if (!ensemble->batch_histories || !ensemble->parameters || !ensemble->stops || !ensemble->failure_status)
+        return TVI_ENOMEM;
+    memset(ensemble->batch_histories, 0, (size_t)ensemble->batch_count * ensemble->history_bytes);
     for (size_t i = 0; i < count_parameters_of_all_members(ensemble); i++)
-        ensemble->parameters[i] = ensemble->worker->single_integrator->parameters[i / (size_t)ensemble->members];
+        ensemble->parameters[i] = ensemble->workers->single_integrator->parameters[i / (size_t)ensemble->member_count];
     return TVI_OK;
 }
 
 static tvi_status create_workers_and_members(tvi_ensemble *ensemble, const tvi_options *options)
 {
     tvi_status status = TVI_OK;
-    ensemble->worker = calloc((size_t)ensemble->threads, sizeof *ensemble->worker);
-    if (!ensemble->worker) return TVI_ENOMEM;
-    for (int i = 0; i < ensemble->threads && status == TVI_OK; i++)
-        status = create_worker_integrators(&ensemble->worker[i], ensemble, options);
+    ensemble->workers = calloc((size_t)ensemble->thread_count, sizeof *ensemble->workers);
+    if (!ensemble->workers) return TVI_ENOMEM;
+    for (int i = 0; i < ensemble->thread_count && status == TVI_OK; i++)
+        status = create_worker_integrators(&ensemble->workers[i], ensemble, options);
     return status == TVI_OK ? allocate_member_memory(ensemble) : status;
 }
 
@@ -77,8 +78,8 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
         free(ensemble);
         return jet_refuse(TVI_ENOMEM, "so many threads cannot be started");
     }
-    *ensemble = (tvi_ensemble){.system = system, .n = system->n, .members = members};
-    ensemble->threads = wanted < members ? wanted : members;
+    *ensemble = (tvi_ensemble){.system = system, .n = system->n, .member_count = members};
+    ensemble->thread_count = wanted < members ? wanted : members;
     (void)pthread_mutex_init(&ensemble->observer_lock, NULL);
     const tvi_status status = create_workers_and_members(ensemble, options);
     if (status == TVI_OK) *out = ensemble;
@@ -89,17 +90,17 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
 void tvi_ensemble_free(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
-    for (int i = 0; ensemble->worker && i < ensemble->threads; i++) {
-        if (ensemble->worker[i].batch_integrator != ensemble->worker[i].single_integrator)
-            tvi_integrator_free(ensemble->worker[i].batch_integrator);
-        tvi_integrator_free(ensemble->worker[i].single_integrator);
-        free(ensemble->worker[i].member_q);
+    for (int i = 0; ensemble->workers && i < ensemble->thread_count; i++) {
+        if (ensemble->workers[i].batch_integrator != ensemble->workers[i].single_integrator)
+            tvi_integrator_free(ensemble->workers[i].batch_integrator);
+        tvi_integrator_free(ensemble->workers[i].single_integrator);
+        free(ensemble->workers[i].member_q);
     }
-    free(ensemble->worker);
-    free(ensemble->memory);
+    free(ensemble->workers);
+    free(ensemble->batch_histories);
     free(ensemble->parameters);
     free(ensemble->stops);
-    free(ensemble->failed);
+    free(ensemble->failure_status);
     (void)pthread_mutex_destroy(&ensemble->observer_lock);
     free(ensemble);
 }
@@ -108,7 +109,7 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
 
 static char *history_of_batch(const tvi_ensemble *ensemble, int batch)
 {
-    return ensemble->memory + (size_t)batch * ensemble->history_bytes;
+    return ensemble->batch_histories + (size_t)batch * ensemble->history_bytes;
 }
 
 void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
@@ -117,8 +118,8 @@ void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ense
                            ensemble->history_bytes);
     tvi_integrator_load_parameters(worker->batch_integrator,
                                    ensemble->parameters + tvi_first_member_of_batch(ensemble, batch),
-                                   (size_t)ensemble->members, tvi_count_members_of_batch(ensemble, batch));
-    worker->batch_integrator->has_dense = false;
+                                   (size_t)ensemble->member_count, tvi_count_members_of_batch(ensemble, batch));
+    worker->batch_integrator->has_dense_output = false;
 }
 
 void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int batch)
@@ -133,7 +134,7 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ens
         tvi_member_copy_between_integrators(worker->single_integrator, 0, worker->batch_integrator,
                                             member % ensemble->width);
         tvi_integrator_load_parameters(worker->single_integrator, ensemble->parameters + member,
-                                       (size_t)ensemble->members, 1);
+                                       (size_t)ensemble->member_count, 1);
     }
     memcpy(worker->single_integrator->stop, tvi_stop_of_member(ensemble, member),
            tvi_size_of_stop_in_bytes(ensemble->n));
@@ -160,8 +161,8 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     memmove(ensemble->parameters, value, count_parameters_of_all_members(ensemble) * sizeof *value);
-    /* The stops belong to events with the old parameters. */
-    for (int member = 0; member < ensemble->members; member++)
+    /* The events of the stops were computed with the old parameters, so the next run must report them again. */
+    for (int member = 0; member < ensemble->member_count; member++)
         tvi_event_stop_forget(tvi_stop_of_member(ensemble, member), ensemble->n);
     tvi_ensemble_reset(ensemble);
     return TVI_OK;
@@ -170,13 +171,13 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
 void tvi_ensemble_reset(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
-    memset(ensemble->memory, 0, (size_t)ensemble->batches * ensemble->history_bytes);
-    memset(ensemble->failed, 0, (size_t)ensemble->members * sizeof *ensemble->failed);
-    for (int i = 0; i < ensemble->threads; i++) {
-        ensemble->worker[i].single_integrator->stats.largest_tail = 0;
-        ensemble->worker[i].batch_integrator->stats.largest_tail = 0;
+    memset(ensemble->batch_histories, 0, (size_t)ensemble->batch_count * ensemble->history_bytes);
+    memset(ensemble->failure_status, 0, (size_t)ensemble->member_count * sizeof *ensemble->failure_status);
+    for (int i = 0; i < ensemble->thread_count; i++) {
+        ensemble->workers[i].single_integrator->stats.largest_tail = 0;
+        ensemble->workers[i].batch_integrator->stats.largest_tail = 0;
     }
-    ensemble->loaded.largest_tail = 0;
+    ensemble->loaded_stats.largest_tail = 0;
     ensemble->has_run = false;
 }
 
@@ -196,16 +197,17 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     if (!ensemble || !stats)
         return tvi_refuse_null_pointer(2, (const void *const[]){ensemble, stats},
                                        (const char *const[]){"ensemble", "stats"});
-    *stats = ensemble->loaded;
-    stats->bytes = sizeof *ensemble + (size_t)ensemble->batches * ensemble->history_bytes +
-                   count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
-                   (size_t)ensemble->members * (sizeof *ensemble->failed + tvi_size_of_stop_in_bytes(ensemble->n));
-    for (int i = 0; i < ensemble->threads; i++) {
-        add_step_counts(stats, &ensemble->worker[i].single_integrator->stats);
-        if (ensemble->worker[i].batch_integrator != ensemble->worker[i].single_integrator)
-            add_step_counts(stats, &ensemble->worker[i].batch_integrator->stats);
+    *stats = ensemble->loaded_stats;
+    stats->bytes =
+        sizeof *ensemble + (size_t)ensemble->batch_count * ensemble->history_bytes +
+        count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
+        (size_t)ensemble->member_count * (sizeof *ensemble->failure_status + tvi_size_of_stop_in_bytes(ensemble->n));
+    for (int i = 0; i < ensemble->thread_count; i++) {
+        add_step_counts(stats, &ensemble->workers[i].single_integrator->stats);
+        if (ensemble->workers[i].batch_integrator != ensemble->workers[i].single_integrator)
+            add_step_counts(stats, &ensemble->workers[i].batch_integrator->stats);
     }
-    stats->is_compiled = ensemble->worker->single_integrator->stats.is_compiled;
+    stats->is_compiled = ensemble->workers->single_integrator->stats.is_compiled;
     return TVI_OK;
 }
 
@@ -217,22 +219,22 @@ enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
 
 static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tvi_saved_pieces *pieces)
 {
-    const size_t members = (size_t)ensemble->members;
-    pieces->count = 0;
+    const size_t members = (size_t)ensemble->member_count;
+    pieces->piece_count = 0;
     tvi_saved_pieces_add(pieces, stats, sizeof *stats);
-    tvi_saved_pieces_add(pieces, ensemble->failed, members * sizeof *ensemble->failed);
+    tvi_saved_pieces_add(pieces, ensemble->failure_status, members * sizeof *ensemble->failure_status);
     tvi_saved_pieces_add(pieces, ensemble->parameters,
                          count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters);
     tvi_saved_pieces_add(pieces, ensemble->stops, members * tvi_size_of_stop_in_bytes(ensemble->n));
-    tvi_saved_pieces_add(pieces, ensemble->memory, (size_t)ensemble->batches * ensemble->history_bytes);
+    tvi_saved_pieces_add(pieces, ensemble->batch_histories, (size_t)ensemble->batch_count * ensemble->history_bytes);
 }
 
 static tvi_saved_identity compute_ensemble_identity(const tvi_ensemble *ensemble, const tvi_saved_pieces *pieces)
 {
     tvi_saved_identity who =
-        tvi_saved_identity_of_integrator(ensemble->worker->single_integrator, tvi_saved_size_in_bytes(pieces));
+        tvi_saved_identity_of_integrator(ensemble->workers->single_integrator, tvi_saved_size_in_bytes(pieces));
     who.has_stepped = ensemble->has_run;
-    who.members = ensemble->members;
+    who.member_count = ensemble->member_count;
     who.width = ensemble->width;
     return who;
 }
@@ -254,17 +256,18 @@ tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t 
 static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_pieces *pieces, const void *buffer)
 {
     const char *histories = tvi_saved_piece_address(pieces, HISTORIES, buffer);
-    tvi_integrator *it = ensemble->worker->batch_integrator;
+    tvi_integrator *it = ensemble->workers->batch_integrator;
     if (!tvi_saved_stats_are_valid(tvi_saved_piece_address(pieces, COUNTS, buffer)) ||
-        !tvi_saved_stops_are_valid(tvi_saved_piece_address(pieces, STOPS, buffer), ensemble->n, ensemble->members) ||
+        !tvi_saved_stops_are_valid(tvi_saved_piece_address(pieces, STOPS, buffer), ensemble->n,
+                                   ensemble->member_count) ||
         !tvi_numbers_are_finite(tvi_saved_piece_address(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
         return false;
-    for (int m = 0; m < ensemble->members; m++) {
+    for (int m = 0; m < ensemble->member_count; m++) {
         tvi_status status;
         memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + (size_t)m * sizeof status, sizeof status);
         if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
     }
-    for (int batch = 0; batch < ensemble->batches; batch++) {
+    for (int batch = 0; batch < ensemble->batch_count; batch++) {
         tvi_arena_copy_history(it->history, histories + (size_t)batch * ensemble->history_bytes,
                                ensemble->history_bytes);
         if (!tvi_loaded_history_is_valid(it)) return false;
@@ -282,15 +285,15 @@ tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t 
     if (idle != TVI_OK) return idle;
     list_saved_pieces(ensemble, &stats, &pieces);
     const tvi_saved_identity own = compute_ensemble_identity(ensemble, &pieces);
-    const char *const misfit = tvi_saved_find_misfit(&own, buffer, size);
-    if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
+    const char *const mismatch = tvi_saved_find_mismatch(&own, buffer, size);
+    if (mismatch) return jet_refuse(TVI_EINVAL, "%s", mismatch);
     if (!are_saved_pieces_valid(ensemble, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
     memcpy(&who, buffer, sizeof who);
-    for (int i = 0; i < pieces.count; i++) tvi_saved_load_piece(&pieces, i, buffer);
-    ensemble->loaded = stats;
-    for (int i = 0; i < ensemble->threads; i++) {
-        tvi_stats *const all[] = {&ensemble->worker[i].single_integrator->stats,
-                                  &ensemble->worker[i].batch_integrator->stats};
+    for (int i = 0; i < pieces.piece_count; i++) tvi_saved_load_piece(&pieces, i, buffer);
+    ensemble->loaded_stats = stats;
+    for (int i = 0; i < ensemble->thread_count; i++) {
+        tvi_stats *const all[] = {&ensemble->workers[i].single_integrator->stats,
+                                  &ensemble->workers[i].batch_integrator->stats};
         for (int k = 0; k < 2; k++) *all[k] = (tvi_stats){.bytes = all[k]->bytes, .is_compiled = all[k]->is_compiled};
     }
     ensemble->has_run = who.has_stepped != 0;
@@ -305,12 +308,12 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
-    tvi_ensemble_worker *worker = ensemble->worker;
-    for (int m = 0; m < ensemble->members; m++) {
+    tvi_ensemble_worker *worker = ensemble->workers;
+    for (int m = 0; m < ensemble->member_count; m++) {
         if (m % ensemble->width == 0) tvi_worker_load_batch(worker, ensemble, m / ensemble->width);
         tvi_member_copy_state(worker->batch_integrator, m % ensemble->width, &t[m], q + m, p + m,
-                              (size_t)ensemble->members);
-        status[m] = ensemble->failed[m];
+                              (size_t)ensemble->member_count);
+        status[m] = ensemble->failure_status[m];
     }
     return TVI_OK;
 }

@@ -18,22 +18,21 @@ typedef struct {
 
 struct tvi_ensemble {
     const tvi_system *system;
-    /* n is the number of coordinates of a member, threads the largest number of threads of a run */
-    int n, members, threads;
-    /* width is the number of members in a batch, and batches the number of batches. The last batch may have fewer
-     * members. */
-    int width, batches;
-    tvi_ensemble_worker *worker; /* [threads] the memory of each thread */
-    char *memory;                /* [batches][history_bytes] the integrator's history of each batch between runs */
-    size_t history_bytes;        /* the size of one history in bytes, a multiple of the arena's alignment */
-    double *parameters;          /* [tvi_system_parameters][members] the values of each member's parameters */
-    /* [members][tvi_size_of_stop_in_bytes] the tvi_event_stop of each member, the state at which events have stopped
-     * its run */
+    /* The number of coordinates of a member, of members, and the largest number of threads of a run. */
+    int n, member_count, thread_count;
+    /* The number of members in a batch, and of batches. The last batch may have fewer members. */
+    int width, batch_count;
+    tvi_ensemble_worker *workers; /* [thread_count] the memory of each thread */
+    char *batch_histories;        /* [batch_count][history_bytes] each batch's history (integrator.h) between runs */
+    size_t history_bytes;         /* the size of one history in bytes, a multiple of the arena's alignment */
+    double *parameters;           /* [tvi_system_parameters][member_count] each member's parameter values */
+    /* [member_count][tvi_size_of_stop_in_bytes] the tvi_event_stop of each member, the state at which events have
+     * stopped its run */
     char *stops;
-    tvi_status *failed;            /* [members] TVI_OK if the member can go on, otherwise the status of its failure */
-    bool has_run;                  /* true if the ensemble has run since it was created or reset */
-    bool is_running;               /* true during a run, in which observers may neither read nor change the members */
-    tvi_stats loaded;              /* the counts of steps that were loaded with a saved state */
+    tvi_status *failure_status; /* [member_count] TVI_OK if the member can go on, otherwise the status of its failure */
+    bool has_run;               /* true if the ensemble has run since it was created or reset */
+    bool is_running;            /* true during a run, in which observers may neither read nor change the members */
+    tvi_stats loaded_stats;     /* the counts of steps, passes etc. that were loaded with a saved state */
     pthread_mutex_t observer_lock; /* a thread holds this lock while it calls an observer of a member */
 };
 
@@ -47,7 +46,7 @@ static inline int tvi_first_member_of_batch(const tvi_ensemble *ensemble, int ba
 /* The number of members of a batch. */
 static inline int tvi_count_members_of_batch(const tvi_ensemble *ensemble, int batch)
 {
-    const int rest = ensemble->members - batch * ensemble->width;
+    const int rest = ensemble->member_count - batch * ensemble->width;
     return rest < ensemble->width ? rest : ensemble->width;
 }
 

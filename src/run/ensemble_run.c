@@ -12,14 +12,14 @@
 /* A segment of an ensemble's run: the steps between two calls of the ensemble's own observer. */
 typedef struct {
     tvi_ensemble *ensemble;
-    tvi_run_plan plan; /* the plan of this segment alone */
+    tvi_run_plan plan; /* the plan of the run, with the number of steps of this segment */
     tvi_run_mode run_mode;
     /* True if the members of a batch are stepped together, which is possible if nothing is reported inside the
      * segment. */
     bool steps_members_together;
-    long steps_before_segment; /* the number of steps in earlier segments of the run */
-    double *t, *q, *p;         /* the user's arrays of all members' states */
-    tvi_status *member_status; /* [members] the user's array of the members' statuses */
+    long step_count_before_segment; /* the number of steps in earlier segments of the run */
+    double *t, *q, *p;              /* the user's arrays of all members' states */
+    tvi_status *member_status;      /* [members] the user's array of the members' statuses */
 } run_segment;
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
@@ -27,33 +27,33 @@ typedef struct {
 static void set_member_status(const run_segment *segment, int member, tvi_status status)
 {
     segment->member_status[member] = status;
-    segment->ensemble->failed[member] = tvi_is_failure_of_member(status) ? status : TVI_OK;
+    segment->ensemble->failure_status[member] = tvi_is_failure_of_member(status) ? status : TVI_OK;
 }
 
 static void run_single_member(const run_segment *segment, tvi_ensemble_worker *worker, int member)
 {
     const tvi_ensemble *ensemble = segment->ensemble;
     /* An observer or an event has stopped this member in an earlier segment. */
-    if (segment->steps_before_segment > 0 && segment->member_status[member] == TVI_ESTOPPED) return;
-    tvi_gather_member(ensemble->n, ensemble->members, segment->q, member, worker->member_q);
-    tvi_gather_member(ensemble->n, ensemble->members, segment->p, member, worker->member_p);
+    if (segment->step_count_before_segment > 0 && segment->member_status[member] == TVI_ESTOPPED) return;
+    tvi_gather_member(ensemble->n, ensemble->member_count, segment->q, member, worker->member_q);
+    tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
     tvi_worker_load_member(worker, ensemble, member);
-    if (ensemble->failed[member] != TVI_OK &&
+    if (ensemble->failure_status[member] != TVI_OK &&
         tvi_integrator_has_state(worker->single_integrator, segment->t[member], worker->member_q, worker->member_p)) {
-        segment->member_status[member] = ensemble->failed[member];
+        segment->member_status[member] = ensemble->failure_status[member];
         return;
     }
     const tvi_member_run run = {.plan = &segment->plan,
                                 .run_mode = segment->run_mode,
                                 .member_index = member,
-                                .member_count = ensemble->members,
-                                .steps_before_segment = segment->steps_before_segment,
+                                .member_count = ensemble->member_count,
+                                .step_count_before_segment = segment->step_count_before_segment,
                                 .observer_lock = &segment->ensemble->observer_lock};
     set_member_status(
         segment, member,
         tvi_run_member(worker->single_integrator, &run, &segment->t[member], worker->member_q, worker->member_p));
-    tvi_scatter_member(ensemble->n, ensemble->members, worker->member_q, member, segment->q);
-    tvi_scatter_member(ensemble->n, ensemble->members, worker->member_p, member, segment->p);
+    tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, member, segment->q);
+    tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, member, segment->p);
     tvi_worker_store_member(worker, ensemble, member);
 }
 
@@ -63,9 +63,9 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
  * the same state is not stepped: the status of that failure is returned. */
 static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int lane, int member)
 {
-    const tvi_user_state user_state = {segment->q + member, segment->p + member, (size_t)segment->ensemble->members,
-                                       segment->t[member]};
-    const tvi_status failed = segment->ensemble->failed[member];
+    const tvi_user_state user_state = {segment->q + member, segment->p + member,
+                                       (size_t)segment->ensemble->member_count, segment->t[member]};
+    const tvi_status failed = segment->ensemble->failure_status[member];
     if (failed != TVI_OK && tvi_member_has_state(it, lane, &user_state)) return failed;
     return tvi_member_begin_step(it, lane, &user_state);
 }
@@ -81,7 +81,7 @@ static void fill_unused_lane(tvi_integrator *it, int lane)
 
 static void step_members_together(const run_segment *segment, tvi_integrator *it, int first_member, int member_count)
 {
-    const size_t members = (size_t)segment->ensemble->members;
+    const size_t members = (size_t)segment->ensemble->member_count;
     tvi_status *begun = segment->member_status + first_member;
     for (int lane = 0; lane < member_count; lane++)
         begun[lane] = it->status[lane] = load_member_state(segment, it, lane, first_member + lane);
@@ -98,7 +98,7 @@ static void step_members_together(const run_segment *segment, tvi_integrator *it
 static void run_batch_in_thread(void *ctx, int thread, int batch)
 {
     const run_segment *segment = ctx;
-    tvi_ensemble_worker *worker = &segment->ensemble->worker[thread];
+    tvi_ensemble_worker *worker = &segment->ensemble->workers[thread];
     const int first_member = tvi_first_member_of_batch(segment->ensemble, batch),
               member_count = tvi_count_members_of_batch(segment->ensemble, batch);
     tvi_worker_load_batch(worker, segment->ensemble, batch);
@@ -117,9 +117,9 @@ static tvi_status run_all_batches(const run_segment *segment)
     const tvi_ensemble *ensemble = segment->ensemble;
     tvi_status status = TVI_OK;
     segment->ensemble->is_running = true;
-    tvi_parallel_for(ensemble->threads, ensemble->batches, run_batch_in_thread, (void *)segment);
+    tvi_parallel_for(ensemble->thread_count, ensemble->batch_count, run_batch_in_thread, (void *)segment);
     segment->ensemble->is_running = false;
-    for (int member = 0; member < ensemble->members; member++)
+    for (int member = 0; member < ensemble->member_count; member++)
         if (segment->member_status[member] == TVI_ENOMEM) status = jet_explain_out_of_memory(TVI_ENOMEM);
     segment->ensemble->has_run = true;
     return status;
@@ -134,10 +134,10 @@ static tvi_status run_steps_with_observer(run_segment *segment)
     if (!observer || steps == 0) return run_all_batches(segment);
     segment->plan.steps = 1;
     for (long step = 1; step <= steps; step++) {
-        segment->steps_before_segment = step - 1;
+        segment->step_count_before_segment = step - 1;
         const tvi_status status = run_all_batches(segment);
         if (status != TVI_OK) return status;
-        if (observer(step, segment->ensemble->members, segment->t, segment->q, segment->p, segment->member_status,
+        if (observer(step, segment->ensemble->member_count, segment->t, segment->q, segment->p, segment->member_status,
                      segment->plan.ctx) != 0)
             return TVI_ESTOPPED;
     }
@@ -148,8 +148,8 @@ static tvi_status run_steps_with_observer(run_segment *segment)
 static tvi_status allocate_tangent_columns(const tvi_ensemble *ensemble, int column_count)
 {
     tvi_status status = TVI_OK;
-    for (int i = 0; i < ensemble->threads && column_count > 0 && status == TVI_OK; i++)
-        status = tvi_integrator_allocate_tangents(ensemble->worker[i].single_integrator, column_count);
+    for (int i = 0; i < ensemble->thread_count && column_count > 0 && status == TVI_OK; i++)
+        status = tvi_integrator_allocate_tangents(ensemble->workers[i].single_integrator, column_count);
     return status;
 }
 
@@ -165,7 +165,7 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
 {
     if (!ensemble || !t || !q || !p || !status) return refuse_null_arguments(ensemble, t, q, p, status);
     tvi_status checked = tvi_ensemble_refuse_if_running(ensemble);
-    if (checked == TVI_OK) checked = tvi_plan_check(ensemble->worker->single_integrator, plan);
+    if (checked == TVI_OK) checked = tvi_plan_check(ensemble->workers->single_integrator, plan);
     if (checked != TVI_OK) return checked;
     const tvi_status provided = allocate_tangent_columns(ensemble, plan->columns);
     if (provided != TVI_OK) return provided;

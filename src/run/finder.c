@@ -44,9 +44,9 @@ void tvi_finder_close(tvi_event_finder *finder)
     free(finder->line_origin);
 }
 
-/* Computes slopes near theta by difference quotients: finder->line_direction becomes dx/dtheta of the curve,
- * finder->chord_midpoint the midpoint of the chord between the two points of the curve, *slope the derivative of g
- * along the curve, and *distance_to_zero the distance from theta to the zero of g. */
+/* Computes slopes near theta by difference quotients of two states x on the curve: finder->line_direction becomes
+ * dx/dtheta, finder->chord_midpoint the midpoint of the chord between the two states, *slope the derivative
+ * dg/dtheta, and *distance_to_zero the distance from theta to the zero of g. */
 static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index, double theta, double *slope,
                                        double *distance_to_zero)
 {
@@ -70,22 +70,23 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
 }
 
 /* Tells whether the search has estimated the root, and the estimate lies inside the bracket, away from its ends. */
-static bool has_guess_inside_bracket(const tvi_event_root *root)
+static bool is_theta_guess_inside_bracket(const tvi_event_root *root)
 {
     return root->theta_guess > root->bracket.left + CHORD && root->theta_guess < root->bracket.right - CHORD;
 }
 
 /* Tells whether a correction of theta by `distance` is short, in itself and in relation to the distance of the result
  * from the ends of the root's bracket. */
-static bool is_short_correction(const tvi_event_root *root, double theta, double distance)
+static bool is_theta_correction_short(const tvi_event_root *root, double theta, double distance)
 {
     return fabs(distance) <= fmin(LEAST_WAY, NEAR * fmin(theta + distance - root->bracket.left,
                                                          root->bracket.right - (theta + distance)));
 }
 
-/* Returns the largest difference between the curve and finder->line_origin in the component_count components from
- * first_component on, divided by the largest of these components. */
-static double distance_of_line_origin_to_curve(const tvi_event_finder *finder, int first_component, int component_count)
+/* Returns the largest difference between the curve (its chord_midpoint) and finder->line_origin in the
+ * component_count components from first_component on, divided by the largest of these components. */
+static double relative_distance_of_line_origin_to_curve(const tvi_event_finder *finder, int first_component,
+                                                        int component_count)
 {
     double apart = 0, size = 0;
     for (int i = first_component; i < first_component + component_count; i++) {
@@ -97,7 +98,7 @@ static double distance_of_line_origin_to_curve(const tvi_event_finder *finder, i
 
 /* Returns the difference between the time on the curve and the time t at finder->line_origin, divided by |t| +
  * |dt/dtheta|, which is not 0. */
-static double time_distance_of_line_origin(const tvi_event_finder *finder)
+static double relative_time_difference_at_line_origin(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
     return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
@@ -133,9 +134,9 @@ static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, do
     return tvi_search_evaluate_event(context->finder->search, context->event_index, context->finder->scratch_state, g);
 }
 
-/* Evaluates g at both ends of the bracket, and moves them outwards, between `least` and `largest`, until g changes its
- * sign as at the root. An end moves by `width` at first, and by `factor` times as much each further time. *has_root
- * tells whether g changes its sign in the bracket. */
+/* Evaluates the function g at both ends of the bracket, and moves them outwards, between `least` and `largest`,
+ * until g has the signs that it has before and after the root. An end moves by `width` at first, and by `factor`
+ * times as much each further time. *has_root tells whether g changes its sign in the bracket. */
 static tvi_status widen_bracket(const tvi_event_root *root, tvi_sign_bracket *bracket, double least, double largest,
                                 double width, double factor, tvi_bracketed_function *function, void *ctx,
                                 bool *has_root)
@@ -212,9 +213,9 @@ static tvi_status start_line_at(tvi_event_finder *finder, double theta)
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
     set_line_origin_to_partial_step(finder, theta);
-    const double apart =
-        fmax(fmax(distance_of_line_origin_to_curve(finder, 0, n), distance_of_line_origin_to_curve(finder, n, n)),
-             time_distance_of_line_origin(finder));
+    const double apart = fmax(fmax(relative_distance_of_line_origin_to_curve(finder, 0, n),
+                                   relative_distance_of_line_origin_to_curve(finder, n, n)),
+                              relative_time_difference_at_line_origin(finder));
     finder->accurate_distance = finder->is_chord_inside_step ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
     return TVI_OK;
 }
@@ -249,9 +250,10 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
-    if (has_guess_inside_bracket(root))
+    if (is_theta_guess_inside_bracket(root))
         status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
-    if (status == TVI_OK && has_guess_inside_bracket(root) && is_short_correction(root, theta, distance_to_zero))
+    if (status == TVI_OK && is_theta_guess_inside_bracket(root) &&
+        is_theta_correction_short(root, theta, distance_to_zero))
         theta += distance_to_zero;
     else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
     for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
@@ -274,8 +276,8 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
-/* Sets finder->line_direction to dx/dtheta at a state, h times its time derivatives. */
-static tvi_status compute_theta_derivatives(tvi_event_finder *finder, const double state[])
+/* Sets finder->line_direction to dx/dtheta at a state x = (q, p, t): h times (dq/dt, dp/dt, 1). */
+static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, const double state[])
 {
     const int last = finder->state_size - 1;
     const double h = finder->search->integrator->h;
@@ -288,8 +290,8 @@ static tvi_status compute_theta_derivatives(tvi_event_finder *finder, const doub
 /* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
  * derivatives of the state there. If the distance from there to the root is long, the time derivatives are computed
  * again at its midpoint. *is_done is set if the result is accurate. */
-static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_event_root *root, double state[],
-                                                bool *is_done)
+static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
+                                                 bool *is_done)
 {
     finder_event_context context = {finder, root->event_index};
     double g = 0, before = 0, after = 0, found = 0;
@@ -297,7 +299,7 @@ static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_ev
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
     set_line_origin_to_partial_step(finder, root->theta_guess);
-    status = compute_theta_derivatives(finder, finder->line_origin);
+    status = compute_line_direction_from_rates(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
     if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, -CHORD, &before);
@@ -307,11 +309,11 @@ static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_ev
                              finder->search->partial_step->partial_step_integrator->stats.tail),
                  error = tail * tail;
     if (status != TVI_OK ||
-        !(fabs(distance) * error <= DBL_EPSILON / 8 && is_short_correction(root, root->theta_guess, distance)))
+        !(fabs(distance) * error <= DBL_EPSILON / 8 && is_theta_correction_short(root, root->theta_guess, distance)))
         return status;
     if (fabs(distance) > REACH) {
         compute_state_on_line(finder, distance / 2, finder->scratch_state);
-        status = compute_theta_derivatives(finder, finder->scratch_state);
+        status = compute_line_direction_from_rates(finder, finder->scratch_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
     if (status == TVI_OK) set_event_state_on_line(finder, root, found, state);
@@ -320,9 +322,9 @@ static tvi_status find_event_in_field_direction(tvi_event_finder *finder, tvi_ev
     return status;
 }
 
-/* Tells whether a line in the direction of the field is accurate enough, since the solution of the method differs from
- * that of the field only by the square of the tail (tvi_stats.tail). */
-static bool is_field_direction_accurate(const tvi_event_finder *finder)
+/* Tells whether a line in the direction of the time derivatives (dq/dt, dp/dt) is accurate enough: the solution of
+ * the method then differs from that of the differential equations only by the square of the tail (tvi_stats.tail). */
+static bool is_line_along_rates_accurate(const tvi_event_finder *finder)
 {
     const tvi_integrator *it = finder->search->integrator;
     return finder->rates_evaluator.field_block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent &&
@@ -333,14 +335,14 @@ static bool is_field_direction_accurate(const tvi_event_finder *finder)
 
 /* Computes (g(theta) - g(0)) / theta, for a step that begins on the event, where g(0) = 0. This quotient is nearly
  * linear in theta if theta is small. */
-static tvi_status compute_g_rise_per_theta(void *ctx, double theta, double *g)
+static tvi_status compute_g_change_per_theta(void *ctx, double theta, double *g)
 {
     const finder_event_context *context = ctx;
-    double rise = 0;
+    double g_change = 0;
     bool known;
     const tvi_status status =
-        tvi_start_compute_rise(context->finder->search, context->event_index, theta, &rise, &known);
-    *g = rise / theta;
+        tvi_step_start_compute_g_change(context->finder->search, context->event_index, theta, &g_change, &known);
+    *g = g_change / theta;
     return status;
 }
 
@@ -348,15 +350,15 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
 {
     bool is_done = false;
     tvi_status status = TVI_OK;
-    if (root->is_return_to_event) {
-        const double first = finder->search->watched_events[root->event_index].leaving_theta;
+    if (root->is_return_to_zero) {
+        const double first = finder->search->watched_events[root->event_index].theta_after_leaving_zero;
         const tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
-        return find_event_by_partial_steps(finder, root, compute_g_rise_per_theta, bracket, first,
+        return find_event_by_partial_steps(finder, root, compute_g_change_per_theta, bracket, first,
                                            DBL_EPSILON / 4 * first, state);
     }
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
-    if (has_guess_inside_bracket(root) && is_field_direction_accurate(finder))
-        status = find_event_in_field_direction(finder, root, state, &is_done);
+    if (is_theta_guess_inside_bracket(root) && is_line_along_rates_accurate(finder))
+        status = find_event_on_line_along_rates(finder, root, state, &is_done);
     return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, state);
 }

@@ -1,8 +1,9 @@
 /* guard.c - Refuses steps that are too large for the orbit. The equations of such a step also have solutions that do
- * not approximate the motion, and the passes may converge to one of them; or the polynomial of the step does not follow
- * the motion. The guard judges a step by the last term of its forces (tail.h), and by the change of the energy if the
- * system conserves one. The energy is computed unless the tail and the passes, or a bound of the change, show that the
- * step is right. */
+ * not approximate the motion, and the corrector, which solves them by iteration (passes), may converge to one of
+ * them; or the polynomial of the step does not follow the motion. The guard judges a step by its tail, the relative
+ * size of the last term of the polynomial of the forces (algebra/tail.h), and by the change of the energy if the
+ * system conserves one. The energy is not computed if a small tail and a small number of passes, or a bound of the
+ * change that the stepper knows, show that the step approximates the motion. */
 #include "run/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -23,11 +24,12 @@ static const double MOST_CHANGE = 0.05;
  * takes its place. */
 static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTION = 1.0 / 64;
 
-static bool conserves_energy(const tvi_integrator *it)
+/* Tells whether the system has a conserved energy, and the user has not switched off the guard (max_tail < 0). */
+static bool has_conserved_energy_to_check(const tvi_integrator *it)
 {
     const bool rescaled = tvi_is_rescaled(it); /* A rescaled system conserves K = g (H + e). */
     const bool is_conserved = rescaled || !(it->system->uses_time || it->system->is_driven);
-    return it->energy.tape_block && it->options.max_tail >= 0 && is_conserved;
+    return it->member_energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
 /* Tells whether the stepper computes a bound of the change of the energy. The energy is then computed only if this
@@ -39,15 +41,15 @@ static bool has_energy_change_bound(const tvi_integrator *it)
 
 /* ---- The reference energy ---------------------------------------------------------------------------------------- */
 
-/* The zero of a potential is arbitrary, so |H| is no measure of the size of a motion. The guard counts the energy of a
- * member from a zero that is an energy of the system at rest, H(q, 0):
+/* A potential has an arbitrary constant, so |H| is no measure of the size of a motion. The guard measures the energy
+ * of a member from a reference level, which is an energy of the system at rest, H(q, 0):
  *   - the limit of H(c q, 0) for large c, if there is one, as for bodies that attract each other. q is the position at
  *     the end of the step; the start is not used, since q = 0 would give a constant H(c q, 0).
  *   - Without a limit it is the lowest energy at rest along straight lines from the state, up to the point from which
- *     the energy rises. This is about the energy of an equilibrium. The zero is lowered later if the energy of the
+ *     the energy rises. This is about the energy of an equilibrium. The level is lowered later if the energy of the
  *     member at rest is found to be lower.
- * A constant added to H is added to the zero, too. An H that is not even in p, as in a magnetic field, has no energy at
- * rest; its zero is 0, and its scale is |H| at the start of the run. */
+ * A constant added to H is added to the level, too. An H that is not even in p, as in a magnetic field, has no
+ * energy at rest; its level is 0, and its scale is |H| at the start of the run. */
 
 /* The factors of q are powers of 2 with these exponents. At the last two the forces of bodies are negligible, and H may
  * differ by this part of the energy. */
@@ -68,9 +70,9 @@ static double line_direction_component(search_line line, double dq, double dp, d
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time);
 }
 
-/* Returns the energy of the member at q and p, arrays [components][width] of all members as in a tvi_run_state. It is
- * INFINITY if the energy overflows, and NAN if it is undefined. */
-static double member_energy_value(tvi_integrator *it, int member, const double *q, const double *p)
+/* Returns the energy of the member at q and p, arrays [components][width] of all members as in a tvi_run_state. It
+ * is INFINITY if the energy overflows, and NAN if it is undefined. */
+static double member_energy_or_nonfinite(tvi_integrator *it, int member, const double *q, const double *p)
 {
     double H;
     const tvi_status status = tvi_member_compute_energy(it, member, q, p, &H);
@@ -88,7 +90,7 @@ static double energy_at_rest_on_line(tvi_integrator *it, int m, double q_factor,
         it->end.p[k] = 0;
     }
     it->end.q[end + m] = it->state.q[end + m];
-    return member_energy_value(it, m, it->end.q, it->end.p);
+    return member_energy_or_nonfinite(it, m, it->end.q, it->end.p);
 }
 
 static double energy_at_rest_at_step_start(tvi_integrator *it, int m)
@@ -109,14 +111,14 @@ static bool is_energy_even_in_p(tvi_integrator *it, int m)
             it->end.p[k] = sign ? -p : p;
         }
         it->end.q[end + m] = it->state.q[end + m];
-        H[sign] = member_energy_value(it, m, it->end.q, it->end.p);
+        H[sign] = member_energy_or_nonfinite(it, m, it->end.q, it->end.p);
     }
     return fabs(H[1] - H[0]) <= MOST_DIFFERENCE * fabs(H[0]);
 }
 
 /* Returns the limit of H(c q, 0) for large c. It is NAN if there is no limit, or if H(c q, 0) is not monotonic in c: a
  * pole then lies on the way, and the limit is no measure of the motion before the pole. */
-static double energy_limit_far_away(tvi_integrator *it, int m, double H, double roundoff)
+static double energy_at_rest_at_infinity(tvi_integrator *it, int m, double H, double roundoff)
 {
     double last = energy_at_rest_on_line(it, m, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
@@ -132,8 +134,8 @@ static double energy_limit_far_away(tvi_integrator *it, int m, double H, double 
 
 /* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
  * from which the energy rises. */
-static double lowest_energy_on_line(tvi_integrator *it, int m, search_line line, double energy_at_start,
-                                    double roundoff)
+static double lowest_energy_at_rest_on_line(tvi_integrator *it, int m, search_line line, double energy_at_start,
+                                            double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = NEAREST; distance <= FARTHEST; distance *= RATIO) {
@@ -144,46 +146,46 @@ static double lowest_energy_on_line(tvi_integrator *it, int m, search_line line,
     return lowest;
 }
 
-static double lowest_energy_nearby(tvi_integrator *it, int m, double roundoff)
+static double lowest_energy_at_rest_nearby(tvi_integrator *it, int m, double roundoff)
 {
     const double here = energy_at_rest_at_step_start(it, m);
     double lowest = here;
     for (search_line line = 0; line < LINES; line++)
-        lowest = fmin(lowest, lowest_energy_on_line(it, m, line, here, roundoff));
+        lowest = fmin(lowest, lowest_energy_at_rest_on_line(it, m, line, here, roundoff));
     return lowest;
 }
 
 /* Returns |H| at the start of the member's run. */
-static double energy_size_at_run_start(tvi_integrator *it, int m)
+static double energy_magnitude_at_run_start(tvi_integrator *it, int m)
 {
     const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    return fabs(member_energy_value(it, m, q, p));
+    return fabs(member_energy_or_nonfinite(it, m, q, p));
 }
 
-/* Sets the member's reference zero and scale at the state where its step starts. The state has the energy H, whose
- * roundoff is `roundoff`. */
-static void find_reference_energy(tvi_integrator *it, int member, double H, double roundoff)
+/* Sets the reference level and scale of the member at the state where its step starts. The energy of this state is
+ * H, with the roundoff `roundoff`. */
+static void set_reference_level_and_scale(tvi_integrator *it, int member, double H, double roundoff)
 {
-    tvi_reference_energy *reference = &it->reference[member];
-    const double limit = energy_limit_far_away(it, member, H, roundoff);
+    tvi_reference_energy *reference = &it->reference_energy[member];
+    const double limit = energy_at_rest_at_infinity(it, member, H, roundoff);
     const bool has_rest = is_energy_even_in_p(it, member), has_limit = has_rest && !isnan(limit);
-    reference->zero = has_limit ? limit : has_rest ? lowest_energy_nearby(it, member, roundoff) : 0;
-    reference->scale = has_rest ? fabs(H - reference->zero) : energy_size_at_run_start(it, member);
-    reference->was_searched = true;
+    reference->level = has_limit ? limit : has_rest ? lowest_energy_at_rest_nearby(it, member, roundoff) : 0;
+    reference->scale = has_rest ? fabs(H - reference->level) : energy_magnitude_at_run_start(it, member);
+    reference->was_level_searched = true;
     reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
-    reference->may_be_lowered = reference->has_scale && has_rest && !has_limit;
-    if (!reference->has_scale) reference->zero = reference->scale = 0; /* H at the start of the run may be NAN */
+    reference->may_level_be_lowered = reference->has_scale && has_rest && !has_limit;
+    if (!reference->has_scale) reference->level = reference->scale = 0; /* H at the start of the run may be NAN */
 }
 
-/* Lowers the zero to the energy of the member at rest at the start of its step, if that is lower. A zero that is the
- * limit of the energy far away is kept. */
-static void lower_reference_energy(tvi_integrator *it, int member)
+/* Lowers the reference level to the energy of the member at rest at the start of its step, if that is lower. A level
+ * that is the limit of the energy far away is kept. */
+static void lower_reference_level(tvi_integrator *it, int member)
 {
-    tvi_reference_energy *reference = &it->reference[member];
-    if (!reference->may_be_lowered) return;
-    const double fall = reference->zero - energy_at_rest_at_step_start(it, member);
+    tvi_reference_energy *reference = &it->reference_energy[member];
+    if (!reference->may_level_be_lowered) return;
+    const double fall = reference->level - energy_at_rest_at_step_start(it, member);
     if (!(fall > 0) || !isfinite(fall)) return;
-    reference->zero -= fall;
+    reference->level -= fall;
     reference->scale += fall;
 }
 
@@ -192,25 +194,26 @@ static void lower_reference_energy(tvi_integrator *it, int member)
 /* Computes the energies H[width], at least for the members with needs_energy. */
 static void compute_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
-    if (it->energies.tape_block) {
-        (void)tvi_energy_compute_lanes(&it->energies, q + it->system->n * it->width, q, p, H);
+    if (it->all_energies_work.tape_block) {
+        (void)tvi_energy_compute_lanes(&it->all_energies_work, q + it->system->n * it->width, q, p, H);
         return;
     }
     for (int m = 0; m < it->width; m++)
-        if (it->needs_energy[m]) H[m] = member_energy_value(it, m, q, p);
+        if (it->needs_energy[m]) H[m] = member_energy_or_nonfinite(it, m, q, p);
 }
 
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
 
-/* Returns the mean of |p|.|q1 - q0| / h for p at both ends of the step, which is about twice the kinetic energy if H
- * has one. It is called p.dq/dt here. */
-static double step_action(const tvi_integrator *it, int m)
+/* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| /
+ * h times the mean of |p| at both ends of the step. q0 and q1 are the positions at the ends, and h the time between
+ * them. */
+static double mean_p_dot_velocity(const tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
     const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
-    double action = 0;
-    for (int k = m; k < end; k += width) action += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
-    return action / (2 * fabs(dq[end + m]));
+    double p_dot_velocity = 0;
+    for (int k = m; k < end; k += width) p_dot_velocity += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
+    return p_dot_velocity / (2 * fabs(dq[end + m]));
 }
 
 /* Returns the roundoff of the energy H: that of its value, and that caused by the roundoff of q and p, which changes H
@@ -225,99 +228,104 @@ static double energy_roundoff(const tvi_integrator *it, int m, double H)
     return ROUNDOFF * (sum / fabs(dq[end + m]) + fabs(H));
 }
 
-/* Returns the size with which the change of the energy is compared: the energy above its zero, or a part of p.dq/dt if
- * that energy is nearly 0. */
-static double energy_size(const tvi_reference_energy *reference, double energy_before, double action)
+/* Returns the energy with which the change of the energy is compared: the energy above the reference level, or a
+ * part of p.dq/dt (p_dot_velocity) if that energy is nearly 0. */
+static double energy_change_scale(const tvi_reference_energy *reference, double energy_before, double p_dot_velocity)
 {
-    if (reference->scale <= NO_ENERGY * action) return PART_OF_ACTION * action;
-    return fmax(reference->scale, fabs(energy_before - reference->zero));
+    if (reference->scale <= NO_ENERGY * p_dot_velocity) return PART_OF_ACTION * p_dot_velocity;
+    return fmax(reference->scale, fabs(energy_before - reference->level));
 }
 
-/* Tells whether the energy after the step differs from that before it by more than a right step can change it. It
- * returns false if the energy is NAN; the next step then fails. It also returns false for a first step from rest of a
- * method of order 1, which changes p only, so that p.dq/dt = 0. */
-static bool changes_energy_too_much(tvi_integrator *it, int m, double energy_after)
+/* Tells whether the energy after the step differs from that before it by more than a step that follows the motion
+ * can change it. Returns false if the energy is NAN; the next step then fails. It also returns false for a first
+ * step from rest by a method of order 1, which changes p only, so that p.dq/dt = 0. */
+static bool does_energy_change_too_much(tvi_integrator *it, int m, double energy_after)
 {
-    tvi_reference_energy *reference = &it->reference[m];
+    tvi_reference_energy *reference = &it->reference_energy[m];
     const double before = reference->H;
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
-    const double action = step_action(it, m), roundoff = energy_roundoff(it, m, before),
+    const double p_dot_velocity = mean_p_dot_velocity(it, m), roundoff = energy_roundoff(it, m, before),
                  change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0,
                  change = fabs(energy_after - before + change_of_e);
-    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_searched);
-    if (!reference->has_scale && needs_scale) find_reference_energy(it, m, before, roundoff);
+    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_level_searched);
+    if (!reference->has_scale && needs_scale) set_reference_level_and_scale(it, m, before, roundoff);
     if (change <= roundoff) return false;
-    if (!reference->has_scale && action == 0) return false;
-    if (change <= MOST_CHANGE * energy_size(reference, before, action) + roundoff) return false;
-    lower_reference_energy(it, m);
-    return change > MOST_CHANGE * energy_size(reference, before, action) + roundoff;
+    if (!reference->has_scale && p_dot_velocity == 0) return false;
+    if (change <= MOST_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff) return false;
+    lower_reference_level(it, m);
+    return change > MOST_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
-/* Refuses the members whose energy says that the step is too large. */
-static void check_energies(tvi_integrator *it)
+/* Refuses the steps that change the energy of their member too much. Computes the energies of the members with
+ * needs_energy. */
+static void refuse_by_energy_changes(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
     bool knows_all = true;
-    for (int m = 0; m < width; m++) knows_all = knows_all && (it->reference[m].is_H_known || !it->needs_energy[m]);
+    for (int m = 0; m < width; m++)
+        knows_all = knows_all && (it->reference_energy[m].is_H_known || !it->needs_energy[m]);
     if (!knows_all) compute_energies(it, it->state.q, it->state.p, it->energy_before);
     for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->state.q[k] + it->increments.dq[k];
     for (int k = 0; k < n * width; k++) it->end.p[k] = it->state.p[k] + it->increments.dp[k];
     compute_energies(it, it->end.q, it->end.p, it->energy_after);
     for (int m = 0; m < width; m++) {
         if (!it->needs_energy[m]) continue;
-        if (!it->reference[m].is_H_known) it->reference[m].H = it->energy_before[m];
-        if (changes_energy_too_much(it, m, it->energy_after[m]))
+        if (!it->reference_energy[m].is_H_known) it->reference_energy[m].H = it->energy_before[m];
+        if (does_energy_change_too_much(it, m, it->energy_after[m]))
             it->status[m] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
     }
 }
 
 /* ---- Which steps are in doubt ------------------------------------------------------------------------------------ */
 
-/* Sets energy_change to the stepper's bounds of the change of each member's energy, or to infinity if a batch has
- * none. */
+/* Sets it->energy_change_bound to the stepper's bounds of the change of each member's energy, or to infinity if a
+ * batch has none. */
 static void set_energy_change_bounds(tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
-    if (!batch) it->energy_change[0] = it->stepper->most_change(it->work);
-    else if (batch->most_change) batch->most_change(it->work, it->energy_change);
+    if (!batch) it->energy_change_bound[0] = it->stepper->most_change(it->work);
+    else if (batch->most_change) batch->most_change(it->work, it->energy_change_bound);
     else
-        for (int m = 0; m < it->width; m++) it->energy_change[m] = INFINITY;
+        for (int m = 0; m < it->width; m++) it->energy_change_bound[m] = INFINITY;
 }
 
-/* Tells whether the tail is an estimate of an error. It is always 0 if the force has a single term, as at a single
- * node. */
-static bool is_tail_meaningful(const tvi_integrator *it, bool step_used_series)
+/* Tells whether the tail is an estimate of an error. It is not if the polynomial of the forces has a single
+ * coefficient, as at a single node: the tail is 0 then. */
+static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_series)
 {
     return it->options.degree > (step_used_series ? 2 : 1);
 }
 
-/* Tells whether the energy of the member need not be computed. */
-static bool may_skip_energy(const tvi_integrator *it, int m, bool step_used_series)
+/* Tells whether the step of the member is accepted without computing its energy. */
+static bool may_skip_energy_check(const tvi_integrator *it, int m, bool step_used_series)
 {
-    if (has_energy_change_bound(it)) return it->energy_change[m] <= MOST_CHANGE * it->reference[m].scale;
-    if (!is_tail_meaningful(it, step_used_series)) return false;
-    if (step_used_series) return it->tail[m] <= SKIP_SERIES_TAIL && it->passes[m] <= SKIP_SERIES_PASSES;
-    return it->tail[m] <= SKIP_TAIL && it->passes[m] <= SKIP_PASSES;
+    if (has_energy_change_bound(it)) return it->energy_change_bound[m] <= MOST_CHANGE * it->reference_energy[m].scale;
+    if (!is_tail_an_error_estimate(it, step_used_series)) return false;
+    if (step_used_series) return it->tail[m] <= SKIP_SERIES_TAIL && it->pass_counts[m] <= SKIP_SERIES_PASSES;
+    return it->tail[m] <= SKIP_TAIL && it->pass_counts[m] <= SKIP_PASSES;
 }
 
 tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
     if (most < 0) return (tvi_unchecked_step_limits){SKIP_TAIL, SKIP_PASSES};
-    return (tvi_unchecked_step_limits){is_tail_meaningful(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1, SKIP_PASSES};
+    return (tvi_unchecked_step_limits){is_tail_an_error_estimate(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1,
+                                       SKIP_PASSES};
 }
 
+/* Tells whether the tail is at most the max_tail of the options. */
 static bool has_small_tail(const tvi_integrator *it, double tail)
 {
     const double most = it->options.max_tail;
     return most < 0 || !(tail > most);
 }
 
-JET_INLINE void guard_members(tvi_integrator *it, int width, bool step_used_series)
+/* tvi_guard_step for `width` members, a constant if there is one member. */
+JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_used_series)
 {
-    const bool keeps = conserves_energy(it);
+    const bool keeps = has_conserved_energy_to_check(it);
     double *largest = &it->stats.largest_tail;
     bool any = false;
     if (has_energy_change_bound(it)) set_energy_change_bounds(it);
@@ -332,15 +340,15 @@ JET_INLINE void guard_members(tvi_integrator *it, int width, bool step_used_seri
                 it->stepped->is_automatic ? ": the automatic g is too large here (give a g of your own)" : "");
             continue;
         }
-        it->needs_energy[m] = keeps && !may_skip_energy(it, m, step_used_series);
+        it->needs_energy[m] = keeps && !may_skip_energy_check(it, m, step_used_series);
         any = any || it->needs_energy[m];
-        if (!it->needs_energy[m]) it->reference[m].is_H_known = false;
+        if (!it->needs_energy[m]) it->reference_energy[m].is_H_known = false;
     }
-    if (any) check_energies(it);
+    if (any) refuse_by_energy_changes(it);
 }
 
 void tvi_guard_step(tvi_integrator *it, bool step_used_series)
 {
-    if (it->width == 1) guard_members(it, 1, step_used_series);
-    else guard_members(it, it->width, step_used_series);
+    if (it->width == 1) refuse_too_large_steps(it, 1, step_used_series);
+    else refuse_too_large_steps(it, it->width, step_used_series);
 }

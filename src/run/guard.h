@@ -1,11 +1,12 @@
-/* guard.h - Decides whether a solved step is returned or refused as too large (tvi_options.max_tail). step.c calls
- * it. */
+/* guard.h - Decides whether a step whose equations are solved is accepted, or refused as too large for the orbit, by
+ * its tail and by the change of the energy (guard.c; tvi_options.max_tail). step.c calls it. */
 #ifndef TVI_SRC_RUN_GUARD_H
 #define TVI_SRC_RUN_GUARD_H
 
 #include "run/integrator.h"
 
-/* Returns the limits of the tail and of the passes up to which steps are accepted without a check of the energy. */
+/* Returns the largest tail (tvi_stats.tail) and the largest number of corrector passes with which a step is accepted
+ * without computing its energy. */
 tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *integrator);
 
 /* Sets TVI_ETOOLARGE for the members that are TVI_OK and whose tail or energy says that the step is too large. It is

@@ -10,7 +10,7 @@
 
 /* Returns the address in history_before, the copy of the history, that corresponds to an address in the history
  * itself. */
-static void *corresponding_address_before_step(const tvi_integrator *it, const void *in_history)
+static void *address_in_history_before(const tvi_integrator *it, const void *in_history)
 {
     return it->history_before + ((const char *)in_history - it->history);
 }
@@ -37,14 +37,15 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
     allocate_state_arrays(arena, tvi_arena_allocate_in_history, dimension, width,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
-    integrator->continues = tvi_arena_allocate_in_history(arena, members * sizeof *integrator->continues);
+    integrator->is_state_from_step =
+        tvi_arena_allocate_in_history(arena, members * sizeof *integrator->is_state_from_step);
     integrator->run_start = tvi_arena_allocate_in_rings(arena, (2 * (size_t)n + 1) * row);
-    integrator->reference = tvi_arena_allocate_in_history(arena, members * sizeof *integrator->reference);
+    integrator->reference_energy = tvi_arena_allocate_in_history(arena, members * sizeof *integrator->reference_energy);
     integrator->status = tvi_arena_allocate(arena, members * sizeof *integrator->status);
     integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
-    integrator->passes = tvi_arena_allocate(arena, members * sizeof *integrator->passes);
+    integrator->pass_counts = tvi_arena_allocate(arena, members * sizeof *integrator->pass_counts);
     integrator->needs_energy = tvi_arena_allocate(arena, members * sizeof *integrator->needs_energy);
-    double **const numbers[] = {&integrator->tail, &integrator->overflow_flags, &integrator->energy_change,
+    double **const numbers[] = {&integrator->tail, &integrator->overflow_flags, &integrator->energy_change_bound,
                                 &integrator->energy_before, &integrator->energy_after};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_allocate(arena, row);
     end->q = tvi_arena_allocate(arena, ((size_t)dimension + 1) * row);
@@ -63,14 +64,14 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
     const bool uses_energy = system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0);
-    if (uses_energy) tvi_energy_allocate(&integrator->energy, arena, system, 1);
+    if (uses_energy) tvi_energy_allocate(&integrator->member_energy_work, arena, system, 1);
     if (tvi_is_rescaled(integrator))
-        tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian, arena, integrator->stepped);
-    integrator->field = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
+        tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian_work, arena, integrator->stepped);
+    integrator->field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
     integrator->one_lane_blocks = arena->first_block;
     arena->first_block = NULL;
     if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
-        tvi_energy_allocate(&integrator->energies, arena, system, integrator->width);
+        tvi_energy_allocate(&integrator->all_energies_work, arena, system, integrator->width);
 }
 
 /* Lays out an integrator of `width` members with all its memory in the arena. It is called twice: first the arena only
@@ -91,23 +92,23 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
                           : stepper->take(arena, laid.stepped, options);
     laid.blocks = arena->first_block;
     laid.history = arena->history;
-    laid.marked_bytes = width > 1 ? 0 : arena->marked_bytes;
+    laid.history_before_bytes = width > 1 ? 0 : arena->marked_bytes;
     laid.history_bytes = tvi_arena_history_bytes(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
     laid.stats.bytes = tvi_arena_total_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
-    laid.start = (tvi_run_state){
-        corresponding_address_before_step(&laid, state->q), corresponding_address_before_step(&laid, state->q_low),
-        corresponding_address_before_step(&laid, state->p), corresponding_address_before_step(&laid, state->p_low)};
-    laid.continued = corresponding_address_before_step(&laid, laid.continues);
+    laid.start =
+        (tvi_run_state){address_in_history_before(&laid, state->q), address_in_history_before(&laid, state->q_low),
+                        address_in_history_before(&laid, state->p), address_in_history_before(&laid, state->p_low)};
+    laid.was_state_from_step = address_in_history_before(&laid, laid.is_state_from_step);
     *integrator = laid;
     return integrator;
 }
 
-static tvi_status create_resolved_integrator(tvi_integrator **out, const tvi_system *system,
-                                             const tvi_options *resolved_options, int width)
+static tvi_status create_integrator_with_resolved_options(tvi_integrator **out, const tvi_system *system,
+                                                          const tvi_options *resolved_options, int width)
 {
     tvi_arena arena = {0};
     (void)lay_out_integrator(&arena, system, resolved_options, width);
@@ -135,11 +136,11 @@ int tvi_integrator_best_batch_width(const tvi_integrator *it)
 static tvi_status resolve_options(const tvi_system *system, tvi_options *options, const char **why)
 {
     const tvi_status status = tvi_options_resolve(options, system->stepped, why);
-    const char *misfit =
+    const char *mismatch =
         status == TVI_OK ? tvi_compiled_why_unusable(options->compiled, system->stepped, options) : NULL;
-    if (!misfit) return status;
-    if (why) *why = misfit;
-    return jet_refuse(TVI_EINVAL, "%s", misfit);
+    if (!mismatch) return status;
+    if (why) *why = mismatch;
+    return jet_refuse(TVI_EINVAL, "%s", mismatch);
 }
 
 tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why)
@@ -159,12 +160,12 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     tvi_options resolved = options ? *options : tvi_options_default();
     const tvi_status status = resolve_options(system, &resolved, NULL);
-    return status == TVI_OK ? create_resolved_integrator(out, system, &resolved, 1) : status;
+    return status == TVI_OK ? create_integrator_with_resolved_options(out, system, &resolved, 1) : status;
 }
 
 tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *it, int width)
 {
-    const tvi_status status = create_resolved_integrator(out, it->system, &it->options, width);
+    const tvi_status status = create_integrator_with_resolved_options(out, it->system, &it->options, width);
     if (status == TVI_OK) tvi_integrator_load_parameters(*out, it->parameters, (size_t)it->width, 1);
     return status;
 }

@@ -10,15 +10,15 @@
 #include <math.h>
 #include <string.h>
 
-/* The reference with which the guard compares the change of a member's energy (guard.c). */
+/* The energies of a member with which the guard compares the change that a step makes (guard.c). */
 typedef struct {
-    double zero;         /* the energy that counts as zero */
-    double scale;        /* |H - zero| at the first step that the guard doubted; it grows when the zero is lowered */
-    double H;            /* the member's energy at the current state */
-    long was_searched;   /* the search for zero and scale has been made */
-    long has_scale;      /* the search has found zero and scale */
-    long may_be_lowered; /* the zero is an estimate, which may be lowered */
-    long is_H_known;     /* H is set */
+    double level;              /* the reference level: the guard measures energies from it, as H - level */
+    double scale;              /* |H - level| when the level was set, plus the amounts by which it was lowered since */
+    double H;                  /* the member's energy at its current state */
+    long was_level_searched;   /* true if a level and a scale have been searched for */
+    long has_scale;            /* true if they were found; otherwise both are 0 */
+    long may_level_be_lowered; /* true if the level is an estimate from above, which may be lowered */
+    long is_H_known;           /* true if H is set */
 } tvi_reference_energy;
 
 /* The memory for tangent vectors, which is allocated when they are first used (tangent.c). */
@@ -29,8 +29,8 @@ typedef struct tvi_tangent tvi_tangent;
  * |g|, which is at most its roundoff. A stop is part of a saved state, and each member of an ensemble has one. */
 enum { TVI_STOP_EVENTS = 32 };
 typedef struct {
-    int64_t is_set, count;                  /* 1 if there is a stop; the number of events that were reported there */
-    uint64_t event_hashes[TVI_STOP_EVENTS]; /* [count] the hashes of these events (tvi_event.hash) */
+    int64_t is_set, event_count;            /* 1 if a run was stopped; the number of events reported there */
+    uint64_t event_hashes[TVI_STOP_EVENTS]; /* [event_count] the hashes of these events (tvi_event.hash) */
     double state[];                         /* [2n + 1] q, p and t of the stop */
 } tvi_event_stop;
 /* Returns the size of a tvi_event_stop for n coordinates. */
@@ -38,8 +38,8 @@ static inline size_t tvi_size_of_stop_in_bytes(int n)
 {
     return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
 }
-/* Forgets a stop: the next run begins at a new state, as far as events are concerned. The parameters of the user and a
- * state that is loaded from text have this effect. */
+/* Forgets a stop, so that the next run reports the events at its first state. Called when the user sets parameters,
+ * or loads a state from text. */
 static inline void tvi_event_stop_forget(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
 
 struct tvi_integrator {
@@ -58,44 +58,44 @@ struct tvi_integrator {
     tvi_stats stats;     /* the counts of steps of all members together */
     const tvi_stepper *stepper;
     void *work;    /* the memory of the stepper, or for a batch that of stepper->batch */
-    char *history; /* [history_bytes] everything that one step leaves to the next one */
-    /* [marked_bytes] A copy of the first part of the history, as it was before the last step was tried. A batch has
-     * none. */
+    char *history; /* [history_bytes] all numbers that one step leaves to the next one: states, predictions */
+    /* [history_before_bytes] A copy of the first part of the history, as it was before the last step was tried. A
+     * batch has none. */
     char *history_before;
-    size_t history_bytes; /* the size of the history in bytes */
-    size_t marked_bytes;  /* the size of the part of the history that is copied before each step, in bytes */
+    size_t history_bytes;        /* the size of the history in bytes */
+    size_t history_before_bytes; /* the size of the part of the history that is copied before each step, in bytes */
     /* The first state_bytes bytes of the history belong to the state; those of the stepper follow. */
     size_t state_bytes;
-    /* [width] In the history: 1 if `state` is the result of the member's last successful step. */
-    long *continues;
-    /* The value of `continues` before the last step. It tells whether that step began with the result of the one before
-     * it. */
-    const long *continued;
-    tvi_run_state state;             /* the current states of the members, in the history */
-    tvi_run_state start;             /* the states at the start of the last step, in history_before */
-    tvi_event_stop *stop;            /* where events have last stopped the member of an integrator of width 1 */
-    long parameter_version;          /* the number of times that the parameters were set */
-    bool is_in_observer;             /* true while an observer is called, during which steps are refused */
-    bool has_dense;                  /* true if the stepper's memory holds the last step, for tvi_dense */
-    double h, covered;               /* the size of the last step that was tried, and the time that it covers */
-    tvi_increments increments;       /* the increments of the current step */
-    tvi_status *status;              /* [width] only members with TVI_OK are stepped; after a step, its result */
-    bool *is_stepped;                /* [width] true if the member takes part in the current step */
-    double *tail;                    /* [width] the tail of the last step (tvi_stats.tail) */
-    int *passes;                     /* [width] the number of passes of the corrector in the last step */
-    double *overflow_flags;          /* [width] a number other than 0 if the new state is not finite */
-    double *run_start;               /* [2n + 1][width] q, t and p at the start of each member's run, in the history */
-    tvi_reference_energy *reference; /* [width] the energies of each member, in the history */
-    double *energy_change;           /* [width] a bound of the energy's change in the step, from the stepper */
-    bool *needs_energy;              /* [width] true if the energy must be computed to judge the step */
-    double *energy_before, *energy_after; /* [width] the energies at the start and at the end of the step */
+    /* [width] 1 if the member's `state` is the result of its last successful step, so that the history belongs to
+     * it. This array is part of the history. */
+    long *is_state_from_step;
+    /* is_state_from_step in history_before: tells whether the last step began at the result of the step before it. */
+    const long *was_state_from_step;
+    tvi_run_state state;       /* the current states of the members, in the history */
+    tvi_run_state start;       /* the states at the start of the last step, in history_before */
+    tvi_event_stop *stop;      /* where events have last stopped the member of an integrator of width 1 */
+    long parameter_version;    /* the number of times that the parameters were set */
+    bool is_in_observer;       /* true while an observer is called, during which steps are refused */
+    bool has_dense_output;     /* true if the stepper's memory holds the last step, for tvi_dense */
+    double h, covered_time;    /* the size of the last step that was tried, and its increment of the time */
+    tvi_increments increments; /* the increments of the current step */
+    tvi_status *status;        /* [width] only members with TVI_OK are stepped; after a step, its result */
+    bool *is_stepped;          /* [width] true if the member takes part in the current step */
+    double *tail;              /* [width] the tail of the last step (tvi_stats.tail) */
+    int *pass_counts;          /* [width] the numbers of passes of the corrector in the last step */
+    double *overflow_flags;    /* [width] a number other than 0 if the new state is not finite */
+    double *run_start;         /* [2n + 1][width] q, t and p at the start of each member's run, in the history */
+    tvi_reference_energy *reference_energy; /* [width] each member's reference energy, in the history */
+    double *energy_change_bound;            /* [width] the stepper's bound of the change of the energy in the step */
+    bool *needs_energy;                     /* [width] true if the energy must be computed to judge the step */
+    double *energy_before, *energy_after;   /* [width] the energies at the start and at the end of the step */
     tvi_run_state end;          /* the states at the end of the step, without low-order parts; scratch of guard.c */
     tvi_run_state member_state; /* the state of one member, without low-order parts */
-    tvi_energy_work energy;     /* memory to compute the energy of one member; tape_block = NULL if it is not needed */
-    tvi_energy_work rescaled_hamiltonian; /* memory to compute the Hamiltonian K of a rescaled system */
-    tvi_energy_work energies; /* memory to compute the energies of all members at once; tape_block = NULL if unused */
-    double *field;            /* memory to evaluate the forces, or the derivatives of L or H, at one point */
-    tvi_tangent *tangent;     /* memory for tangent vectors; NULL if they have not been used */
+    tvi_energy_work member_energy_work; /* memory to compute the energy of one member; tape_block = NULL if unused */
+    tvi_energy_work rescaled_hamiltonian_work; /* memory to compute the Hamiltonian K of a rescaled system */
+    tvi_energy_work all_energies_work;         /* the same for the energies of all members of a batch */
+    double *field_block;  /* memory to evaluate the forces, or the derivatives of L or H, at one point */
+    tvi_tangent *tangent; /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
 };
 
@@ -141,8 +141,8 @@ void tvi_member_load_one_lane_parameters(tvi_integrator *integrator, int member)
 TVI_NODISCARD tvi_status tvi_member_compute_energy(tvi_integrator *integrator, int member, const double *q,
                                                    const double *p, double *H);
 
-/* The functions tvi_member_begin_step, tvi_member_has_state and tvi_member_copy_state for an integrator of one
- * member. */
+/* The three functions below do for an integrator of one member what tvi_member_begin_step, tvi_member_has_state and
+ * tvi_member_copy_state do for a member. */
 TVI_NODISCARD static inline tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, double t, const double q[],
                                                                  const double p[])
 {
@@ -192,9 +192,10 @@ static inline bool tvi_is_failure_of_member(tvi_status status)
 /* Returns the end time of a run that goes in the direction of h without an end: plus or minus infinity. */
 static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY, h); }
 
-/* Makes up to `steps` steps of size h, and ends when the time reaches t_end or a step fails; at least one step is made.
- * With a tolerance > 0 a step chooses its size, at most h (stepper.h), which becomes integrator->h. t, q and p are
- * written once, after the last step or after the step before the first failure. */
+/* Makes up to `steps` steps of size h, and ends when the time reaches t_end or a step fails; at least one step is
+ * made. If the tolerance is > 0, the stepper chooses the size of each step, at most h (stepper.h), and integrator->h
+ * is the size that it chose. t, q and p are written once, after the last step or after the step before the first
+ * failure. */
 TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long steps, double tolerance, double h,
                                         double t_end, double *t, double q[], double p[]);
 /* Makes up to `steps` steps of size h of all members whose status is TVI_OK, as long as there is such a member. */

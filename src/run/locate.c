@@ -42,7 +42,7 @@ static bool is_root_before(tvi_locator *locator, const tvi_event_root *a, const 
     const int t = locator->state_size - 1;
     if (fabs(a->theta - b->theta) > NEAR_STOP) return a->theta < b->theta;
     const double way =
-        (state_of_root(locator, a)[t] - state_of_root(locator, b)[t]) * locator->search.integrator->covered;
+        (state_of_root(locator, a)[t] - state_of_root(locator, b)[t]) * locator->search.integrator->covered_time;
     return way < 0 || (way == 0 && a->event_index < b->event_index);
 }
 
@@ -81,7 +81,8 @@ static tvi_status reserve_root_states(tvi_locator *locator)
     return TVI_OK;
 }
 
-/* Finds all events of the last step, and sorts them by time. Roots that only the curve has are dropped. */
+/* Finds all events of the last step, and sorts them by time. Roots that only the curve has, and not the more
+ * accurate partial steps, are dropped. */
 static tvi_status locate_events_of_step(tvi_locator *locator)
 {
     tvi_status status = tvi_search_last_step(&locator->search);
@@ -97,8 +98,8 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
     return status;
 }
 
-/* Calls the observer of events with the state of a root. Returns true if the observer asks to end the run. */
-static bool report_event(tvi_locator *locator, const tvi_event_root *root, const double state[])
+/* Calls the observer of events with the state of a root. Returns true if the observer asks to end the run there. */
+static bool report_event_to_observer(tvi_locator *locator, const tvi_event_root *root, const double state[])
 {
     tvi_integrator *it = locator->search.integrator;
     const int n = it->system->n;
@@ -122,11 +123,11 @@ static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_even
                    : TVI_OK;
 }
 
-/* Tells whether the root lies at the state at which the run stops, at theta. This is so if the times are equal. It is
- * also so if the two theta differ by less than NEAR_STOP and the sign of g at the state of the stop contradicts their
+/* Sets *is_at_stop: true if the root lies at `state`, where the run stops at theta. This is so if the times are
+ * equal. It is also so if the two theta differ by less than NEAR_STOP and the sign of g at `state` contradicts their
  * order. */
-static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta, const double state[],
-                                  bool *is_at_stop)
+static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta,
+                                               const double state[], bool *is_at_stop)
 {
     const int time = locator->state_size - 1;
     const double t = state[time], own = state_of_root(locator, root)[time];
@@ -138,10 +139,10 @@ static tvi_status is_root_at_stop(tvi_locator *locator, const tvi_event_root *ro
     return status;
 }
 
-/* Tells whether the event has a root at the state at which the run stops, in the direction that the user has not asked
- * for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
-static tvi_status is_other_crossing_at_stop(tvi_locator *locator, int event_index, const double state[],
-                                            bool *is_at_stop)
+/* Sets *is_at_stop: true if the event crosses 0 at `state`, where the run stops, in the direction that the user has
+ * not asked for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
+static tvi_status find_whether_unwanted_crossing_is_at_stop(tvi_locator *locator, int event_index, const double state[],
+                                                            bool *is_at_stop)
 {
     const tvi_watched_event *w = &locator->search.watched_events[event_index];
     double g = 0, roundoff = 0;
@@ -166,35 +167,37 @@ static void find_neighbouring_roots(const tvi_locator *locator, int event_index,
     }
 }
 
-/* Tells whether the event may have a root at the stop in the direction that the user has not asked for. The end of the
- * step must be clearly later than the stop. If the event's next root comes soon after the stop, the event is ahead,
- * even if |g| is below its roundoff. */
+/* Tells whether the event may cross 0 at the stop, at theta and the time t, in the direction that the user has not
+ * asked for. Not if the stop is at the end of the step up to roundoff. Not either if `later`, the event's next root,
+ * comes before the first sample after the stop: g is small then because of that root. */
 static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int event_index, const tvi_event_root *later,
                                                double theta, double t)
 {
-    const double resolved = SOON * fabs(t / locator->search.integrator->covered);
+    const double resolved = SOON * fabs(t / locator->search.integrator->covered_time);
     return tvi_event_skips_a_direction(locator->search.watched_events[event_index].event) &&
            theta < 1 - fmax(NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
 }
 
-/* Tells whether an event lies at the state at which the run stops because of root number last_root. The event may have
- * this root, an earlier root, or a later one at the same time; *unreported is then the later one, otherwise NULL. */
-static tvi_status is_event_at_stop(tvi_locator *locator, int event_index, int last_root, const double state[],
-                                   bool *is_at_stop, const tvi_event_root **unreported)
+/* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number last_root. The
+ * event may have this root, an earlier root, or a later one at the same time; *unreported is then the later one,
+ * otherwise NULL. */
+static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_index, int last_root,
+                                                const double state[], bool *is_at_stop,
+                                                const tvi_event_root **unreported)
 {
     const double theta = locator->search.roots[last_root].theta;
     const tvi_event_root *earlier, *later;
     bool has_later = false, was_reported = locator->search.roots[last_root].event_index == event_index;
     tvi_status status = TVI_OK;
     find_neighbouring_roots(locator, event_index, last_root, &earlier, &later);
-    if (later) status = is_root_at_stop(locator, later, theta, state, &has_later);
+    if (later) status = find_whether_root_is_at_stop(locator, later, theta, state, &has_later);
     if (status == TVI_OK && earlier && !was_reported)
-        status = is_root_at_stop(locator, earlier, theta, state, &was_reported);
+        status = find_whether_root_is_at_stop(locator, earlier, theta, state, &was_reported);
     *is_at_stop = was_reported || has_later;
     *unreported = has_later ? later : NULL;
     if (status == TVI_OK && !*is_at_stop &&
         may_have_unwanted_crossing_at_stop(locator, event_index, later, theta, state[locator->state_size - 1]))
-        status = is_other_crossing_at_stop(locator, event_index, state, is_at_stop);
+        status = find_whether_unwanted_crossing_is_at_stop(locator, event_index, state, is_at_stop);
     return status;
 }
 
@@ -211,12 +214,13 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;
         const tvi_event_root *unreported;
-        const tvi_status status = is_event_at_stop(locator, event_index, last_root, state, &is_at_stop, &unreported);
+        const tvi_status status =
+            find_whether_event_is_at_stop(locator, event_index, last_root, state, &is_at_stop, &unreported);
         if (status != TVI_OK) return status;
-        if (unreported) (void)report_event(locator, unreported, state);
+        if (unreported) (void)report_event_to_observer(locator, unreported, state);
         const tvi_event *event = locator->search.watched_events[event_index].event;
-        if (is_at_stop && stop->count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
-            stop->event_hashes[stop->count++] = event->hash;
+        if (is_at_stop && stop->event_count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
+            stop->event_hashes[stop->event_count++] = event->hash;
     }
     memcpy(stop->state, state, (size_t)locator->state_size * sizeof *state);
     /* The stop is not valid if an observer has just set parameters, since the events' functions change with them. */
@@ -255,7 +259,7 @@ static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, i
     tvi_status status = times ? tvi_times_report_until(times, state[locator->state_size - 1]) : TVI_OK;
     if (status == TVI_OK) status = propagate_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
-    const bool ends = report_event(locator, root, state);
+    const bool ends = report_event_to_observer(locator, root, state);
     if (!ends && !locator->search.watched_events[root->event_index].event->is_terminal) return TVI_OK;
     status = stop_run_at_event(locator, root_index, state);
     if (status == TVI_ESTOPPED) copy_state_to_user(locator, state, t, q, p);
@@ -267,12 +271,13 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.event_returns_before_time_moves) tvi_integrator_undo_step(locator->search.integrator, t, q, p);
-    if (locator->search.event_returns_before_time_moves)
+    if (locator->search.g_returns_to_zero_before_time_moves)
+        tvi_integrator_undo_step(locator->search.integrator, t, q, p);
+    if (locator->search.g_returns_to_zero_before_time_moves)
         tvi_columns_restore_step_start(locator->search.integrator, columns);
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.event_returns_before_time_moves)
+    if (status != TVI_ESTOPPED && !locator->search.g_returns_to_zero_before_time_moves)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }

@@ -75,8 +75,8 @@ static void clear_member_history(tvi_integrator *it, int member)
     list_state_arrays(it, array, rows);
     for (int a = 0; a < ARRAYS; a++)
         for (int row = 0; row < rows[a]; row++) *element_of_member(it, array[a], row, member) = 0;
-    it->reference[member] = (tvi_reference_energy){0};
-    it->continues[member] = false;
+    it->reference_energy[member] = (tvi_reference_energy){0};
+    it->is_state_from_step[member] = false;
     if (tvi_batch_stepper_of(it)->forget) tvi_batch_stepper_of(it)->forget(it->work, member);
 }
 
@@ -90,12 +90,12 @@ void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, cons
     for (int a = 0; a < ARRAYS; a++)
         for (int row = 0; row < rows[a]; row++)
             *element_of_member(to, target[a], row, member_to) = *element_of_member(from, source[a], row, member_from);
-    to->reference[member_to] = from->reference[member_from];
-    to->continues[member_to] = from->continues[member_from];
+    to->reference_energy[member_to] = from->reference_energy[member_from];
+    to->is_state_from_step[member_to] = from->is_state_from_step[member_from];
     const tvi_batch_stepper *batch = to->stepper->batch;
     if (from->width > 1 && batch->lane_to_scalar) batch->lane_to_scalar(from->work, member_from, to->work);
     if (to->width > 1 && batch->scalar_to_lane) batch->scalar_to_lane(to->work, member_to, from->work);
-    to->has_dense = false;
+    to->has_dense_output = false;
 }
 
 /* ---- The start of a run ------------------------------------------------------------------------------------------ */
@@ -114,7 +114,7 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
     tvi_gather_member(n + 1, it->width, q, member, alone->q);
     tvi_gather_member(n, it->width, p, member, alone->p);
     if (it->width > 1) tvi_member_load_one_lane_parameters(it, member);
-    return tvi_energy_compute(&it->energy, alone->q[n], alone->q, alone->p, H);
+    return tvi_energy_compute(&it->member_energy_work, alone->q[n], alone->q, alone->p, H);
 }
 
 /* Computes the Hamiltonian K = g (H + e) of a rescaled system at the member's state, with the given e, in long
@@ -122,7 +122,7 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
 static long double compute_rescaled_hamiltonian(tvi_integrator *it, double e)
 {
     it->member_state.p[it->system->n] = e;
-    return tvi_energy_compute_long_double(&it->rescaled_hamiltonian, 0, it->member_state.q, it->member_state.p);
+    return tvi_energy_compute_long_double(&it->rescaled_hamiltonian_work, 0, it->member_state.q, it->member_state.p);
 }
 
 /* Sets e = -H(q, p, t) at the start of a run of a rescaled system, so that K = g (H + e) is 0 (docs/method.md,
@@ -160,7 +160,7 @@ tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_
 {
     const int n = it->system->n;
     if (it->is_in_observer) return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not step it");
-    if (it->continues[member] && tvi_member_has_state(it, member, user_state)) return TVI_OK;
+    if (it->is_state_from_step[member] && tvi_member_has_state(it, member, user_state)) return TVI_OK;
     const tvi_status status = refuse_state_not_finite(it, user_state);
     if (status != TVI_OK) return status;
     clear_member_history(it, member);

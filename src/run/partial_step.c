@@ -54,13 +54,14 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
-/* Sets the history from which the partial step starts. The low-order parts of the state are those at the start of the
- * full step. The corrector's part of the history is that at the start of the full step, too; with uses_history_at_end
- * it is that at the end of the full step, or that of an earlier partial step if this one ended near `offset`. */
+/* Sets the history from which the partial step starts: the low-order parts of the state, and the numbers from which
+ * the corrector predicts. The low-order parts are those at the start of the full step. The numbers of the corrector
+ * are those at the start of the full step, too; with uses_history_at_end they are those at the end of the full step,
+ * or those of an earlier partial step if this one ended near `offset`. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->marked_bytes;
+    const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->history_before_bytes;
     const bool is_near = partial_step->uses_history_at_end && partial_step->step_number == it->stats.steps &&
                          partial_step->offset != it->h && partial_step->offset != 0 &&
                          fabs(offset - partial_step->offset) < NEAR * fabs(it->h);
@@ -147,7 +148,7 @@ static tvi_status correct_offset_by_newton(tvi_partial_step *partial_step, doubl
     for (int count = 0; count < MOST_CORRECTIONS && offset != 0 && offset != h; count++) {
         status = tvi_partial_step_compute_state(partial_step, offset);
         if (status != TVI_OK) return status;
-        const double rest = time_from_start - partial->covered;
+        const double rest = time_from_start - partial->covered_time;
         if (!(fabs(rest) < least)) break;
         best = offset;
         least = fabs(rest);
@@ -164,8 +165,8 @@ tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step
     const tvi_integrator *it = partial_step->full_step_integrator;
     const int n = it->system->n;
     const double h = it->h, time_from_start = (time - it->start.q[n]) - it->start.q_low[n];
-    const double offset = fmax(fmin(time_from_start * (h / it->covered), fmax(h, 0)), fmin(h, 0));
-    tvi_sign_bracket bracket = {0, -time_from_start, 1, it->covered - time_from_start};
+    const double offset = fmax(fmin(time_from_start * (h / it->covered_time), fmax(h, 0)), fmin(h, 0));
+    tvi_sign_bracket bracket = {0, -time_from_start, 1, it->covered_time - time_from_start};
     if (time == it->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
     /* Without rescaling steps are steps in time, so the offset is the difference of the times. */
     if (!tvi_is_rescaled(it)) return tvi_partial_step_compute_state(partial_step, offset);

@@ -101,7 +101,7 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, 
                       .ctx = (void *)member_run},
         .columns = {plan->D ? plan->D + member_run->member_index : NULL, plan->columns,
                     (size_t)member_run->member_count},
-        .steps_before_segment = member_run->steps_before_segment,
+        .step_count_before_segment = member_run->step_count_before_segment,
     };
     return tvi_run_integrator(it, &run, t, q, p);
 }

@@ -19,7 +19,7 @@ typedef struct {
     int member_index, member_count;
     /* An ensemble may run a plan in several segments. This is the number of steps in earlier segments; plan->steps
      * is the number of steps in this one. */
-    long steps_before_segment;
+    long step_count_before_segment;
     /* The observer that is called after plan->at_step; NULL if the ensemble itself calls the observer of the plan. */
     tvi_ensemble_observer *ensemble_observer;
     pthread_mutex_t *observer_lock; /* held while an observer is called; NULL if there is only one thread */

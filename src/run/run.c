@@ -28,11 +28,11 @@ struct tvi_schedule {
     tvi_status (*step)(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
                        bool *is_last);
     const tvi_run_plan *plan;
-    /* The largest number of calls of `step`, and the number of steps that each call may make. */
-    long steps, at_once;
-    bool begins;              /* true if the user's state is loaded into the integrator before the first step */
+    /* The largest number of calls of `step` in the run, and the largest number of steps that one call may make. */
+    long most_calls, most_steps_per_call;
+    bool loads_user_state;    /* true if the user's state is loaded into the integrator before the first step */
     bool continues_last_step; /* true if the first of the given times lie in the step that was made before the run */
-    bool is_to_time;          /* true if the run ends at t_end */
+    bool ends_at_t_end;       /* true if the run ends at t_end */
     double t_end;
 };
 
@@ -46,15 +46,15 @@ static double remaining_time_to(const tvi_integrator *it, double t_end)
     return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-/* Tells whether a run to t_end still advances after the last step. *slow_step_count counts the last consecutive steps
- * that each covered less than a 2^53rd of the remaining time; TVI_ENOCONV is returned after 2^16 of them. */
+/* Refuses to go on (TVI_ENOCONV) with a run whose time hardly moves: after 2^16 consecutive steps that each covered
+ * less than a 2^53rd of the remaining time. *slow_step_count counts these steps up to the last one. */
 static tvi_status check_time_advances(const tvi_integrator *it, double t_end, int *slow_step_count)
 {
     const double left = remaining_time_to(it, t_end);
-    *slow_step_count = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow_step_count + 1 : 0;
-    return *slow_step_count < 1 << 16
-               ? TVI_OK
-               : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
+    *slow_step_count = fabs(it->covered_time) < DBL_EPSILON / 2 * fabs(left) ? *slow_step_count + 1 : 0;
+    return *slow_step_count < 1 << 16 ? TVI_OK
+                                      : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left",
+                                                   it->covered_time, left);
 }
 
 /* Replaces a step of a rescaled system that went past t_end by a shorter step from the same start that ends at
@@ -84,7 +84,7 @@ static void set_time_to_t_end(tvi_integrator *it, double t_end, double *t)
 static long count_steps_of_one_call(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
 {
     const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(remaining_time / schedule->plan->h)) - 1;
-    return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
+    return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->most_steps_per_call);
 }
 
 /* Makes one or more steps of size h, or the last step of the run. If the steps are steps in time, the last one has the
@@ -128,8 +128,8 @@ static tvi_status make_scheduled_steps(tvi_integrator *it, const tvi_schedule *s
                                        double p[], bool *is_last)
 {
     (void)is_last;
-    return tvi_make_steps(it, schedule->at_once, 0, schedule->plan->h, tvi_infinite_end_time(schedule->plan->h), t, q,
-                          p);
+    return tvi_make_steps(it, schedule->most_steps_per_call, 0, schedule->plan->h,
+                          tvi_infinite_end_time(schedule->plan->h), t, q, p);
 }
 
 /* Tells whether the steps must be made one by one, since an observer, an event or the tangent vectors need each of
@@ -141,10 +141,12 @@ static bool is_each_step_observed(const tvi_single_run *run)
 
 static tvi_status set_schedule_for_step_count(const tvi_single_run *run, tvi_schedule *schedule)
 {
-    const long steps = run->plan->steps, at_once = is_each_step_observed(run) || steps == 0 ? 1 : steps;
+    const long steps = run->plan->steps, steps_per_call = is_each_step_observed(run) || steps == 0 ? 1 : steps;
     if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
-    *schedule =
-        (tvi_schedule){.step = make_scheduled_steps, .plan = run->plan, .steps = steps / at_once, .at_once = at_once};
+    *schedule = (tvi_schedule){.step = make_scheduled_steps,
+                               .plan = run->plan,
+                               .most_calls = steps / steps_per_call,
+                               .most_steps_per_call = steps_per_call};
     return TVI_OK;
 }
 
@@ -156,13 +158,14 @@ static tvi_status set_schedule_to_time(const tvi_integrator *it, const tvi_singl
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
     if (!by_tolerance && (plan->h > 0 ? plan->t_end < t : plan->t_end > t))
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
-    *schedule = (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end,
-                               .plan = plan,
-                               .steps = t == plan->t_end ? 0 : LONG_MAX,
-                               .at_once = is_each_step_observed(run) || !it->stats.is_compiled ? 1 : AT_ONCE,
-                               .begins = true,
-                               .is_to_time = true,
-                               .t_end = plan->t_end};
+    *schedule =
+        (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end,
+                       .plan = plan,
+                       .most_calls = t == plan->t_end ? 0 : LONG_MAX,
+                       .most_steps_per_call = is_each_step_observed(run) || !it->stats.is_compiled ? 1 : AT_ONCE,
+                       .loads_user_state = true,
+                       .ends_at_t_end = true,
+                       .t_end = plan->t_end};
     return by_tolerance ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 
@@ -174,9 +177,9 @@ static tvi_status set_schedule_for_times(const tvi_integrator *it, const tvi_sin
     if (status != TVI_OK) return status;
     schedule->step = make_scheduled_steps;
     schedule->plan = run->plan;
-    schedule->steps = count > 0 ? LONG_MAX : 0;
-    schedule->at_once = 1;
-    schedule->is_to_time = true;
+    schedule->most_calls = count > 0 ? LONG_MAX : 0;
+    schedule->most_steps_per_call = 1;
+    schedule->ends_at_t_end = true;
     schedule->t_end = count > 0 ? run->plan->times[count - 1] : t;
     return TVI_OK;
 }
@@ -243,8 +246,9 @@ static tvi_status report_times_events_and_step(const run_in_progress *in_progres
         status = tvi_locator_report_events(in_progress->locator, in_progress->times, t, q, p);
     if (status == TVI_OK && in_progress->times) status = tvi_times_report_until(in_progress->times, *t);
     if (status != TVI_OK) return status;
-    const bool stops = tvi_call_observer(in_progress->integrator, observers->at_step,
-                                         in_progress->run->steps_before_segment + step, *t, q, p, observers->ctx) != 0;
+    const bool stops =
+        tvi_call_observer(in_progress->integrator, observers->at_step,
+                          in_progress->run->step_count_before_segment + step, *t, q, p, observers->ctx) != 0;
     return stops || (in_progress->times && in_progress->times->is_stopped_by_observer) ? TVI_ESTOPPED : TVI_OK;
 }
 
@@ -257,11 +261,11 @@ static tvi_status make_all_steps(run_in_progress *in_progress, double *t, double
                    : TVI_OK;
     bool is_last = false;
     int slow_step_count = 0;
-    for (long step = 1; step <= in_progress->schedule.steps && !is_last && status == TVI_OK; step++) {
+    for (long step = 1; step <= in_progress->schedule.most_calls && !is_last && status == TVI_OK; step++) {
         status = make_next_step(in_progress, t, q, p, &is_last);
         if (status == TVI_OK) status = report_times_events_and_step(in_progress, step, t, q, p);
         is_last = is_last || (in_progress->times && tvi_times_are_all_reported(in_progress->times));
-        if (status == TVI_OK && in_progress->schedule.is_to_time && !is_last)
+        if (status == TVI_OK && in_progress->schedule.ends_at_t_end && !is_last)
             status = check_time_advances(in_progress->integrator, in_progress->schedule.t_end, &slow_step_count);
     }
     tvi_locator_close(in_progress->locator);
@@ -286,7 +290,7 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
     tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &in_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
-    if (status == TVI_OK && (in_progress.schedule.begins || it->is_in_observer))
+    if (status == TVI_OK && (in_progress.schedule.loads_user_state || it->is_in_observer))
         status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
     tvi_columns_store_run_start(it, &run->columns);
@@ -335,13 +339,13 @@ tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double 
     return tvi_integrate_tolerance_events(it, tolerance, t_end, NULL, 0, t, q, p, observer, NULL, ctx);
 }
 
-/* A run of one step with the columns of D. */
+/* Makes a run of one step whose tangent vectors are the columns of D. */
 tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     const tvi_run_plan plan = {.h = h, .steps = 1};
     if (!it) return tvi_refuse_run_arguments(given, "");
-    if (!it->is_in_observer) it->has_dense = false;
+    if (!it->is_in_observer) it->has_dense_output = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
         return tvi_refuse_run_arguments(given, D ? "columns is not positive" : "D is NULL");
     const tvi_single_run run = {.mode = TVI_RUN_STEPS, .plan = &plan, .columns = {D, columns, 1}};

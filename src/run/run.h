@@ -26,7 +26,7 @@ struct tvi_single_run {
     tvi_observers observers; /* the observers that the run calls */
     /* The tangent vectors that the run's steps propagate; elements = NULL if there are none. */
     tvi_tangent_columns columns;
-    long steps_before_segment; /* the number of steps in earlier segments of an ensemble's run */
+    long step_count_before_segment; /* the number of steps in earlier segments of an ensemble's run */
 };
 
 /* Runs the integrator. It returns TVI_ESTOPPED if an observer or an event ends the run, and otherwise the status of the

@@ -18,9 +18,9 @@ tvi_saved_identity tvi_saved_identity_of_integrator(const tvi_integrator *it, si
 {
     tvi_saved_identity identity = {
         .version = STATE_VERSION,
-        .bytes = (int64_t)bytes,
+        .total_bytes = (int64_t)bytes,
         .n = it->system->n,
-        .has_stepped = *it->continues,
+        .has_stepped = *it->is_state_from_step,
         .system_hash = tvi_system_fingerprint(it->stepped),
         .options_hash = tvi_options_fingerprint(&it->options),
         .code_hash = it->options.compiled ? tvi_compiled_hash_library_text() : 0,
@@ -32,7 +32,7 @@ tvi_saved_identity tvi_saved_identity_of_integrator(const tvi_integrator *it, si
 size_t tvi_saved_size_in_bytes(const tvi_saved_pieces *pieces)
 {
     size_t bytes = sizeof(tvi_saved_identity) + sizeof(uint64_t);
-    for (int i = 0; i < pieces->count; i++) bytes += pieces->piece[i].bytes;
+    for (int i = 0; i < pieces->piece_count; i++) bytes += pieces->piece[i].bytes;
     return bytes;
 }
 
@@ -53,7 +53,7 @@ tvi_status tvi_saved_write(const tvi_saved_identity *identity, const tvi_saved_p
     char *at = buffer;
     memcpy(at, identity, sizeof *identity);
     at += sizeof *identity;
-    for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
+    for (int i = 0; i < pieces->piece_count; at += pieces->piece[i++].bytes)
         tvi_arena_copy_history(at, pieces->piece[i].data, pieces->piece[i].bytes);
     tvi_saved_add_checksum(buffer, bytes);
     return TVI_OK;
@@ -68,24 +68,24 @@ const char *tvi_saved_find_damage(const void *buffer, size_t size, tvi_saved_ide
     if (memcmp(identity->magic, MAGIC, sizeof identity->magic) != 0) return "the bytes are no state";
     if (identity->version != STATE_VERSION) return "the state is of another version of the library";
     const bool is_sound = checksum == jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
-    return is_sound && identity->bytes == (int64_t)size ? NULL : "the state is damaged";
+    return is_sound && identity->total_bytes == (int64_t)size ? NULL : "the state is damaged";
 }
 
-const char *tvi_saved_find_misfit(const tvi_saved_identity *expected, const void *buffer, size_t size)
+const char *tvi_saved_find_mismatch(const tvi_saved_identity *expected, const void *buffer, size_t size)
 {
     tvi_saved_identity identity;
     const char *const fault = tvi_saved_find_damage(buffer, size, &identity);
     if (fault) return fault;
-    if (identity.members != expected->members)
-        return identity.members == 0    ? "the state is of an integrator"
-               : expected->members == 0 ? "the state is of an ensemble"
-                                        : "the state is of an ensemble of another size";
+    if (identity.member_count != expected->member_count)
+        return identity.member_count == 0    ? "the state is of an integrator"
+               : expected->member_count == 0 ? "the state is of an ensemble"
+                                             : "the state is of an ensemble of another size";
     if (identity.n != expected->n) return "the state is of a system of another dimension";
     if (identity.system_hash != expected->system_hash) return "the state is of another system";
     if (identity.code_hash != expected->code_hash)
         return expected->code_hash ? "the state is not of compiled steps" : "the state is of compiled steps";
-    const bool fits = identity.options_hash == expected->options_hash && identity.bytes == expected->bytes &&
-                      identity.width == expected->width;
+    const bool fits = identity.options_hash == expected->options_hash &&
+                      identity.total_bytes == expected->total_bytes && identity.width == expected->width;
     return fits ? NULL : "the state is of other options";
 }
 
@@ -129,7 +129,7 @@ bool tvi_saved_stops_are_valid(const void *bytes, int n, int members)
     for (int m = 0; m < members; m++) {
         tvi_event_stop stop;
         memcpy(&stop, (const char *)bytes + (size_t)m * tvi_size_of_stop_in_bytes(n), sizeof stop);
-        if (stop.count < 0 || stop.count > TVI_STOP_EVENTS) return false;
+        if (stop.event_count < 0 || stop.event_count > TVI_STOP_EVENTS) return false;
     }
     return true;
 }
@@ -142,8 +142,8 @@ bool tvi_loaded_history_is_valid(const tvi_integrator *it)
     bool is_sound = tvi_all_finite(rows + width, state->q) && tvi_all_finite(rows + width, state->q_low) &&
                     tvi_all_finite(rows, state->p) && tvi_all_finite(rows, state->p_low);
     for (int m = 0; m < width; m++)
-        is_sound = is_sound && isfinite(it->reference[m].zero) && isfinite(it->reference[m].scale) &&
-                   (!it->reference[m].is_H_known || isfinite(it->reference[m].H));
+        is_sound = is_sound && isfinite(it->reference_energy[m].level) && isfinite(it->reference_energy[m].scale) &&
+                   (!it->reference_energy[m].is_H_known || isfinite(it->reference_energy[m].H));
     bool (*const of_work)(const void *) = batch ? batch->is_history_valid : it->stepper->is_history_valid;
     return is_sound && (!of_work || of_work(it->work));
 }

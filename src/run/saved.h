@@ -16,9 +16,9 @@
  * the state. */
 typedef struct {
     char magic[8];                      /* "tvistate" */
-    int64_t version, bytes, n;          /* version of the format, bytes of the state, coordinates of the system */
+    int64_t version, total_bytes, n;    /* version of the format; size of the saved state; coordinates of the system */
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
-    int64_t members, width;             /* members of an ensemble and of its batches; 0 for an integrator */
+    int64_t member_count, width;        /* members of an ensemble and of each of its batches; 0 for an integrator */
     uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
     uint64_t code_hash; /* hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none */
 } tvi_saved_identity;
@@ -26,7 +26,7 @@ typedef struct {
 enum { TVI_MAX_SAVED_PIECES = 8 };
 /* The pieces of memory that are saved one after the other. */
 typedef struct {
-    int count;
+    int piece_count;
     struct {
         void *data;
         size_t bytes;
@@ -34,8 +34,8 @@ typedef struct {
 } tvi_saved_pieces;
 static inline void tvi_saved_pieces_add(tvi_saved_pieces *pieces, void *data, size_t bytes)
 {
-    pieces->piece[pieces->count].data = data;
-    pieces->piece[pieces->count++].bytes = bytes;
+    pieces->piece[pieces->piece_count].data = data;
+    pieces->piece[pieces->piece_count++].bytes = bytes;
 }
 
 /* Returns the number of bytes of a saved state with these pieces. */
@@ -56,7 +56,7 @@ void tvi_saved_add_checksum(void *buffer, size_t size);
 const char *tvi_saved_find_damage(const void *buffer, size_t size, tvi_saved_identity *identity);
 /* Returns NULL if the buffer has a valid state with the identity `expected`, otherwise a message that tells the
  * difference. */
-const char *tvi_saved_find_misfit(const tvi_saved_identity *expected, const void *buffer, size_t size);
+const char *tvi_saved_find_mismatch(const tvi_saved_identity *expected, const void *buffer, size_t size);
 /* Returns the address in the buffer of the piece with this index. */
 const char *tvi_saved_piece_address(const tvi_saved_pieces *pieces, int index, const void *buffer);
 /* Copies the piece with this index from the buffer to its place in memory. */
@@ -68,8 +68,8 @@ bool tvi_saved_stats_are_valid(const void *bytes);
 bool tvi_numbers_are_finite(const void *bytes, size_t size);
 /* Tells whether the bytes are valid stops (tvi_event_stop) of this number of members, one after the other. */
 bool tvi_saved_stops_are_valid(const void *bytes, int n, int members);
-/* Tells whether steps can go on from the history that the integrator has loaded: its numbers are finite, and its
- * indices lie within their arrays. */
+/* Tells whether steps can go on from the history (integrator.h) that the integrator has loaded: its numbers are
+ * finite, and its indices lie within their arrays. */
 bool tvi_loaded_history_is_valid(const tvi_integrator *integrator);
 
 #endif

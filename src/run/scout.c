@@ -1,6 +1,7 @@
-/* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The tail
- * of each step (tvi_stats.tail) tells which step size would just resolve the orbit there. The orbit is hardest where
- * this step size is smallest. */
+/* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The
+ * tail of a step (tvi_stats.tail) estimates how well its polynomial resolves the forces. A step size resolves the
+ * orbit at a position if a step of that size would have the tail TVI_SCOUT_TAIL there; this resolving step size is
+ * extrapolated from the tail of the step that was made. The orbit is hardest where it is smallest. */
 #include "run/scout.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -51,8 +52,8 @@ static void store_current_state(tvi_orbit_scout *scout, const tvi_integrated_orb
     x[2 * n] = orbit->t;
 }
 
-/* Returns the step size that just resolves the orbit at the last step, which had the size h. The tail of a step is
- * taken as proportional to the power `degree` of its size. */
+/* Returns the resolving step size at the last step, which had the size h: the one whose tail would be
+ * TVI_SCOUT_TAIL. The tail of a step is taken as proportional to the power `degree` of its size. */
 static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, double h)
 {
     const double tail = tvi_integrator_stats(orbit->integrator)->tail,
@@ -62,16 +63,16 @@ static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, do
 
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
  * then the resolving step size of the step before is recorded for it as well. */
-static double record_step_and_choose_next(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
-                                          bool is_last)
+static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
+                                               bool is_last)
 {
     const double scale = estimate_resolving_step_size(orbit, h);
     scout->positions[scout->step_count + 1] = scout->positions[scout->step_count] + h;
     scout->resolving_step_size[scout->step_count] =
         is_last && scout->step_count > 0 ? scout->resolving_step_size[scout->step_count - 1] : scale;
     if (fabs(scout->resolving_step_size[scout->step_count]) <
-        MUCH_HARDER * fabs(scout->resolving_step_size[scout->hardest_index]))
-        scout->hardest_index = scout->step_count;
+        MUCH_HARDER * fabs(scout->resolving_step_size[scout->hardest_step_index]))
+        scout->hardest_step_index = scout->step_count;
     scout->step_count++;
     update_largest_q_and_p(scout, orbit);
     return tvi_smaller_magnitude(scale, GROWS * h);
@@ -79,20 +80,21 @@ static double record_step_and_choose_next(tvi_orbit_scout *scout, const tvi_inte
 
 /* Tries a step of size h, or of remaining_time if that is shorter. Returns the size of the next step, or of another try
  * if this one has failed or has been undone. */
-static double try_next_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h, double remaining_time)
+static double try_step_and_choose_next_size(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h,
+                                            double remaining_time)
 {
     const bool is_last = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
     const double size = is_last ? remaining_time : h;
     store_current_state(scout, orbit);
-    scout->steps_tried++;
+    scout->tried_step_count++;
     /* Without the reset the step would keep e = -H of the state at which the run started. After the reset e is computed
      * from the step's own start. */
     if (tvi_is_rescaled(orbit->integrator)) tvi_integrator_reset(orbit->integrator);
     scout->last_status = tvi_step(orbit->integrator, size, &orbit->t, orbit->q, orbit->p);
     if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);
-    const bool may_try = scout->step_count > 0 || scout->steps_tried < TVI_SCOUT_STEPS / 2;
+    const bool may_try = scout->step_count > 0 || scout->tried_step_count < TVI_SCOUT_STEPS / 2;
     if (tvi_integrator_stats(orbit->integrator)->tail <= MOST_TAIL || !may_try)
-        return record_step_and_choose_next(scout, orbit, size, is_last);
+        return record_step_and_choose_next_size(scout, orbit, size, is_last);
     tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
     return estimate_resolving_step_size(orbit, size);
 }
@@ -106,7 +108,7 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *or
     store_current_state(scout, orbit);
     tvi_integrated_orbit_set_state(orbit, n, scout->states);
     for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
-        scout->steps_tried++;
+        scout->tried_step_count++;
         scout->last_status = tvi_step(orbit->integrator, scout->positions[1] / 2, &orbit->t, orbit->q, orbit->p);
     }
     for (int i = 0; i < 2 * n; i++) {
@@ -118,10 +120,10 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *or
     return scout->last_status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
 }
 
-/* Tells whether the first step conserves the energy, which shows a too large step that has no large tail: all its nodes
- * may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps. If the
- * energy is nearly 0, its change is compared with p.dq/dt; p is taken from both ends, since the motion may be at rest
- * at one. */
+/* Tells whether the first step conserves the energy. A step that is much too large may have a small tail: all its
+ * nodes may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps.
+ * If the energy is nearly 0, its change is compared with p.dq/dt, about twice the kinetic energy; p is taken from
+ * both ends, since the motion may be at rest at one. */
 static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;
@@ -139,17 +141,17 @@ static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *or
 
 /* Tells whether the first step was too large although its tail was small: the following steps are much shorter, or the
  * step did not conserve the energy. */
-static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step)
+static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step_size)
 {
     return scout->step_count == 1 &&
-           (fabs(next_step) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
+           (fabs(next_step_size) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
 static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     tvi_integrated_orbit_set_state(orbit, scout->n, scout->states);
-    scout->step_count = scout->hardest_index = 0;
+    scout->step_count = scout->hardest_step_index = 0;
     scout->largest_q = scout->largest_p = 0;
     update_largest_q_and_p(scout, orbit);
     return FIRST_FAILS * scout->positions[1];
@@ -160,20 +162,21 @@ tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit 
     const double start = orbit->t, end = start + duration;
     double h = duration;
     update_largest_q_and_p(scout, orbit);
-    while (scout->steps_tried < TVI_SCOUT_STEPS && scout->explored_duration_part < 1 && !scout->has_too_low_degree &&
-           scout->last_status != TVI_ENOMEM) {
-        h = try_next_step(scout, orbit, h, end - orbit->t);
+    while (scout->tried_step_count < TVI_SCOUT_STEPS && scout->explored_duration_part < 1 &&
+           !scout->is_degree_too_low_for_tail && scout->last_status != TVI_ENOMEM) {
+        h = try_step_and_choose_next_size(scout, orbit, h, end - orbit->t);
         if (is_first_step_too_large(scout, orbit, h)) h = restart_with_shorter_step(scout, orbit);
         scout->explored_duration_part = fmin((orbit->t - start) / duration, 1);
-        scout->has_too_low_degree = scout->step_count == 1 && orbit->integrator->options.degree <= 2;
+        scout->is_degree_too_low_for_tail = scout->step_count == 1 && orbit->integrator->options.degree <= 2;
     }
     store_current_state(scout, orbit);
     return scout->step_count > 0 && scout->last_status != TVI_ENOMEM ? TVI_OK : scout->last_status;
 }
 
-double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from_position, double to_position)
+double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_position, double to_position)
 {
-    const double end = scout->positions[scout->step_count], hardest = scout->resolving_step_size[scout->hardest_index];
+    const double end = scout->positions[scout->step_count],
+                 hardest = scout->resolving_step_size[scout->hardest_step_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
         const double weight = fmax(pow(hardest / scout->resolving_step_size[k], POWER), LEAST_WEIGHT);

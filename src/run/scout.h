@@ -25,15 +25,15 @@ typedef struct {
     int n; /* the number of coordinates of the orbit */
     /* [TVI_SCOUT_STEPS + 1][2n + 1] The state (q, p, t) at each position, in memory of the caller. */
     double *states;
-    long steps_tried; /* the number of steps, with those that failed or were undone */
-    int step_count;   /* the number of steps that succeeded; step k leads from position k to position k + 1 */
+    long tried_step_count; /* the number of steps that were tried, with those that failed or were undone */
+    int step_count;        /* the number of steps that succeeded; step k leads from position k to position k + 1 */
     double positions[TVI_SCOUT_STEPS + 1];
     double resolving_step_size[TVI_SCOUT_STEPS]; /* the step size whose tail would be TVI_SCOUT_TAIL, at each step */
-    int hardest_index;                           /* index of the step with the least resolving_step_size */
+    int hardest_step_index;                      /* index of the step with the least resolving_step_size */
     double explored_duration_part;               /* the part of the run's duration that the scout has covered, 0 to 1 */
-    /* True if the degree is at most 2. The tails of such curves are no estimate of an error, so only one step is
-     * made. */
-    bool has_too_low_degree;
+    /* True if the degree of the method's curve is at most 2. The tails of such curves are no estimate of an error,
+     * so only one step is made. */
+    bool is_degree_too_low_for_tail;
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
     tvi_status last_status;      /* the status of the last step */
 } tvi_orbit_scout;
@@ -43,15 +43,15 @@ static inline double *tvi_scout_state(const tvi_orbit_scout *scout, int position
     return scout->states + (size_t)position_index * (size_t)(2 * scout->n + 1);
 }
 
-/* The tail (tvi_stats.tail) of a step that just resolves the orbit. */
+/* The tail (tvi_stats.tail) of a step of the resolving step size. */
 #define TVI_SCOUT_TAIL 0.003
 
 /* Explores the orbit from its current state by at most TVI_SCOUT_STEPS steps, or to the end of the run. It fails if no
  * step succeeds, with the status of the last step, or if memory is exhausted. */
 TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration);
 
-/* Returns a measure of the error that a run makes between two positions: the distance between them, in which the
- * hardest parts of the orbit count in full and others less. */
-double tvi_scout_error_weight(const tvi_orbit_scout *scout, double from_position, double to_position);
+/* Returns the distance between two positions, with each step of the scout weighted by the error that a run makes
+ * there: the hardest steps count in full (weight 1), others less. */
+double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_position, double to_position);
 
 #endif

@@ -34,16 +34,16 @@ tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta
     return tvi_compute_dense_state(search->integrator, theta, &state[2 * n], state, state + n);
 }
 
-static tvi_status add_event_to_error(int event_index, tvi_status status)
+static tvi_status add_event_to_error_text(int event_index, tvi_status status)
 {
     return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", event_index, jet_last_refusal_text());
 }
 
 tvi_status tvi_search_evaluate_event(tvi_event_search *search, int event_index, const double state[], double *g)
 {
-    return add_event_to_error(event_index,
-                              tvi_event_evaluate(search->watched_events[event_index].event,
-                                                 search->watched_events[event_index].tape_block, state, g));
+    return add_event_to_error_text(event_index,
+                                   tvi_event_evaluate(search->watched_events[event_index].event,
+                                                      search->watched_events[event_index].tape_block, state, g));
 }
 
 static tvi_status evaluate_event_on_curve(tvi_event_search *search, int event_index, double theta, double *g)
@@ -105,15 +105,15 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int s
                          .found_index = search->root_count,
                          .g_sign_after = sign_after,
                          .bracket = {left.theta, left.g, right.theta, right.g},
-                         .is_return_to_event = left.theta == 0 && search->watched_events[event_index].begins_on_event,
+                         .is_return_to_zero = left.theta == 0 && search->watched_events[event_index].begins_on_event,
                          .theta_guess = NAN};
     search->root_count++;
     return added;
 }
 
 /* Evaluates g at the given distance from theta, a sample where g is 0. */
-static tvi_status sample_event_beside(tvi_event_search *search, int event_index, double theta,
-                                      double distance_from_theta, tvi_event_sample *sample)
+static tvi_status sample_event_at_distance(tvi_event_search *search, int event_index, double theta,
+                                           double distance_from_theta, tvi_event_sample *sample)
 {
     sample->theta = theta + distance_from_theta;
     return evaluate_event_on_curve(search, event_index, sample->theta, &sample->g);
@@ -128,11 +128,11 @@ static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_e
     tvi_event_sample near = middle;
     tvi_status status = TVI_OK;
     if (middle.g == 0)
-        status =
-            sample_event_beside(search, event_index, middle.theta, -fmin(EDGE, (middle.theta - left.theta) / 2), &near);
+        status = sample_event_at_distance(search, event_index, middle.theta,
+                                          -fmin(EDGE, (middle.theta - left.theta) / 2), &near);
     if (middle.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
-        status =
-            sample_event_beside(search, event_index, middle.theta, fmin(EDGE, (right.theta - middle.theta) / 2), &near);
+        status = sample_event_at_distance(search, event_index, middle.theta,
+                                          fmin(EDGE, (right.theta - middle.theta) / 2), &near);
     if (status != TVI_OK) return status;
     const bool crosses = sign_of(near.g) == -sign;
     (void)add_root(search, event_index, -sign, left, crosses ? near : middle);
@@ -161,13 +161,13 @@ static bool is_local_minimum_of_abs_g(const double g[])
     return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
 }
 
-/* Tells whether |g| falls at the start of the step, or rises there with less than the part FLAT of its mean slope up to
- * the next sample, over which it rises by abs_g_rise. The slope at the start is that of the polynomial through five
- * samples. With stride = -1 the samples are read backwards from the end of the step. */
-static bool is_not_rising_at_boundary(const double g[], int stride, double abs_g_rise)
+/* Tells whether |g| falls at the start of the step, or rises there with less than the part FLAT of its mean slope up
+ * to the next sample, over which it increases by abs_g_increase. The slope at the start is that of the polynomial
+ * through five samples. With stride = -1 the samples are read backwards from the end of the step. */
+static bool is_not_rising_at_boundary(const double g[], int stride, double abs_g_increase)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
-    return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * abs_g_rise;
+    return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * abs_g_increase;
 }
 
 /* Returns the largest |g[j + 1] - g[j]| of neighbouring samples. */
@@ -195,12 +195,12 @@ static bool has_kink_at_boundary(const double g[], int stride)
  * last two samples. */
 static bool may_have_dip_at_boundary(const double g[], int stride)
 {
-    const double abs_g_rise = fabs(g[stride]) - fabs(g[0]);
+    const double abs_g_increase = fabs(g[stride]) - fabs(g[0]);
     /* Equal values of the last two samples are excluded, since is_local_minimum_of_abs_g finds such a dip at the sample
      * before the end. */
-    const bool rises = stride > 0 ? abs_g_rise >= 0 : abs_g_rise > 0;
+    const bool rises = stride > 0 ? abs_g_increase >= 0 : abs_g_increase > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
-           (is_not_rising_at_boundary(g, stride, abs_g_rise) || has_kink_at_boundary(g, stride));
+           (is_not_rising_at_boundary(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
 }
 
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
@@ -238,12 +238,13 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
 {
     const tvi_event_sample at_right = right;
     tvi_status status = TVI_OK;
-    if (left.g == 0) status = sample_event_beside(search, event_index, left.theta, EDGE, &left);
-    if (status == TVI_OK && right.g == 0) status = sample_event_beside(search, event_index, right.theta, -EDGE, &right);
+    if (left.g == 0) status = sample_event_at_distance(search, event_index, left.theta, EDGE, &left);
+    if (status == TVI_OK && right.g == 0)
+        status = sample_event_at_distance(search, event_index, right.theta, -EDGE, &right);
     if (status != TVI_OK) return status;
     if (left.g != 0 && right.g != 0 && sign_of(left.g) != sign_of(right.g)) {
         tvi_event_root *root = add_root(search, event_index, sign_of(right.g), left, right);
-        if (root && may_interpolate && !root->is_return_to_event)
+        if (root && may_interpolate && !root->is_return_to_zero)
             root->theta_guess =
                 guess_root_by_interpolation(search->watched_events[event_index].g_samples, root->bracket.left,
                                             root->bracket.g_left, root->bracket.right, root->bracket.g_right);
@@ -253,14 +254,14 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
     return TVI_OK;
 }
 
-/* Drops the roots of an event, from number first_root on, if its g is only roundoff over the whole step. This is tested
- * if g changes from sample to sample by as much as its own size. */
-static tvi_status drop_roots_of_roundoff(tvi_event_search *search, int event_index, int first_root)
+/* Drops the roots of an event, from number first_root on, if the g of the event is only roundoff over the whole
+ * step. This is tested if g changes from sample to sample by as much as its own size. */
+static tvi_status drop_roots_if_g_is_roundoff(tvi_event_search *search, int event_index, int first_root)
 {
     const double *g = search->watched_events[event_index].g_samples;
     bool is_roundoff = false;
     if (2 * largest_sample_change(g) < tvi_largest_magnitude(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
-    const tvi_status status = tvi_start_is_g_roundoff(search, event_index, &is_roundoff);
+    const tvi_status status = tvi_search_find_whether_g_is_roundoff(search, event_index, &is_roundoff);
     if (is_roundoff) search->root_count = first_root;
     return status;
 }
@@ -272,7 +273,7 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     const int before = search->root_count;
     if (has_certainly_no_root(g)) return TVI_OK;
     if (!tvi_all_finite(TVI_SAMPLES, g + 1))
-        return add_event_to_error(event_index, tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE));
+        return add_event_to_error_text(event_index, tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE));
     /* x[-1] and x[TVI_SAMPLES + 1], beyond the ends of the step, are missing samples. */
     tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1;
     for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
@@ -287,7 +288,7 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     }
     if (status == TVI_OK && may_have_dip_at_boundary(g + TVI_SAMPLES, -1))
         status = search_dip_at_boundary(search, event_index, true);
-    return status == TVI_OK && search->root_count > before ? drop_roots_of_roundoff(search, event_index, before)
+    return status == TVI_OK && search->root_count > before ? drop_roots_if_g_is_roundoff(search, event_index, before)
                                                            : status;
 }
 
@@ -308,11 +309,11 @@ static tvi_status refuse_failing_event(tvi_event_search *search)
 static tvi_status sample_all_events(tvi_event_search *search)
 {
     const long step = search->integrator->stats.steps;
-    const bool continues =
-        search->last_searched_step > 0 && *search->integrator->continued && step == search->last_searched_step + 1;
+    const bool continues = search->last_searched_step > 0 && *search->integrator->was_state_from_step &&
+                           step == search->last_searched_step + 1;
     for (int event_index = 0; event_index < search->event_count; event_index++)
         search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
-    tvi_status status = continues ? TVI_OK : tvi_start_evaluate_events(search);
+    tvi_status status = continues ? TVI_OK : tvi_step_start_evaluate_events(search);
     if (status != TVI_OK) return status;
     tvi_sample_dense_output(search->integrator, search->used_components, search->joint_tape_block);
     if (!jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES))
@@ -323,10 +324,11 @@ static tvi_status sample_all_events(tvi_event_search *search)
                search->joint_tape_block + (size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES,
                TVI_SAMPLES * sizeof *w->g_samples);
         w->begins_on_event = false;
-        if (w->g_samples[0] == 0) status = tvi_start_find_leaving_sign(search, event_index);
+        if (w->g_samples[0] == 0) status = tvi_step_start_find_sign_leaving_zero(search, event_index);
         w->was_reported_at_stop = false;
     }
-    search->start_kind = TVI_FROM_ANY; /* The next step may start from any state, since an observer may change it. */
+    search->next_step_start_kind =
+        TVI_FROM_ANY; /* The next step may start from any state, since an observer may change it. */
     search->last_searched_step = step;
     return status;
 }

@@ -11,15 +11,15 @@
 /* A root of an event function: a point where it changes its sign. */
 typedef struct {
     int event_index;          /* index of the event among those of the run */
-    int found_index;          /* how many roots of this step were found before this one */
+    int found_index;          /* number of the root in the order in which the search found them, from 0 */
     int g_sign_after;         /* the sign of g just after the root: +1 or -1 */
     tvi_sign_bracket bracket; /* an interval of theta that contains the root; at `right` g has g_sign_after or is 0 */
     double theta_guess;       /* an estimate of the root's theta; NAN if there is none */
     /* True if the step begins on the event, and g first leaves 0 with the sign of bracket.g_left and then returns to 0
      * at this root. */
-    bool is_return_to_event;
+    bool is_return_to_zero;
     bool is_only_on_curve; /* true if only the curve has the root; the more accurate partial steps (finder.c) lack it */
-    double theta;          /* the final position of the root, which finder.c sets */
+    double theta;          /* the position of the root to roundoff, which finder.c sets */
 } tvi_event_root;
 
 /* An event function that a search watches, and its values in the current step. */
@@ -30,30 +30,31 @@ typedef struct {
     double g_samples[1 + TVI_SAMPLES]; /* values of g: at the start of the step, then at tvi_sample_theta */
     /* True if the run goes on from a state where it was stopped, and this event was reported at that stop. */
     bool was_reported_at_stop;
-    /* True if the step begins on the event. g_samples[0] then has the sign with which g leaves 0, but no meaningful
-     * size. */
+    /* True if the step begins on the event (g = 0). g_samples[0] then is a tiny number with the sign that g has just
+     * after the start. */
     bool begins_on_event;
-    double leaving_theta; /* from this theta on g has the sign with which it leaves 0 */
+    double theta_after_leaving_zero; /* if begins_on_event: a theta at which g certainly has the sign of g_samples[0] */
 } tvi_watched_event;
 
-/* The state that a run begins with: the end of the integrator's last step (OWN), the state of its last stop with any
- * momentum p (STOP), or any other state. */
-typedef enum { TVI_FROM_OWN, TVI_FROM_STOP, TVI_FROM_ANY } tvi_run_start_kind;
+/* The kinds of state from which a run starts: the end of the integrator's last step (LAST_STEP), the state of its last
+ * stop with any momentum p (STOP), or any other state. */
+typedef enum { TVI_FROM_LAST_STEP, TVI_FROM_STOP, TVI_FROM_ANY } tvi_run_start_kind;
 
 /* A search for roots of event functions on the curve of the integrator's last step. */
 typedef struct {
     tvi_integrator *integrator;     /* the integrator whose last step is searched */
-    tvi_partial_step *partial_step; /* computes accurate states inside the integrator's last step */
+    tvi_partial_step *partial_step; /* computes states inside the last step by the method, not on the curve */
     int event_count;
     tvi_watched_event *watched_events; /* [event_count] the events of the run */
-    /* The kind of state at which the next step to be searched begins. */
-    tvi_run_start_kind start_kind;
+    /* The kind of state from which the next step to be searched starts. */
+    tvi_run_start_kind next_step_start_kind;
     bool is_momentum_changed_at_stop; /* the run begins at the state of its last stop, but the user has changed p */
-    /* True if g returns to 0 before the time changes, as for a ball at rest on the floor. */
-    bool event_returns_before_time_moves;
+    /* True if the g of an event returns to 0 in a time that roundoff hides, as for a ball at rest on the floor. */
+    bool g_returns_to_zero_before_time_moves;
     long last_searched_step; /* the number of the last step that was searched; 0 if there is none */
     jet_tape *joint_tape;    /* a tape that evaluates the functions of all events together */
-    /* Memory in which joint_tape is evaluated. It begins with the inputs [2n + 1][TVI_SAMPLES]. */
+    /* Memory in which joint_tape is evaluated at TVI_SAMPLES states at once. It begins with the tape's inputs, the
+     * states [2n + 1][TVI_SAMPLES]. */
     double *joint_tape_block;
     tvi_component_range used_components[2];    /* the components of q and of p that joint_tape depends on */
     double *scratch_state, *scratch_increment; /* [2n + 1] each, in the order q, p, t */
@@ -69,8 +70,8 @@ void tvi_search_close(tvi_event_search *search); /* may also be called if tvi_se
 /* Copies the integrator's parameters to the tapes of all events. */
 void tvi_search_set_parameters(tvi_event_search *search);
 
-/* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if an event returns
- * before the time moves. */
+/* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if
+ * g_returns_to_zero_before_time_moves. */
 TVI_NODISCARD tvi_status tvi_search_last_step(tvi_event_search *search);
 /* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);
@@ -91,21 +92,22 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *integrator, doub
 /* Tells whether the event was reported at the given stop of a run. */
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
 
-/* Evaluates all events at the start of the last step, unless the search of the step before has done so. Sets
- * g_samples[0] of each event; it is set to 0 if the state lies on the event up to roundoff. */
-TVI_NODISCARD tvi_status tvi_start_evaluate_events(tvi_event_search *search);
+/* Evaluates the functions g of all events at the start of the last step, and sets their g_samples[0]: to 0 if the
+ * start lies on the event up to roundoff. Called if the search has no values from the end of the step before. */
+TVI_NODISCARD tvi_status tvi_step_start_evaluate_events(tvi_event_search *search);
 
-/* Sets g_samples[0] of an event on which the step begins to a tiny number with the sign that g has when it leaves 0
- * (see tvi_watched_event). */
-TVI_NODISCARD tvi_status tvi_start_find_leaving_sign(tvi_event_search *search, int event_index);
+/* Sets g_samples[0] of an event on which the step begins (g = 0) to a tiny number with the sign that g has just
+ * after the start of the step. Also sets begins_on_event and theta_after_leaving_zero (tvi_watched_event). */
+TVI_NODISCARD tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int event_index);
 
-/* Sets *rise to g(x(theta)) - g(x(0)) for a step that begins on the event. x(theta) is the state after a partial
- * step of the method, which search->partial_step then holds. *is_sign_certain tells whether *rise is larger than its
- * roundoff. */
-TVI_NODISCARD tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, double theta, double *rise,
-                                                bool *is_sign_certain);
+/* Sets *g_change to g(x(theta)) - g(x(0)) for a step that begins on the event. x(theta) is the state after a partial
+ * step of the method, which search->partial_step then holds. *is_sign_certain tells whether |*g_change| is larger
+ * than its roundoff. */
+TVI_NODISCARD tvi_status tvi_step_start_compute_g_change(tvi_event_search *search, int event_index, double theta,
+                                                         double *g_change, bool *is_sign_certain);
 
-/* Tells whether |g| stays below the roundoff of g over the whole step. */
-TVI_NODISCARD tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff);
+/* Sets *is_roundoff: true if |g| stays below its roundoff over the whole step. */
+TVI_NODISCARD tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int event_index,
+                                                               bool *is_roundoff);
 
 #endif

@@ -35,7 +35,7 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *it, double t, co
 {
     const int n = it->system->n;
     const double *stop = it->stop->state;
-    if (*it->continues && tvi_integrator_has_state(it, t, q, p)) return TVI_FROM_OWN;
+    if (*it->is_state_from_step && tvi_integrator_has_state(it, t, q, p)) return TVI_FROM_LAST_STEP;
     const bool is_stop = it->stop->is_set && are_bitwise_equal(n, q, stop) && are_bitwise_equal(1, &t, &stop[2 * n]);
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
@@ -51,12 +51,12 @@ static void copy_step_start(const tvi_event_search *search, double state[])
 
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event)
 {
-    for (int64_t i = 0; i < stop->count; i++)
+    for (int64_t i = 0; i < stop->event_count; i++)
         if (stop->event_hashes[i] == event->hash) return true;
     return false;
 }
 
-/* Computes g at the given state, with its momentum replaced by that of the stop. */
+/* Computes g at the q and t of the given state with the momentum p of the last stop. */
 static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int event_index, const double state[],
                                               double *g)
 {
@@ -74,12 +74,12 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
     double before = 0, here = 0, roundoff;
     tvi_status status;
     w->was_reported_at_stop =
-        search->start_kind == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
+        search->next_step_start_kind == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
     if (w->was_reported_at_stop) w->g_samples[0] = 0;
-    if (w->g_samples[0] == 0 || search->start_kind == TVI_FROM_OWN) return TVI_OK;
+    if (w->g_samples[0] == 0 || search->next_step_start_kind == TVI_FROM_LAST_STEP) return TVI_OK;
     /* If only p was changed at the stop and g is unchanged, the state does not lie on the event, since the event was
      * not reported at the stop. */
-    if (search->start_kind == TVI_FROM_STOP && search->integrator->stop->count < TVI_STOP_EVENTS) {
+    if (search->next_step_start_kind == TVI_FROM_STOP && search->integrator->stop->event_count < TVI_STOP_EVENTS) {
         status = evaluate_with_stop_momentum(search, event_index, state, &before);
         if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, state, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
@@ -90,14 +90,14 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
     return status;
 }
 
-tvi_status tvi_start_evaluate_events(tvi_event_search *search)
+tvi_status tvi_step_start_evaluate_events(tvi_event_search *search)
 {
     const int inputs = 2 * search->integrator->system->n + 1;
     const double *g = search->joint_tape_block;
     double *state = search->scratch_state;
     copy_step_start(search, state);
     search->is_momentum_changed_at_stop =
-        search->start_kind == TVI_FROM_STOP &&
+        search->next_step_start_kind == TVI_FROM_STOP &&
         !are_bitwise_equal(inputs / 2, state + inputs / 2, search->integrator->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
@@ -140,8 +140,8 @@ static tvi_status compute_increment_to_theta(tvi_event_search *search, double th
     return TVI_OK;
 }
 
-tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, double theta, double *rise,
-                                  bool *is_sign_certain)
+tvi_status tvi_step_start_compute_g_change(tvi_event_search *search, int event_index, double theta, double *g_change,
+                                           bool *is_sign_certain)
 {
     const tvi_watched_event *w = &search->watched_events[event_index];
     double scale;
@@ -150,26 +150,27 @@ tvi_status tvi_start_compute_rise(tvi_event_search *search, int event_index, dou
     copy_step_start(search, search->scratch_state);
     if (status == TVI_OK)
         status = tvi_event_compute_change(w->event, &w->local_series, search->scratch_state, search->scratch_increment,
-                                          rise, &scale, &is_exact);
+                                          g_change, &scale, &is_exact);
     if (status != TVI_OK) return status;
-    *is_sign_certain = fabs(*rise) > UNITS * DBL_EPSILON * scale;
+    *is_sign_certain = fabs(*g_change) > UNITS * DBL_EPSILON * scale;
     if (is_exact) return TVI_OK;
     tvi_partial_step_copy_state(search->partial_step, search->scratch_state);
-    return tvi_search_evaluate_event(search, event_index, search->scratch_state, rise);
+    return tvi_search_evaluate_event(search, event_index, search->scratch_state, g_change);
 }
 
-/* Finds the sign of g(theta) - g(0) in a step that begins on the event. *sign = 0 means that it is below roundoff. */
-static tvi_status find_sign_of_rise(tvi_event_search *search, int event_index, double theta, int *sign)
+/* Finds the sign of g(theta) - g(0) in a step that begins on the event. *sign = 0 means that the change is below its
+ * roundoff. */
+static tvi_status find_sign_of_g_change(tvi_event_search *search, int event_index, double theta, int *sign)
 {
-    double rise = 0;
+    double g_change = 0;
     bool is_sign_certain = false;
-    const tvi_status status = tvi_start_compute_rise(search, event_index, theta, &rise, &is_sign_certain);
-    *sign = is_sign_certain ? sign_of(rise) : 0;
+    const tvi_status status = tvi_step_start_compute_g_change(search, event_index, theta, &g_change, &is_sign_certain);
+    *sign = is_sign_certain ? sign_of(g_change) : 0;
     return status;
 }
 
-/* Returns the theta at which the time has changed by a unit of its roundoff. search->scratch_increment holds the
- * increments up to first_theta. */
+/* Returns a theta, at least LEAST, up to which the time changes by one unit of its roundoff.
+ * search->scratch_increment holds the increments of q, p and t up to first_theta. */
 static double first_theta_that_moves_time(const tvi_event_search *search, double first_theta)
 {
     const int n = search->integrator->system->n;
@@ -179,32 +180,32 @@ static double first_theta_that_moves_time(const tvi_event_search *search, double
     return theta > LEAST && theta < tvi_sample_theta[0] ? theta : LEAST;
 }
 
-tvi_status tvi_start_find_leaving_sign(tvi_event_search *search, int event_index)
+tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int event_index)
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     int first, sign;
     const double at_first = tvi_is_rescaled(search->integrator) ? FIRST_IN_S : FIRST;
-    tvi_status status = find_sign_of_rise(search, event_index, at_first, &first);
+    tvi_status status = find_sign_of_g_change(search, event_index, at_first, &first);
     if (status != TVI_OK) return status;
     double theta = first_theta_that_moves_time(search, at_first);
-    status = find_sign_of_rise(search, event_index, theta, &sign);
-    search->event_returns_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
-                                              search->is_momentum_changed_at_stop && first * sign < 0 &&
-                                              tvi_event_reports_sign_change(w->event, sign);
-    if (search->event_returns_before_time_moves)
+    status = find_sign_of_g_change(search, event_index, theta, &sign);
+    search->g_returns_to_zero_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
+                                                  search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                                  tvi_event_reports_sign_change(w->event, sign);
+    if (search->g_returns_to_zero_before_time_moves)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * FARTHER < tvi_sample_theta[0])
-        status = find_sign_of_rise(search, event_index, theta *= FARTHER, &sign);
+        status = find_sign_of_g_change(search, event_index, theta *= FARTHER, &sign);
     w->begins_on_event = sign != 0;
-    w->leaving_theta = theta;
+    w->theta_after_leaving_zero = theta;
     w->g_samples[0] = sign != 0 ? copysign(DBL_MIN, sign) : w->g_samples[1];
     return status;
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-tvi_status tvi_start_is_g_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff)
+tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int event_index, bool *is_roundoff)
 {
     const tvi_watched_event *w = &search->watched_events[event_index];
     const tvi_integrator *it = search->integrator;

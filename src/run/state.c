@@ -1,9 +1,9 @@
 /* state.c - Saves everything that an integrator holds between steps as bytes, and loads it, so that a run goes on as
  * if it had not been interrupted (tvi_state_save, tvi_state_load). The bytes are
  *
- * * identity | t | q | p | counts | parameters | stop | history | checksum
+ *     identity | t | q | p | counts | parameters | stop | history | checksum
  *
- * * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h).
+ * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h).
  * t, q and p are there for readers without an integrator (tvi_state_peek). The history contains everything that one
  * step leaves to the next one (algebra/arena.h). */
 #include "run/saved.h"
@@ -18,7 +18,7 @@ enum { TIME, COORDINATES, MOMENTA, COUNTS, PARAMETERS, STOP, HISTORY };
 static void list_saved_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_saved_pieces *pieces)
 {
     const size_t n = (size_t)it->system->n, number = sizeof(double);
-    pieces->count = 0;
+    pieces->piece_count = 0;
     tvi_saved_pieces_add(pieces, &it->state.q[n], number);
     tvi_saved_pieces_add(pieces, it->state.q, n * number);
     tvi_saved_pieces_add(pieces, it->state.p, n * number);
@@ -61,8 +61,8 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     tvi_saved_pieces pieces;
     list_saved_pieces(it, &stats, &pieces);
     const tvi_saved_identity own = tvi_saved_identity_of_integrator(it, tvi_saved_size_in_bytes(&pieces));
-    const char *const misfit = tvi_saved_find_misfit(&own, buffer, size);
-    if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
+    const char *const mismatch = tvi_saved_find_mismatch(&own, buffer, size);
+    if (mismatch) return jet_refuse(TVI_EINVAL, "%s", mismatch);
     if (!tvi_saved_stats_are_valid(tvi_saved_piece_address(&pieces, COUNTS, buffer)) ||
         !tvi_saved_stops_are_valid(tvi_saved_piece_address(&pieces, STOP, buffer), it->system->n, 1) ||
         !tvi_numbers_are_finite(tvi_saved_piece_address(&pieces, PARAMETERS, buffer), pieces.piece[PARAMETERS].bytes))
@@ -74,7 +74,7 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     stats.is_compiled = it->stats.is_compiled;
     it->stats = stats;
     tvi_integrator_copy_parameters_to_tapes(it);
-    it->has_dense = false;
+    it->has_dense_output = false;
     return TVI_OK;
 }
 
@@ -86,7 +86,7 @@ tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, do
     const bool has_room = !reason && who.n >= 1 && who.n <= TVI_MAX_DIMENSION &&
                           (1 + 2 * (size_t)who.n) * sizeof(double) <= size - sizeof who - sizeof(uint64_t);
     if (!reason && !has_room) reason = "the state is damaged";
-    if (!reason && who.members > 0) reason = "the state is of an ensemble";
+    if (!reason && who.member_count > 0) reason = "the state is of an ensemble";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!who.has_stepped && (t || q || p)) return jet_refuse(TVI_EINVAL, "the state is of an integrator before a step");
     const size_t bytes = (size_t)who.n * sizeof(double);
@@ -99,7 +99,7 @@ tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, do
 
 tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p || !*it->continues)
+    if (!it || !t || !q || !p || !*it->is_state_from_step)
         return tvi_refuse_run_arguments((tvi_run_arguments){it, t, q, p, 1},
                                         "the integrator has made no step, or was reset");
     tvi_integrator_copy_state(it, t, q, p);

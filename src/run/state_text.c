@@ -22,9 +22,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* LONGEST is the number of characters of the longest word; MANTISSA and DIGITS are the largest numbers of hexadecimal
- * digits of a mantissa and of digits of an integer. */
-enum { LONGEST = 31, MANTISSA = 13, DIGITS = 20 };
+/* LONGEST_WORD is the number of characters of the longest word; MANTISSA and DIGITS are the largest numbers of
+ * hexadecimal digits of a mantissa and of digits of an integer. */
+enum { LONGEST_WORD = 31, MANTISSA = 13, DIGITS = 20 };
 
 static const char NO_STATE[] = "the text is no state", DAMAGED[] = "the text of the state is damaged or cut short";
 
@@ -110,7 +110,7 @@ static bool read_double(const char *text, double *number)
 
 /* ---- Words ------------------------------------------------------------------------------------------------------- */
 
-/* A text that is being read, or written, or only measured. */
+/* A text of a state that is being read, or written, or only measured to find its length. */
 typedef struct {
     const char *input;       /* the text that is read; NULL if a text is written or measured */
     char *output;            /* memory for the text that is written; NULL if it is only measured */
@@ -132,12 +132,12 @@ static void skip_whitespace(text_stream *stream)
         stream->position++;
 }
 
-/* Reads the next word of the input. A longer word than LONGEST is cut, and matches nothing that is expected. */
-static void read_word(text_stream *stream, char word[LONGEST + 1])
+/* Reads the next word of the input. A longer word than LONGEST_WORD is cut, and matches nothing that is expected. */
+static void read_word(text_stream *stream, char word[LONGEST_WORD + 1])
 {
     size_t length = 0;
     skip_whitespace(stream);
-    for (; stream->position < stream->input_size && length < LONGEST; stream->position++) {
+    for (; stream->position < stream->input_size && length < LONGEST_WORD; stream->position++) {
         if (strchr(" \t\r\n", stream->input[stream->position])) break; /* a 0, too */
         word[length++] = stream->input[stream->position];
     }
@@ -155,7 +155,7 @@ static void write_word(text_stream *stream, char separator, const char *word)
 }
 
 /* Writes a word to the output, or reads the next word of the input into `word`, and adds it to the hash. */
-static void read_or_write_word(text_stream *stream, char separator, char word[LONGEST + 1])
+static void read_or_write_word(text_stream *stream, char separator, char word[LONGEST_WORD + 1])
 {
     if (stream->input) read_word(stream, word);
     else write_word(stream, separator, word);
@@ -164,7 +164,7 @@ static void read_or_write_word(text_stream *stream, char separator, char word[LO
 
 static void read_or_write_expected_word(text_stream *stream, char separator, const char *wanted, const char *fault)
 {
-    char word[LONGEST + 1];
+    char word[LONGEST_WORD + 1];
     memcpy(word, wanted, strlen(wanted) + 1);
     read_or_write_word(stream, separator, word);
     record_fault(stream, strcmp(word, wanted) != 0, fault);
@@ -172,7 +172,7 @@ static void read_or_write_expected_word(text_stream *stream, char separator, con
 
 static void read_or_write_expected_count(text_stream *stream, const char *label, int count, const char *fault)
 {
-    char word[LONGEST + 1];
+    char word[LONGEST_WORD + 1];
     read_or_write_expected_word(stream, '\n', label, NO_STATE);
     (void)write_digits(word, (uint64_t)count, 10, 1);
     read_or_write_expected_word(stream, ' ', word, fault);
@@ -180,7 +180,7 @@ static void read_or_write_expected_count(text_stream *stream, const char *label,
 
 static void read_or_write_rows(text_stream *stream, const char *label, int rows, int columns, double *numbers)
 {
-    char word[LONGEST + 1];
+    char word[LONGEST_WORD + 1];
     for (int i = 0; i < rows && !stream->first_fault; i++) {
         read_or_write_expected_word(stream, '\n', label, DAMAGED);
         for (int k = 0; k < columns; k++, numbers++) {
@@ -195,7 +195,7 @@ static void read_or_write_rows(text_stream *stream, const char *label, int rows,
 static bool is_next_word_e(const text_stream *stream)
 {
     text_stream ahead = *stream;
-    char word[LONGEST + 1];
+    char word[LONGEST_WORD + 1];
     read_word(&ahead, word);
     return strcmp(word, "e") == 0;
 }
@@ -205,7 +205,7 @@ static bool is_next_word_e(const text_stream *stream)
 static void read_or_write_state(text_stream *stream, tvi_state_text *state_text)
 {
     const int n = state_text->n;
-    char word[LONGEST + 1];
+    char word[LONGEST_WORD + 1];
     read_or_write_expected_word(stream, ' ', "tvi", NO_STATE);
     read_or_write_expected_word(stream, ' ', "state", NO_STATE);
     read_or_write_expected_word(stream, ' ', "1", "the text is of a format that this version does not know");

@@ -23,7 +23,7 @@ static const tvi_state_update_functions *const loops_of[JET_ISA_COUNT] = {
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
     if (!integrator) return;
-    for (int member = 0; member < integrator->width; member++) integrator->continues[member] = false;
+    for (int member = 0; member < integrator->width; member++) integrator->is_state_from_step[member] = false;
     integrator->stats.largest_tail = 0;
 }
 
@@ -49,7 +49,7 @@ static void compute_increments_of_one_member(tvi_integrator *it, double toleranc
     it->status[0] = tolerance > 0 ? stepper->step_within(it->work, tolerance, h, &origin, increments, &it->stats)
                                   : stepper->step(it->work, *h, &origin, increments, &it->stats);
     it->tail[0] = it->stats.tail;
-    it->passes[0] = (int)(it->stats.passes - passes);
+    it->pass_counts[0] = (int)(it->stats.passes - passes);
 }
 
 /* Computes the increments of all members that are being stepped. The stepper sets the status of each member. */
@@ -60,7 +60,7 @@ JET_INLINE void compute_increments(tvi_integrator *it, int width, double toleran
     if (width > 1) {
         const tvi_batch_origin origin = {state->q + time, state->q_low + time, state->q, state->q_low,
                                          state->p,        state->p_low};
-        const tvi_batch_results end = {it->increments, it->status, it->tail, it->passes};
+        const tvi_batch_results end = {it->increments, it->status, it->tail, it->pass_counts};
         it->stepper->batch->step(it->work, *h, &origin, &end, &it->stats);
     } else {
         compute_increments_of_one_member(it, tolerance, h);
@@ -79,12 +79,12 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     const int n = system->n;
     const double t = it->state.q[n * it->width + member];
     tvi_member_load_one_lane_parameters(it, member);
-    tvi_gather_member(n, it->width, it->state.q, member, it->field);
-    for (int i = n; i < system->inputs; i++) it->field[i] = 0;
-    if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field + n);
-    tvi_system_write_time(system, it->field, 1, &t);
-    bool is_finite = tape->interpreter_sweeps->values(tape, it->field, 1);
-    for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output_slot[i]]);
+    tvi_gather_member(n, it->width, it->state.q, member, it->field_block);
+    for (int i = n; i < system->inputs; i++) it->field_block[i] = 0;
+    if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field_block + n);
+    tvi_system_write_time(system, it->field_block, 1, &t);
+    bool is_finite = tape->interpreter_sweeps->values(tape, it->field_block, 1);
+    for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field_block[tape->output_slot[i]]);
     return is_finite;
 }
 
@@ -184,22 +184,22 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
 {
     const long expansions = it->stats.expansions;
     int made = 0;
-    it->has_dense = false;
+    it->has_dense_output = false;
     for (int member = 0; member < width; member++) it->is_stepped[member] = it->status[member] == TVI_OK;
-    tvi_arena_copy_history(it->history_before, it->history, it->marked_bytes);
+    tvi_arena_copy_history(it->history_before, it->history, it->history_before_bytes);
     compute_increments(it, width, tolerance, &h);
     check_new_states(it, width, h, it->stats.expansions != expansions);
     add_increments(it, width);
     for (int member = 0; member < width; member++) {
         if (it->status[member] != TVI_OK) continue;
-        it->continues[member] = true;
+        it->is_state_from_step[member] = true;
         made++;
     }
-    if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->marked_bytes);
+    if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->history_before_bytes);
     it->stats.steps += made;
-    it->has_dense = made > 0;
+    it->has_dense_output = made > 0;
     it->h = h;
-    it->covered = it->increments.dq[it->system->n * width];
+    it->covered_time = it->increments.dq[it->system->n * width];
     return made;
 }
 
@@ -213,23 +213,23 @@ void tvi_step_batch(tvi_integrator *it, long steps, double h)
     for (long k = 0, made = 1; k < steps && made > 0; k++) made = step_all_members(it, 0, h);
 }
 
-/* Makes up to `steps` steps in one call of the stepper, as long as none needs a check of its energy. Returns the number
- * of steps that were made. */
+/* Makes up to `steps` steps in one call of the stepper, as long as the guard accepts each by its tail and passes,
+ * without its energy (guard.h). Returns the number of steps that were made. */
 static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
 {
     const int n = it->system->n;
     const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
-    const bool may_skip = !it->reference->is_H_known && it->stats.tail <= limits.max_tail;
+    const bool may_skip = !it->reference_energy->is_H_known && it->stats.tail <= limits.max_tail;
     if (!it->stepper->run || !may_skip || steps < 1) return 0;
     const tvi_run_request run = {h, steps, limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
-    *it->continues |= made > 0;
+    *it->is_state_from_step |= made > 0;
     return made;
 }
 
 /* Adds the size and the start of a failed step to the error text, and returns its status. */
-static tvi_status add_step_to_error(const tvi_integrator *it)
+static tvi_status add_step_to_error_text(const tvi_integrator *it)
 {
     const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
     return jet_refuse(it->status[0], "step of %g%s from t = %g: %s", it->h, of, it->state.q[it->system->n],
@@ -241,7 +241,7 @@ tvi_status tvi_make_steps(tvi_integrator *it, long steps, double tolerance, doub
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run_arguments(given, "");
-    if (!it->is_in_observer) it->has_dense = false;
+    if (!it->is_in_observer) it->has_dense_output = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run_arguments(given, "");
     tvi_status status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
@@ -250,7 +250,7 @@ tvi_status tvi_make_steps(tvi_integrator *it, long steps, double tolerance, doub
     for (long k = 0; status == TVI_OK && k < steps && (k == 0 || way * (t_end - *state) > 0); k++) {
         if (in_rows) k += make_unchecked_steps(it, steps - 1 - k, h, t_end);
         it->status[0] = TVI_OK;
-        if (step_all_members(it, tolerance, h) == 0) status = add_step_to_error(it);
+        if (step_all_members(it, tolerance, h) == 0) status = add_step_to_error_text(it);
     }
     tvi_integrator_copy_state(it, t, q, p);
     return status;
@@ -263,8 +263,8 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy_history(it->history, it->history_before, it->marked_bytes);
-    it->has_dense = false;
+    tvi_arena_copy_history(it->history, it->history_before, it->history_before_bytes);
+    it->has_dense_output = false;
     it->stats.steps--;
     tvi_integrator_copy_state(it, t, q, p);
 }

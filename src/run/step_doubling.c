@@ -69,7 +69,7 @@ static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
 
 static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *orbit, double h)
 {
-    doubling->steps_tried++;
+    doubling->tried_step_count++;
     const tvi_status status = tvi_step(orbit->integrator, h, &orbit->t, orbit->q, orbit->p);
     if (status == TVI_ENOMEM) doubling->has_exhausted_memory = true;
     return status;
@@ -107,7 +107,8 @@ static void accumulate_difference(int n, const double state_a[], const double st
     }
 }
 
-/* The lag of one orbit behind the other is d.rate_a / rate_a.rate_a. It causes the largest distance where the motion is
+/* d is the difference of the two orbits, and rate_a the time derivative of the first one (orbit_difference). The lag of
+ * one orbit behind the other, a time, is d.rate_a / rate_a.rate_a. It causes the largest distance where the motion is
  * fastest. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 {
@@ -116,7 +117,7 @@ double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
     orbit_difference d = {0};
     accumulate_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->largest_q, &d);
     accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->largest_p, &d);
-    doubling->distance = d.largest_difference;
+    doubling->orbit_distance = d.largest_difference;
     doubling->largest_relative_rate = fmax(doubling->largest_relative_rate, d.largest_relative_rate);
     const bool is_fast = d.largest_relative_rate > FAST * doubling->largest_relative_rate;
     return is_fast ? fmax(d.largest_difference,
@@ -147,7 +148,7 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
 {
     const size_t n = (size_t)doubling->n;
     tvi_integrated_orbit *b = &doubling->half_step_orbit;
-    const double lag = doubling->full_step_orbit.t - b->t, unit = START_DISTANCE / doubling->distance;
+    const double lag = doubling->full_step_orbit.t - b->t, unit = START_DISTANCE / doubling->orbit_distance;
     for (size_t i = 0; i < n; i++) {
         b->q[i] = state[i] + unit * (doubling->full_step_orbit.q[i] - b->q[i] - lag * doubling->rates_output[i]);
         b->p[i] =
@@ -167,7 +168,7 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
         tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, tvi_scout_state(scout, k));
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
-        distances[k] = doubling->distance;
+        distances[k] = doubling->orbit_distance;
         /* Without the reset the step would keep e = -H of the state at which the companion started. The scout resets
          * before each step, too. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
@@ -200,16 +201,16 @@ double tvi_step_doubling_measure_error_factor(tvi_step_doubling *doubling, const
     do first++;
     while (first < scout->step_count &&
            fabs(scout->positions[first + 1] - end_position) < fabs(scout->positions[first] - end_position));
-    const int last = first < scout->step_count && doubling->distance > 0
+    const int last = first < scout->step_count && doubling->orbit_distance > 0
                          ? follow_companion_orbit(doubling, scout, first, distances)
                          : first;
     if (last <= first) return 0;
     for (int k = 1; k <= last; k++) {
         const int at = k > first ? k : first;
         const double before = at > first ? distances[at - 1] : 0, after = at < last ? distances[at + 1] : 0;
-        sum += tvi_scout_error_weight(scout, scout->positions[k - 1], scout->positions[k]) * distances[last] /
+        sum += tvi_scout_weighted_length(scout, scout->positions[k - 1], scout->positions[k]) * distances[last] /
                fmax(distances[at], fmax(before, after));
     }
     *growth_ratio = ratio_of_distances_in_halves(scout, first, last, distances);
-    return sum / tvi_scout_error_weight(scout, start_position, end_position);
+    return sum / tvi_scout_weighted_length(scout, start_position, end_position);
 }

@@ -18,8 +18,8 @@ typedef struct {
     double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
     double *scout_states;               /* memory for tvi_orbit_scout.states */
     double largest_relative_rate;       /* the largest |dq_i/dt| / largest_q or |dp_i/dt| / largest_p so far */
-    double distance;                    /* the distance of the two orbits when it was last measured */
-    long steps_tried;                   /* the number of steps of both orbits */
+    double orbit_distance;              /* the relative distance of the two orbits when it was last measured */
+    long tried_step_count;              /* the number of steps that both orbits have tried */
     bool has_exhausted_memory;          /* true if a step has failed for lack of memory */
 } tvi_step_doubling;
 
@@ -40,10 +40,10 @@ TVI_NODISCARD tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling
 TVI_NODISCARD tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state,
                                                               double h, double shift, double *distance);
 
-/* Measures `distance`, the largest difference of a component of q or p between the orbits, divided by largest_q or
- * largest_p. In a rescaled system one orbit may lag behind the other; this error shows only where the motion is fast.
- * Returns the distance, or the distance that the present lag would cause where the motion is fastest, if that is
- * larger. */
+/* Measures orbit_distance, the largest difference of a component of q or p between the orbits, divided by largest_q
+ * or largest_p. In a rescaled system one orbit may lag behind the other; this error shows only where the motion is
+ * fast. Returns the distance, or the distance that the present lag would cause where the motion is fastest, if that
+ * is larger. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling);
 
 /* Returns the factor by which the error of a trial between the positions start_position and end_position must be

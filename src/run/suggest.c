@@ -1,21 +1,21 @@
 /* suggest.c - Suggests the step size with which a run ends with the error that the user wants (tvi_suggest_step).
  *
- * * The scout (scout.h) explores the orbit with few large steps. It finds where the orbit is hardest, and which step
- * size just resolves it there. A trial (trial.h) integrates a part of the run, with the hardest position if
- * possible, and estimates the error of a run with its step size h. The estimate for another step size h' is
- * (h'/h)^order times as large. Trials are made until an estimate is near the error that is aimed at, or until their
- * budget is used up. A trial of the whole run measures the error itself, and no other step size is extrapolated from
- * it.
+ * The scout (scout.h) explores the orbit with few large steps. It finds the hardest position, where the orbit
+ * needs the smallest steps, and the resolving step size there, whose steps have a given small tail (tvi_stats.tail).
+ * A trial (trial.h) integrates a part of the run, with the hardest position if possible, and estimates the error of
+ * a run with its step size h. The estimate for another step size h' is (h'/h)^order times as large. Trials are made
+ * until an estimate is near the error that is aimed at, or until their budget of steps is used up. A trial of the
+ * whole run measures the error itself, and no other step size is extrapolated from it.
  *
- * * If the scout has explored most of the run, a companion orbit (step_doubling.h) measures how the error grows over
+ * If the scout has explored most of the run, a companion orbit (step_doubling.h) measures how the error grows over
  * that part, since an unstable orbit makes the error much larger. Only the rest of the run is extrapolated. Errors
- * usually grow with the power a of the time. If the growth in the second half of the explored part exceeds 2^a, this
+ * usually grow as t^a with the time t. If the growth in the second half of the explored part exceeds 2^a, this
  * excess is applied again for each further half of that length.
  *
- * * Each passage of a pericentre adds an error that depends on where in the passage the steps lie. A trial sees one
+ * Each passage of a pericentre adds an error that depends on where in the passage the steps lie. A trial sees one
  * sample of these errors. The samples differ more on orbits that need more different step sizes. Therefore the
- * suggested step size is divided by 1 + a multiple of the logarithm of the ratio of the largest to the smallest of
- * these step sizes. */
+ * suggested step size is divided by 1 + a multiple of log(r), with r the ratio of the largest to the smallest
+ * resolving step size. */
 #include "run/suggest.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -56,18 +56,18 @@ static const double DOUBT = 0.01, SHIFT = 1e-3, SHIFTS = 4, TIMES = 3;
 /* The search for a step size: the trials so far, and what they show. */
 typedef struct {
     tvi_trials trials;
-    int order;                   /* the order of the method */
-    double degree;               /* the degree of the method's curve, at least 1 */
-    double wanted_error, aim;    /* the error that the user wants, and the smaller one that trials aim at */
-    double longest_allowed_step; /* no step size longer than this is tried or suggested */
+    int order;           /* the order of the method */
+    double curve_degree; /* the degree of the method's curve, at least 1; a double, since exponents are divided by it */
+    double wanted_error, aim;         /* the error that the user wants, and the smaller one that trials aim at */
+    double longest_allowed_step_size; /* no step size longer than this is tried or suggested */
     /* A step size whose trial had a large error, and this error. No trial of a shorter step has had an error below a
      * third of large_error. */
-    double step_of_large_error, large_error;
+    double step_size_of_large_error, large_error;
     double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
-    /* The longest step size that a trial of the whole run has shown to serve, and the shortest that a trial has
-     * shown not to serve; 0 if there is none. */
-    double longest_good_step, shortest_bad_step;
-    double error_of_longest_good_step; /* the error of the trial with longest_good_step */
+    /* The longest step size with which a trial of the whole run had an error that is small enough (KEPT), and the
+     * shortest one with which a trial had a larger error; 0 if there is none. */
+    double longest_good_step_size, shortest_bad_step_size;
+    double error_of_longest_good_step_size; /* the error of the trial with longest_good_step_size */
     /* True if the suggestion rests on a trial that has passed the hardest position with an estimate near the aim. */
     bool is_suggestion_reliable;
 } suggestion_search;
@@ -80,61 +80,66 @@ static double step_size_factor_after_failure(const suggestion_search *search)
     return search->trials.step_doubling.is_rescaled ? FAILS_LATER : FAILS;
 }
 
-/* Returns the ratio of the next step size to that of the trial. */
-static double step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
+/* Returns the size of the steps of the next trial divided by that of this trial. */
+static double next_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
-    const double wrong = fmin(trial->error / search->trials.aim, 1 / OF_NO_ORDER);
+    const double wrong = fmin(trial->estimated_error / search->trials.aim, 1 / OF_NO_ORDER);
     return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
 }
 
-/* Returns the ratio of the suggested step size to that of the trial, if no other trial follows. */
+/* Returns the suggested step size divided by that of the trial, if no other trial follows. */
 static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    return fmin(step_size_factor(search, trial), pow(TVI_TRIAL_BAND, 1.0 / search->order));
+    return fmin(next_step_size_factor(search, trial), pow(TVI_TRIAL_BAND, 1.0 / search->order));
 }
 
-/* Records a trial whose error is above the aim although its orbits differ by no more than roundoff may make. The error
- * is taken as roundoff if a step size that should reduce it to a hundredth does not reduce it. */
-static void detect_roundoff(suggestion_search *search, const tvi_step_size_trial *trial)
+/* Records a trial whose error is above the aim although the distance of its orbits is so small that it may be
+ * roundoff. The error is taken as roundoff if a step size that should reduce it to a hundredth does not reduce it. */
+static void detect_roundoff_error(suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->error == INFINITY ||
-        fmax(trial->recent_distance, trial->previous_distance) > TINY)
+    if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->estimated_error == INFINITY ||
+        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) > TINY)
         return;
-    if (search->step_of_large_error == 0 || trial->error < search->large_error / 3)
-        search->step_of_large_error = trial->h, search->large_error = trial->error;
-    else if (pow(trial->h / search->step_of_large_error, search->order) < 0.01)
-        search->roundoff_error = fmin(trial->error, search->large_error);
+    if (search->step_size_of_large_error == 0 || trial->estimated_error < search->large_error / 3)
+        search->step_size_of_large_error = trial->h, search->large_error = trial->estimated_error;
+    else if (pow(trial->h / search->step_size_of_large_error, search->order) < 0.01)
+        search->roundoff_error = fmin(trial->estimated_error, search->large_error);
 }
 
-/* Updates the longest step size that serves and the shortest that does not, after a trial. */
+/* Updates longest_good_step_size, shortest_bad_step_size and longest_allowed_step_size after a trial. */
 static void update_step_size_bracket(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     const bool is_too_long = trial->is_finished && tvi_trial_error_is_far_above_aim(&search->trials, trial);
-    if (trial->covers_whole_run && trial->error <= KEPT * search->wanted_error) {
-        if (fabs(trial->h) > fabs(search->longest_good_step))
-            search->longest_good_step = trial->h, search->error_of_longest_good_step = trial->error;
+    if (trial->covers_whole_run && trial->estimated_error <= KEPT * search->wanted_error) {
+        if (fabs(trial->h) > fabs(search->longest_good_step_size))
+            search->longest_good_step_size = trial->h, search->error_of_longest_good_step_size = trial->estimated_error;
     } else if (trial->covers_whole_run || is_too_long) {
-        search->shortest_bad_step =
-            search->shortest_bad_step == 0 ? trial->h : tvi_smaller_magnitude(search->shortest_bad_step, trial->h);
+        search->shortest_bad_step_size = search->shortest_bad_step_size == 0
+                                             ? trial->h
+                                             : tvi_smaller_magnitude(search->shortest_bad_step_size, trial->h);
     }
-    if (trial->error == INFINITY)
-        search->longest_allowed_step =
-            tvi_smaller_magnitude(search->longest_allowed_step, step_size_factor_after_failure(search) * trial->h);
+    if (trial->estimated_error == INFINITY)
+        search->longest_allowed_step_size =
+            tvi_smaller_magnitude(search->longest_allowed_step_size, step_size_factor_after_failure(search) * trial->h);
     else if (is_too_long)
-        search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, FAILS * trial->h);
+        search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, FAILS * trial->h);
 }
 
-/* Tells whether a trial of the whole run may find a longer step size than longest_good_step. *h is the step size to
- * try; if it does not lie between longest_good_step and shortest_bad_step, it is replaced by a value between them. */
+/* Tells whether a trial of the whole run may find a longer step size than longest_good_step_size. *h is the step
+ * size to try; if it does not lie between longest_good_step_size and shortest_bad_step_size, it is replaced by a
+ * value between them. */
 static bool may_find_longer_step(const suggestion_search *search, double *h)
 {
-    const bool has_worst = search->shortest_bad_step != 0;
-    if (has_worst && !(fabs(*h) > fabs(search->longest_good_step) && fabs(*h) < fabs(search->shortest_bad_step)))
-        *h = copysign(sqrt(search->longest_good_step * search->shortest_bad_step), search->longest_good_step);
-    const bool is_found = search->error_of_longest_good_step >= FULL * search->wanted_error ||
-                          fabs(search->longest_good_step) >= fabs(search->longest_allowed_step) ||
-                          (has_worst && fabs(search->shortest_bad_step) < NEARLY * fabs(search->longest_good_step));
+    const bool has_worst = search->shortest_bad_step_size != 0;
+    if (has_worst &&
+        !(fabs(*h) > fabs(search->longest_good_step_size) && fabs(*h) < fabs(search->shortest_bad_step_size)))
+        *h = copysign(sqrt(search->longest_good_step_size * search->shortest_bad_step_size),
+                      search->longest_good_step_size);
+    const bool is_found =
+        search->error_of_longest_good_step_size >= FULL * search->wanted_error ||
+        fabs(search->longest_good_step_size) >= fabs(search->longest_allowed_step_size) ||
+        (has_worst && fabs(search->shortest_bad_step_size) < NEARLY * fabs(search->longest_good_step_size));
     return !is_found && tvi_trials_have_budget_for_steps(
                             &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_position / *h)));
 }
@@ -157,74 +162,76 @@ static bool update_suggestion_from_trial(suggestion_search *search, const tvi_st
                                          tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
-    const bool failed = trial->error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
+    const bool failed = trial->estimated_error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
                is_high = tvi_trial_error_is_far_above_aim(trials, trial);
     bool is_near_aim;
     const bool is_new = is_trial_informative(search, trial, &is_near_aim);
-    const double factor = is_new ? step_size_factor(search, trial) : 1;
+    const double factor = is_new ? next_step_size_factor(search, trial) : 1;
     if (is_new)
         suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_suggestion_reliable = is_near_aim;
     else if (!search->is_suggestion_reliable)
         suggestion->h = suggestion->h == 0 ? trial->h : tvi_smaller_magnitude(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_suggestion_reliable))
-        suggestion->tried_step = trial->h, suggestion->covered_error_part = trial->covered_error_part,
-        suggestion->error = trial->error;
+        suggestion->tried_step_size = trial->h, suggestion->covered_error_part = trial->covered_error_part,
+        suggestion->estimated_error = trial->estimated_error;
     if (!failed)
         suggestion->explored_duration_part = fmax(suggestion->explored_duration_part, trial->duration_part_at_end),
         trials->largest_covered_error_part = fmax(trials->largest_covered_error_part, trial->covered_error_part);
-    detect_roundoff(search, trial);
+    detect_roundoff_error(search, trial);
     update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
-    if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_steps = 0;
-    *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step);
-    trials->run_step_count *= trial->h / *h;
-    if (search->longest_good_step != 0) return may_find_longer_step(search, h);
+    if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_step_count = 0;
+    *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step_size);
+    trials->run_length_in_steps *= trial->h / *h;
+    if (search->longest_good_step_size != 0) return may_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
     return !is_last && tvi_trials_have_budget_for_trial_step(trials) &&
-           (!search->is_suggestion_reliable || tvi_trials_have_budget_to_pass_hardest(trials, *h)) &&
+           (!search->is_suggestion_reliable || tvi_trials_have_budget_to_pass_hardest_position(trials, *h)) &&
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
 /* Corrects the error estimate of the last trial by the growth of errors that the companion measures
  * (step_doubling.h). */
-static void correct_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial,
-                                        tvi_step_suggestion *suggestion)
+static void correct_error_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial,
+                                              tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
-    if (trials->reserved_steps == 0 || suggestion->tried_step != trial->h || trial->error == INFINITY) return;
+    if (trials->reserved_step_count == 0 || suggestion->tried_step_size != trial->h ||
+        trial->estimated_error == INFINITY)
+        return;
     double growth;
-    const double wanted_error = trials->step_doubling.distance, part = trials->scout.explored_duration_part;
+    const double wanted_error = trials->step_doubling.orbit_distance, part = trials->scout.explored_duration_part;
     const double growth_factor = tvi_step_doubling_measure_error_factor(
         &trials->step_doubling, &trials->scout, trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
     /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
      * halves in the unexplored rest. */
     const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
-    suggestion->error = trial->error =
+    suggestion->estimated_error = trial->estimated_error =
         wanted_error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);
     suggestion->h = trial->h * final_step_size_factor(search, trial);
 }
 
 /* ---- Before and after them --------------------------------------------------------------------------------------- */
 
-/* Prepares the trials from what the scout has found. Returns the first step size. */
-static double set_up_trials(suggestion_search *search)
+/* Prepares the trials by the results of the scout. Returns the step size of the first trial. */
+static double set_up_trials_and_first_step_size(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double scale = s->resolving_step_size[s->hardest_index], end = s->positions[s->step_count];
-    const double wanted_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->degree);
-    trials->step_doubling.steps_tried = s->steps_tried;
+    const double scale = s->resolving_step_size[s->hardest_step_index], end = s->positions[s->step_count];
+    const double wanted_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->curve_degree);
+    trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
     trials->run_end_position = end / s->explored_duration_part;
-    trials->run_weight = tvi_scout_error_weight(s, 0, end) / s->explored_duration_part;
-    search->longest_allowed_step = scale * pow(MOST_TAILS, 1 / search->degree);
+    trials->run_weighted_length = tvi_scout_weighted_length(s, 0, end) / s->explored_duration_part;
+    search->longest_allowed_step_size = scale * pow(MOST_TAILS, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
-        search->longest_allowed_step = tvi_smaller_magnitude(search->longest_allowed_step, trials->duration);
+        search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, trials->duration);
     const double part = pow(KNOWN, trials->growth_exponent);
     const double h = tvi_smaller_magnitude(scale * pow(trials->aim * part / wanted_error, 1.0 / (search->order + 1)),
-                                           search->longest_allowed_step);
-    trials->run_step_count = fabs(trials->run_end_position / h);
+                                           search->longest_allowed_step_size);
+    trials->run_length_in_steps = fabs(trials->run_end_position / h);
     return h;
 }
 
@@ -235,10 +242,11 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double *const state = tvi_scout_state(s, s->hardest_index), *const next = state + 2 * s->n + 1;
+    const double *const state = tvi_scout_state(s, s->hardest_step_index), *const next = state + 2 * s->n + 1;
     const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
-                 h = s->positions[s->hardest_index + 1] - s->positions[s->hardest_index];
-    const double last = fmax(fabs(trials->t), fabs(trials->t + trials->duration)), ulp = DBL_EPSILON * last;
+                 h = s->positions[s->hardest_step_index + 1] - s->positions[s->hardest_step_index];
+    const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
+                 ulp = DBL_EPSILON * last;
     const double often = TIMES * sqrt(fmax(fabs(trials->run_end_position / h), 1)),
                  shift = fmax(SHIFT * dt, SHIFTS * ulp);
     double apart;
@@ -271,11 +279,11 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
 {
     const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),
                  unknown = search->is_suggestion_reliable ? 1 : UNKNOWN;
-    suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step) * unknown /
+    suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
                     factor_for_spread_of_step_sizes(search);
-    if (search->longest_good_step != 0)
-        suggestion->h = suggestion->tried_step = search->longest_good_step, suggestion->covered_error_part = 1,
-        suggestion->error = search->error_of_longest_good_step;
+    if (search->longest_good_step_size != 0)
+        suggestion->h = suggestion->tried_step_size = search->longest_good_step_size,
+        suggestion->covered_error_part = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
     if (suggestion->explored_duration_part > 1 - 1e-9) suggestion->explored_duration_part = 1;
 }
 
@@ -286,21 +294,22 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     tvi_status status =
         tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
     if (status != TVI_OK) return status;
-    double h = set_up_trials(search);
+    double h = set_up_trials_and_first_step_size(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
-    suggestion->explored_duration_part = trials->scout.has_too_low_degree ? 0 : trials->scout.explored_duration_part;
+    suggestion->explored_duration_part =
+        trials->scout.is_degree_too_low_for_tail ? 0 : trials->scout.explored_duration_part;
     do trial = tvi_make_step_size_trial(trials, h);
     while (trial.status != TVI_ENOMEM && update_suggestion_from_trial(search, &trial, &h, suggestion));
-    correct_by_companion_growth(search, &trial, suggestion);
-    suggestion->step_count = trials->step_doubling.steps_tried;
+    correct_error_by_companion_growth(search, &trial, suggestion);
+    suggestion->step_count = trials->step_doubling.tried_step_count;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
         return jet_explain_out_of_memory(TVI_ENOMEM);
     if (search->roundoff_error > 0)
         return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run",
                           search->wanted_error, search->roundoff_error);
     complete_suggestion(search, suggestion);
-    if (suggestion->tried_step != 0) return TVI_OK;
+    if (suggestion->tried_step_size != 0) return TVI_OK;
     return trial.status != TVI_OK ? trial.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
 }
 
@@ -314,7 +323,7 @@ static tvi_status open_suggestion_search(suggestion_search *search, const tvi_sy
     if (status != TVI_OK) return status;
     const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
     search->order = resolved->order;
-    search->degree = fmax(1, resolved->degree);
+    search->curve_degree = fmax(1, resolved->degree);
     search->aim = (trials->step_doubling.is_rescaled ? AIM_LATER : AIM) * search->wanted_error;
     trials->is_driven = system->is_driven;
     trials->growth_exponent = trials->step_doubling.is_rescaled ? GROWTH_LATER : GROWTH;
@@ -328,7 +337,7 @@ tvi_status tvi_compute_step_suggestion(const tvi_system *system, const tvi_optio
                                        const double p[], double duration, double wanted_error,
                                        tvi_step_suggestion *suggestion)
 {
-    suggestion_search search = {.trials = {.t = t, .duration = duration}, .wanted_error = wanted_error};
+    suggestion_search search = {.trials = {.start_time = t, .duration = duration}, .wanted_error = wanted_error};
     tvi_step_doubling *pair = &search.trials.step_doubling;
     *suggestion = (tvi_step_suggestion){0};
     tvi_status status = open_suggestion_search(&search, system, options);

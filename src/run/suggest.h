@@ -8,9 +8,9 @@
 /* A suggested step size, and the trial that it rests on. */
 typedef struct {
     double h;                      /* the suggested step size */
-    double tried_step;             /* the step size of the longest trial, on which the suggestion rests */
+    double tried_step_size;        /* the step size of the longest trial, on which the suggestion rests */
     double covered_error_part;     /* the part of the run's error that this trial has covered, 0 to 1 */
-    double error;                  /* the estimated error at the end of a run with tried_step */
+    double estimated_error;        /* the error at the end of a run with tried_step_size */
     double explored_duration_part; /* the part of the run's duration that was explored, 0 to 1 */
     long step_count;               /* the number of steps of all trials, with those of half the size */
 } tvi_step_suggestion;

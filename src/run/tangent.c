@@ -19,8 +19,8 @@ static void free_tangent(tvi_tangent *tangent)
     tvi_system_free(tangent->lifted_system);
     free(tangent->lifted_q);
     free(tangent->field_block);
-    free(tangent->start);
-    free(tangent->end);
+    free(tangent->columns_at_step_start);
+    free(tangent->columns_at_step_end);
     free(tangent);
 }
 
@@ -59,7 +59,7 @@ static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
     tangent->are_momenta_swapped = tangent->lifted_system->form != TVI_SEPARABLE;
     tvi_options options = it->options;
     options.max_tail = -1;   /* The guard checks the integrator's own step only. */
-    options.compiled = NULL; /* The generated code serves the system itself, not the lifted system. */
+    options.compiled = NULL; /* The generated code computes steps of the system itself, not of the lifted system. */
     return tvi_integrator_create(&tangent->lifted_integrator, tangent->lifted_system, &options);
 }
 
@@ -69,7 +69,7 @@ static tvi_status reserve_columns(tvi_integrator *it, int column_count)
     tvi_tangent *tangent = it->tangent;
     if (column_count <= tangent->column_capacity) return TVI_OK;
     const size_t row = (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * sizeof(double);
-    double **const both[] = {&tangent->start, &tangent->end};
+    double **const both[] = {&tangent->columns_at_step_start, &tangent->columns_at_step_end};
     for (int i = 0; i < 2; i++) {
         double *D = (size_t)column_count > SIZE_MAX / row ? NULL : realloc(*both[i], (size_t)column_count * row);
         if (!D) return jet_explain_out_of_memory(TVI_ENOMEM);
@@ -141,8 +141,10 @@ static void set_lifted_state(const tvi_integrator *it, const tvi_step_to_differe
     }
 }
 
-/* Computes column <- M column for the step map in the steps' own variable, which is s in a rescaled system. */
-static tvi_status multiply_column_in_step_variable(const tvi_integrator *it, const tvi_step_to_differentiate *step)
+/* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of
+ * a rescaled system. project_column_to_orbit_time must follow in the latter. */
+static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *it,
+                                                          const tvi_step_to_differentiate *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -179,9 +181,10 @@ static tvi_status compute_rescaled_gradient(const tvi_integrator *it, const doub
     return TVI_OK;
 }
 
-/* Sets the component of the column that belongs to e. A neighbouring orbit at the same time has an e of its own, since
- * K = 0 on each orbit: dK = 0 and K_e = g give de = -(K_q dq + K_p dp) / g. */
-static tvi_status set_e_component(const tvi_integrator *it, const tvi_step_to_differentiate *step)
+/* Sets the component of the column that belongs to e, the constant of K = g (H + e) of a rescaled system. A
+ * neighbouring orbit at the same time has an e of its own, since K = 0 on each orbit: dK = 0 and K_e = g give de =
+ * -(K_q dq + K_p dp) / g. */
+static tvi_status set_energy_offset_component(const tvi_integrator *it, const tvi_step_to_differentiate *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->lifted_system->energy;
@@ -216,7 +219,7 @@ static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const t
 
 /* Copies a column of the user's matrix D to the tangent's memory. The component of a rescaled system that belongs to e
  * is set to 0. */
-static void load_column(const tvi_integrator *it, const double D[], size_t row_stride)
+static void load_column_from_user(const tvi_integrator *it, const double D[], size_t row_stride)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = it->system->n, dimension = tangent->n, parameters = tvi_system_parameters(it->system);
@@ -238,8 +241,8 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tv
     const int n = it->system->n;
     const bool rescaled = tangent->field_block != NULL;
     const double *dq = tangent->column, *dp = dq + tangent->n;
-    tvi_status status = rescaled ? set_e_component(it, step) : TVI_OK;
-    if (status == TVI_OK) status = multiply_column_in_step_variable(it, step);
+    tvi_status status = rescaled ? set_energy_offset_component(it, step) : TVI_OK;
+    if (status == TVI_OK) status = multiply_column_by_unprojected_jacobian(it, step);
     if (status == TVI_OK && rescaled) status = project_column_to_orbit_time(it, step);
     for (int row = 0; row < n; row++) {
         product[(size_t)row * row_stride] = dq[row];
@@ -255,7 +258,7 @@ tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *it, const tvi_
     const size_t row_stride = (size_t)columns->count * columns->element_spacing,
                  out_row_stride = (size_t)product->count * product->element_spacing;
     for (int i = 0; i < columns->count; i++) {
-        load_column(it, columns->elements + (size_t)i * columns->element_spacing, row_stride);
+        load_column_from_user(it, columns->elements + (size_t)i * columns->element_spacing, row_stride);
         const tvi_status status = multiply_column_by_jacobian(
             it, step, product->elements + (size_t)i * product->element_spacing, out_row_stride);
         if (status != TVI_OK) return jet_refuse(status, "column %d of D: %s", i, jet_last_refusal_text());
@@ -276,20 +279,20 @@ tvi_status tvi_columns_check_finite(const tvi_integrator *it, const tvi_tangent_
 
 /* ---- The columns of a run ---------------------------------------------------------------------------------------- */
 
-static size_t count_elements(const tvi_integrator *it, const tvi_tangent_columns *columns)
+static size_t count_column_elements(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     return (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * (size_t)columns->count;
 }
 
 static void copy_columns_from_user(const tvi_integrator *it, const tvi_tangent_columns *columns, double elements[])
 {
-    for (size_t i = 0; i < count_elements(it, columns); i++)
+    for (size_t i = 0; i < count_column_elements(it, columns); i++)
         elements[i] = columns->elements[i * columns->element_spacing];
 }
 
 static void copy_columns_to_user(const tvi_integrator *it, const tvi_tangent_columns *columns, const double elements[])
 {
-    for (size_t i = 0; i < count_elements(it, columns); i++)
+    for (size_t i = 0; i < count_column_elements(it, columns); i++)
         columns->elements[i * columns->element_spacing] = elements[i];
 }
 
@@ -300,8 +303,9 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
     if (!tangent || tangent->step_number == 0 || tangent->step_number != it->stats.steps ||
         tangent->propagated_column_count != columns->count)
         return false;
-    for (size_t i = 0; i < count_elements(it, columns); i++)
-        if (tvi_double_bits(columns->elements[i * columns->element_spacing]) != tvi_double_bits(tangent->end[i]))
+    for (size_t i = 0; i < count_column_elements(it, columns); i++)
+        if (tvi_double_bits(columns->elements[i * columns->element_spacing]) !=
+            tvi_double_bits(tangent->columns_at_step_end[i]))
             return false;
     return true;
 }
@@ -309,7 +313,7 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
 void tvi_columns_store_run_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (tvi_columns_match_last_step_end(it, columns)) return;
-    copy_columns_from_user(it, columns, it->tangent->end);
+    copy_columns_from_user(it, columns, it->tangent->columns_at_step_end);
     it->tangent->step_number = 0;
 }
 
@@ -317,9 +321,10 @@ tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *it, const tv
 {
     if (!columns->elements) return TVI_OK;
     tvi_tangent *tangent = it->tangent;
-    const tvi_tangent_columns start = {tangent->start, columns->count, 1}, end = {tangent->end, columns->count, 1};
+    const tvi_tangent_columns start = {tangent->columns_at_step_start, columns->count, 1},
+                              end = {tangent->columns_at_step_end, columns->count, 1};
     copy_columns_from_user(it, columns, start.elements);
-    memcpy(end.elements, start.elements, count_elements(it, columns) * sizeof *end.elements);
+    memcpy(end.elements, start.elements, count_column_elements(it, columns) * sizeof *end.elements);
     tangent->step_number = 0;
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
@@ -336,7 +341,7 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
                                            const double parameters[])
 {
     if (!columns->elements) return TVI_OK;
-    const tvi_tangent_columns start = {it->tangent->start, columns->count, 1};
+    const tvi_tangent_columns start = {it->tangent->columns_at_step_start, columns->count, 1};
     tvi_columns_restore_step_end(it, columns);
     if (offset == it->h) return TVI_OK;
     tvi_columns_restore_step_start(it, columns);
@@ -349,10 +354,10 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
 
 void tvi_columns_restore_step_end(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->end);
+    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->columns_at_step_end);
 }
 
 void tvi_columns_restore_step_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->start);
+    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->columns_at_step_start);
 }

@@ -24,7 +24,7 @@ typedef struct {
 /* The memory of an integrator for tangent vectors. n is the number of coordinates of the system that is stepped. */
 struct tvi_tangent {
     int n;                     /* coordinates of the stepped system: one more than the user's if it is rescaled */
-    bool are_momenta_swapped;  /* the lifted system's coordinates (q, dq) have the momenta (dp, p), otherwise (p, dp) */
+    bool are_momenta_swapped;  /* true if the momenta of the coordinates (q, dq) are (dp, p), not (p, dp) */
     tvi_system *lifted_system; /* the lifted system, with coordinates (q, dq) */
     tvi_integrator *lifted_integrator; /* makes steps of the lifted system */
     double *lifted_q, *lifted_p;       /* [2n] each, the state of the lifted system */
@@ -37,9 +37,9 @@ struct tvi_tangent {
     double *parameters_and_rates;
     /* Matrices [2n + parameters][columns] of a run's tangent vectors, before and after the last step. Their n is
      * that of the user's system. */
-    double *start, *end;
-    int column_capacity;         /* the number of columns for which `start` and `end` have memory */
-    long step_number;            /* the number of the step to which `start` and `end` belong; 0 if there is none */
+    double *columns_at_step_start, *columns_at_step_end;
+    int column_capacity;         /* the number of columns for which these matrices have memory */
+    long step_number;            /* the number of the step to which they belong; 0 if there is none */
     int propagated_column_count; /* the number of columns that were propagated by this step */
 };
 

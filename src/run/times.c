@@ -22,7 +22,8 @@ static int find_first_time_out_of_order(double h, double t, const double times[]
 static bool does_last_step_end_at_state(const tvi_integrator *it, double h, double t, const double q[],
                                         const double p[])
 {
-    return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has_state(it, t, q, p);
+    return *it->is_state_from_step && it->has_dense_output && (h > 0) == (it->h > 0) &&
+           tvi_integrator_has_state(it, t, q, p);
 }
 
 tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
@@ -52,7 +53,7 @@ static void report_next_time(tvi_times_progress *times_progress, const double q[
 }
 
 /* Computes the state at the next given time, which lies in the last step, and reports it. */
-static tvi_status report_time_inside_step(tvi_times_progress *times_progress)
+static tvi_status report_next_time_inside_step(tvi_times_progress *times_progress)
 {
     const tvi_partial_step *partial_step = &times_progress->partial_step;
     tvi_status status = tvi_partial_step_compute_state_at_time(
@@ -75,7 +76,7 @@ static tvi_status report_times_until(tvi_times_progress *times_progress, double 
     while (status == TVI_OK && !tvi_times_are_all_reported(times_progress) &&
            direction * (plan->times[times_progress->next_time_index] - last_time) <= 0 &&
            (reports_all || !times_progress->is_stopped_by_observer))
-        status = report_time_inside_step(times_progress);
+        status = report_next_time_inside_step(times_progress);
     if (times_progress->next_time_index > first)
         tvi_columns_restore_step_end(times_progress->integrator, &times_progress->run->columns);
     return status;

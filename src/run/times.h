@@ -5,7 +5,7 @@
 #include "run/partial_step.h"
 #include "run/run.h"
 
-/* The progress of a run along its given times. */
+/* The progress of a run along the times that the user has given: which of them have been reported. */
 typedef struct tvi_times_progress {
     tvi_integrator *integrator;
     const tvi_single_run *run;     /* run->plan->times are the given times */

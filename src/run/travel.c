@@ -34,7 +34,7 @@ static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it
         state_text->state_values[2 * (1 + n + i)] = user_state->p[(size_t)i * user_state->stride];
     }
     state_text->state_values[0] = user_state->t;
-    if (!it->continues[member] || !tvi_member_has_state(it, member, user_state)) return;
+    if (!it->is_state_from_step[member] || !tvi_member_has_state(it, member, user_state)) return;
     state_text->has_energy_offset = tvi_is_rescaled(it);
     for (int k = 0; k <= 2 * n + state_text->has_energy_offset; k++) {
         const size_t at = index_in_member_arrays(it, member, k);
@@ -75,7 +75,7 @@ static tvi_status set_member_state_from_text(tvi_integrator *it, int member, con
     const tvi_run_state *state = &it->state;
     const tvi_user_state user_state = {state_text->state_values + 2, state_text->state_values + 2 * (1 + n), 2,
                                        state_text->state_values[0]};
-    it->continues[member] = false;
+    it->is_state_from_step[member] = false;
     const tvi_status status = tvi_member_begin_step(it, member, &user_state);
     if (status != TVI_OK) return status;
     for (int k = 0; k <= 2 * n + (state_text->has_energy_offset && tvi_is_rescaled(it)); k++) {
@@ -83,7 +83,7 @@ static tvi_status set_member_state_from_text(tvi_integrator *it, int member, con
         const double low = state_text->state_values[2 * k + 1];
         *(k <= n ? &state->q[at] : &state->p[at]) = state_text->state_values[2 * k];
         *(k <= n ? &state->q_low[at] : &state->p_low[at]) = low;
-        if (k <= 2 * n && low != 0) it->continues[member] = true;
+        if (k <= 2 * n && low != 0) it->is_state_from_step[member] = true;
     }
     return TVI_OK;
 }
@@ -118,7 +118,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
     tvi_integrator_copy_parameters_to_tapes(it);
     const tvi_status status = set_member_state_from_text(it, 0, state_text);
     if (status == TVI_OK) {
-        it->has_dense = false;
+        it->has_dense_output = false;
         tvi_event_stop_forget(it->stop, it->system->n);
         return TVI_OK;
     }
@@ -156,8 +156,8 @@ static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int membe
     for (int i = 0; i < 5; i++)
         if (!all[i])
             return tvi_refuse_null_pointer(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
-    if (member < 0 || member >= ensemble->members)
-        return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->members - 1);
+    if (member < 0 || member >= ensemble->member_count)
+        return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->member_count - 1);
     return tvi_ensemble_refuse_if_running(ensemble);
 }
 
@@ -168,13 +168,13 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
     if (status != TVI_OK) return status;
     tvi_state_text state_text;
     const int parameters = tvi_system_parameters(ensemble->system);
-    const size_t members = (size_t)ensemble->members;
+    const size_t members = (size_t)ensemble->member_count;
     if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
     for (int i = 0; i < parameters; i++)
         state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
-    tvi_worker_load_batch(ensemble->worker, ensemble, member / ensemble->width);
+    tvi_worker_load_batch(ensemble->workers, ensemble, member / ensemble->width);
     const tvi_user_state user_state = {q + member, p + member, members, t[member]};
-    fill_state_text(&state_text, ensemble->worker->batch_integrator, member % ensemble->width, &user_state);
+    fill_state_text(&state_text, ensemble->workers->batch_integrator, member % ensemble->width, &user_state);
     const tvi_status written = write_state_text(&state_text, text, size);
     free(state_text.parameter_values);
     return written;
@@ -184,7 +184,7 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
 static void swap_parameters_with_text(tvi_ensemble *ensemble, int member, const tvi_state_text *state_text)
 {
     for (int i = 0; i < state_text->parameter_count; i++) {
-        double *scratch = &ensemble->parameters[(size_t)i * (size_t)ensemble->members + (size_t)member];
+        double *scratch = &ensemble->parameters[(size_t)i * (size_t)ensemble->member_count + (size_t)member];
         const double kept = *scratch;
         *scratch = state_text->parameter_values[i], state_text->parameter_values[i] = kept;
     }
@@ -198,16 +198,16 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, con
     if (status == TVI_OK) status = read_state_text(&state_text, ensemble->system, text, size);
     if (status != TVI_OK) return status;
     const int batch = member / ensemble->width, m = member % ensemble->width;
-    tvi_ensemble_worker *worker = ensemble->worker;
+    tvi_ensemble_worker *worker = ensemble->workers;
     swap_parameters_with_text(ensemble, member, &state_text);
     tvi_worker_load_batch(worker, ensemble, batch);
     status = set_member_state_from_text(worker->batch_integrator, m, &state_text);
     if (status == TVI_OK) {
         tvi_worker_store_batch(worker, ensemble, batch);
         tvi_event_stop_forget(tvi_stop_of_member(ensemble, member), ensemble->n);
-        ensemble->failed[member] = TVI_OK;
+        ensemble->failure_status[member] = TVI_OK;
         tvi_member_copy_state(worker->batch_integrator, m, &t[member], q + member, p + member,
-                              (size_t)ensemble->members);
+                              (size_t)ensemble->member_count);
     } else {
         swap_parameters_with_text(ensemble, member, &state_text);
     }

@@ -1,11 +1,14 @@
-/* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it. Two orbits with steps h and h/2 start at the
- * start of the run, or at its hardest position if that comes late. Their distance e, relative to the largest coordinate
- * and the largest momentum, is the error of the first orbit up to a part 2^-order (step_doubling.h). If the trial
- * covers the part x of the run's error, the estimate at the end of the run is e x^-a. The error of a symplectic method
+/* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it.
+ *
+ * Two orbits with steps h and h/2 start at the start of the run, or at its hardest position if that comes late. Their
+ * distance e, relative to the largest coordinate and the largest momentum, is the error of the first orbit up to a part
+ * 2^-order (step_doubling.h). If the trial covers the part x of the run's error (tvi_scout_weighted_length), the
+ * estimate at the end of the run is e x^-a, where errors grow as t^a with the time t. The error of a symplectic method
  * on a regular orbit grows linearly, a = 1, and that of another method at most quadratically. a = 5/4 suits the
  * problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may decay; there a is measured, and
- * is at most 5/4. * * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of
- * steps allows it. */
+ * is at most 5/4.
+ *
+ * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
 #include "run/trial.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -31,21 +34,21 @@ static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long step_number, double distance)
 {
     if (step_number > 1 && is_power_of_two(step_number - 1))
-        trial->previous_distance = trial->recent_distance, trial->recent_distance = 0;
-    trial->recent_distance = fmax(trial->recent_distance, distance);
+        trial->previous_orbit_distance = trial->recent_orbit_distance, trial->recent_orbit_distance = 0;
+    trial->recent_orbit_distance = fmax(trial->recent_orbit_distance, distance);
     if (trials->is_driven && step_number >= GROWTH_STEPS && step_number % GROWTH_EVERY == 0 &&
-        trial->previous_distance > 0)
-        trials->growth_exponent = clamp(0, log2(trial->recent_distance / trial->previous_distance), GROWTH);
-    trial->error = distance < CEILING ? fmax(trial->recent_distance, trial->previous_distance) *
-                                            pow(trial->covered_error_part, -trials->growth_exponent)
-                                      : INFINITY;
+        trial->previous_orbit_distance > 0)
+        trials->growth_exponent = clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), GROWTH);
+    trial->estimated_error = distance < CEILING ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
+                                                      pow(trial->covered_error_part, -trials->growth_exponent)
+                                                : INFINITY;
 }
 
 /* Returns the position just after the hardest part of the orbit. */
 static double end_of_hardest_passage(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_smaller_magnitude(s->positions[s->hardest_index] + s->resolving_step_size[s->hardest_index],
+    return tvi_smaller_magnitude(s->positions[s->hardest_step_index] + s->resolving_step_size[s->hardest_step_index],
                                  trials->run_end_position);
 }
 
@@ -53,9 +56,10 @@ static double end_of_hardest_passage(const tvi_trials *trials)
  * trial has passed the hardest position. */
 static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long k)
 {
-    const bool is_early =
-        k < EARLY_STEPS && fmax(trial->recent_distance, trial->previous_distance) < TVI_TRIAL_BAND * trials->aim;
-    if (trial->error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early)) return true;
+    const bool is_early = k < EARLY_STEPS && fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) <
+                                                 TVI_TRIAL_BAND * trials->aim;
+    if (trial->estimated_error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early))
+        return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_position &&
            is_power_of_two(k) && trial->covered_error_part > trials->largest_covered_error_part;
 }
@@ -65,17 +69,20 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
 {
     const tvi_integrated_orbit *whole = &trials->step_doubling.full_step_orbit;
     trial->status = tvi_step_doubling_make_step(
-        &trials->step_doubling, trials->step_doubling.is_rescaled
-                                    ? trial->h
-                                    : tvi_smaller_magnitude(trial->h, trials->t + trials->duration - whole->t));
-    trial->error = INFINITY;
+        &trials->step_doubling,
+        trials->step_doubling.is_rescaled
+            ? trial->h
+            : tvi_smaller_magnitude(trial->h, trials->start_time + trials->duration - whole->t));
+    trial->estimated_error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
-    trials->run_step_count = fabs(trials->run_end_position / trial->h);
+    trials->run_length_in_steps = fabs(trials->run_end_position / trial->h);
     trial->end_position = trials->start_position + (double)k * trial->h;
-    trial->duration_part_at_end = (whole->t - trials->t) / trials->duration;
-    trial->covered_error_part = fmin(
-        tvi_scout_error_weight(&trials->scout, trials->start_position, trial->end_position) / trials->run_weight, 1);
+    trial->duration_part_at_end = (whole->t - trials->start_time) / trials->duration;
+    trial->covered_error_part =
+        fmin(tvi_scout_weighted_length(&trials->scout, trials->start_position, trial->end_position) /
+                 trials->run_weighted_length,
+             1);
     trial->has_passed_hardest_position = fabs(trial->end_position) >= fabs(end_of_hardest_passage(trials));
     update_error_estimate(trials, trial, k, tvi_step_doubling_measure_distance(&trials->step_doubling));
     const bool is_at_end = trial->duration_part_at_end >= 1 - 1e-9;
@@ -88,9 +95,9 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
  * Returns true if the trial can then go on. */
 static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    const bool takes =
-        trials->reserved_steps > 0 && trial->covered_error_part < TVI_EQUALLY_LONG * trials->largest_covered_error_part;
-    if (takes) trials->reserved_steps = 0;
+    const bool takes = trials->reserved_step_count > 0 &&
+                       trial->covered_error_part < TVI_EQUALLY_LONG * trials->largest_covered_error_part;
+    if (takes) trials->reserved_step_count = 0;
     return takes && tvi_trials_have_budget_for_trial_step(trials);
 }
 
@@ -101,21 +108,21 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
     const double end = end_of_hardest_passage(trials),
-                 steps =
-                     (tvi_trials_step_budget(trials) - (double)trials->step_doubling.steps_tried) / TVI_STEPS_OF_TRIAL;
+                 steps = (tvi_trials_step_budget(trials) - (double)trials->step_doubling.tried_step_count) /
+                         TVI_STEPS_OF_TRIAL;
     const double early = EARLY_PART * steps * fabs(h);
-    int first = fabs(end) > early ? s->hardest_index : 0;
+    int first = fabs(end) > early ? s->hardest_step_index : 0;
     while (first > 0 && fabs(trials->run_end_position - s->positions[first]) < steps * fabs(h) &&
            fabs(end - s->positions[first - 1]) <= early)
         first--;
     trials->start_position = s->positions[first];
     trials->start_state = tvi_scout_state(s, first);
-    trials->reserved_steps = s->explored_duration_part >= SEEN ? s->step_count - first - 1 : 0;
+    trials->reserved_step_count = s->explored_duration_part >= SEEN ? s->step_count - first - 1 : 0;
 }
 
 tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
 {
-    tvi_step_size_trial trial = {.h = h, .error = INFINITY};
+    tvi_step_size_trial trial = {.h = h, .estimated_error = INFINITY};
     choose_start_of_trial(trials, h);
     tvi_step_doubling_set_state(&trials->step_doubling, trials->start_state);
     for (long k = 1; (tvi_trials_have_budget_for_trial_step(trials) || release_reserved_steps(trials, &trial)) &&
@@ -125,9 +132,10 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
     return trial;
 }
 
-bool tvi_trials_have_budget_to_pass_hardest(const tvi_trials *trials, double h)
+bool tvi_trials_have_budget_to_pass_hardest_position(const tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way = tvi_smaller_magnitude(end_of_hardest_passage(trials), s->resolving_step_size[s->hardest_index]);
+    const double way =
+        tvi_smaller_magnitude(end_of_hardest_passage(trials), s->resolving_step_size[s->hardest_step_index]);
     return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

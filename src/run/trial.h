@@ -19,20 +19,20 @@ enum { TVI_STEPS_OF_TRIAL = 3, TVI_LEAST_STEPS = 20 * TVI_STEPS_OF_TRIAL, TVI_MO
 
 /* The data that all trials for one suggestion share. */
 typedef struct {
-    double t, duration, aim; /* the start and the duration of the run, and the error that the trials aim at */
-    bool is_driven;          /* true if the system is driven (tvi_system_driven), so that errors may decay */
-    /* The exponent a of the growth of errors: the error at the time t is proportional to t^a. */
+    double start_time, duration, aim; /* the start and the duration of the run, and the error that the trials aim at */
+    bool is_driven;                   /* true if the system is driven (tvi_system_driven), so that errors may decay */
+    /* The exponent a of the growth of errors: the error of a run of the duration t is proportional to t^a. */
     double growth_exponent;
-    /* Distances below this value may be roundoff. */
+    /* Distances of the two orbits below this value may be roundoff. */
     double roundoff_floor;
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
-    /* The position at the end of the run, and tvi_scout_error_weight of the whole run. */
-    double run_end_position, run_weight;
+    /* The position (tvi_orbit_scout) at the end of the run, and tvi_scout_weighted_length of the whole run. */
+    double run_end_position, run_weighted_length;
     double start_position;             /* the scout's position at which the last trial began */
     const double *start_state;         /* [2n + 1] q, p and t at start_position */
-    long reserved_steps;               /* steps of the budget that are reserved for the companion (step_doubling.h) */
-    double run_step_count;             /* the number of steps of the run with the current step size */
+    long reserved_step_count;          /* steps of the budget that are kept for the companion orbit (step_doubling.h) */
+    double run_length_in_steps;        /* run_end_position divided by the current step size */
     double largest_covered_error_part; /* the largest part of the run's error that a trial has covered */
 } tvi_trials;
 
@@ -42,12 +42,12 @@ typedef struct {
     double h, covered_error_part;
     double end_position;         /* the scout's position at which the trial ends */
     double duration_part_at_end; /* the part of the run's duration up to the end of the trial, 0 to 1 */
-    /* The largest distance of the two orbits in the last group of steps 2^i + 1 ... 2^(i+1), and in the group
-     * before. */
-    double recent_distance, previous_distance;
+    /* The largest distance of the two orbits (step_doubling.h) in the last group of steps 2^i + 1 ... 2^(i+1), and
+     * in the group before. */
+    double recent_orbit_distance, previous_orbit_distance;
     /* The estimated error at the end of the run. It is INFINITY if a step has failed, or if the distance of the
      * orbits is too large for an extrapolation. */
-    double error;
+    double estimated_error;
     bool has_passed_hardest_position;   /* true if the trial has passed the scout's hardest position */
     bool is_finished, covers_whole_run; /* true if the trial has ended; true if it went through the whole run */
     tvi_status status;                  /* the status of the last step */
@@ -59,31 +59,32 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h);
 /* Returns the number of steps that the scout and all trials may make together. */
 static inline double tvi_trials_step_budget(const tvi_trials *trials)
 {
-    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_step_count), TVI_MOST_STEPS);
+    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_length_in_steps), TVI_MOST_STEPS);
 }
 /* Tells whether the budget allows this number of further steps. */
 static inline bool tvi_trials_have_budget_for_steps(const tvi_trials *trials, double steps)
 {
-    return (double)trials->step_doubling.steps_tried + steps <= tvi_trials_step_budget(trials);
+    return (double)trials->step_doubling.tried_step_count + steps <= tvi_trials_step_budget(trials);
 }
 /* Tells whether the budget allows one more step of a trial, beside the reserved steps. */
 static inline bool tvi_trials_have_budget_for_trial_step(const tvi_trials *trials)
 {
-    return tvi_trials_have_budget_for_steps(trials, (double)(trials->reserved_steps + TVI_STEPS_OF_TRIAL));
+    return tvi_trials_have_budget_for_steps(trials, (double)(trials->reserved_step_count + TVI_STEPS_OF_TRIAL));
 }
 /* Tells whether the budget allows a trial with steps of size h that passes the hardest position. */
-bool tvi_trials_have_budget_to_pass_hardest(const tvi_trials *trials, double h);
+bool tvi_trials_have_budget_to_pass_hardest_position(const tvi_trials *trials, double h);
 
 /* Tells whether the trial's estimate is above the given error, and not only by roundoff. */
 static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_step_size_trial *trial, double error)
 {
-    return trial->error > error && (trial->error == INFINITY ||
-                                    fmax(trial->recent_distance, trial->previous_distance) >= trials->roundoff_floor);
+    return trial->estimated_error > error &&
+           (trial->estimated_error == INFINITY ||
+            fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) >= trials->roundoff_floor);
 }
 /* Tells whether the estimate is below the aim by more than the factor TVI_TRIAL_BAND. */
 static inline bool tvi_trial_error_is_far_below_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return trial->error < trials->aim / TVI_TRIAL_BAND;
+    return trial->estimated_error < trials->aim / TVI_TRIAL_BAND;
 }
 /* Tells whether the estimate is above the aim by more than the factor TVI_TRIAL_BAND. */
 static inline bool tvi_trial_error_is_far_above_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
