@@ -213,8 +213,8 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
 
 /* ---- Saved states ------------------------------------------------------------------------------------------------ */
 
-/* The indices of the pieces of a saved ensemble. The bytes are: identity | counts | statuses | parameters | stops |
- * histories | checksum. */
+/* The indices of the pieces of a saved ensemble. The bytes are: identity | counts (tvi_stats) | statuses |
+ * parameters | stops | histories | checksum. */
 enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
 
 static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tvi_saved_pieces *pieces)
@@ -235,7 +235,7 @@ static tvi_saved_identity compute_ensemble_identity(const tvi_ensemble *ensemble
         tvi_saved_identity_of_integrator(ensemble->workers->single_integrator, tvi_saved_size_in_bytes(pieces));
     who.has_stepped = ensemble->has_run;
     who.member_count = ensemble->member_count;
-    who.width = ensemble->width;
+    who.batch_width = ensemble->width;
     return who;
 }
 

@@ -19,7 +19,7 @@ typedef struct {
     bool steps_members_together;
     long step_count_before_segment; /* the number of steps in earlier segments of the run */
     double *t, *q, *p;              /* the user's arrays of all members' states */
-    tvi_status *member_status;      /* [members] the user's array of the members' statuses */
+    tvi_status *member_status;      /* [member_count] the user's array of the members' statuses */
 } run_segment;
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */

@@ -63,11 +63,11 @@ static const double NEAREST = 0x1p-30, FARTHEST = 0x1p12, RATIO = 2;
  * the size of its increment in the direction of its force. */
 typedef enum { FORWARD, BACK, DOWNHILL, LINES } search_line;
 
-/* Returns one component of the line's direction, for the step's increments dq and dp of this component. `time` has the
- * sign of the step. */
-static double line_direction_component(search_line line, double dq, double dp, double time)
+/* Returns one component of the line's direction, for the step's increments dq and dp of this component.
+ * time_direction has the sign of the step. */
+static double line_direction_component(search_line line, double dq, double dp, double time_direction)
 {
-    return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time);
+    return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);
 }
 
 /* Returns the energy of the member at q and p, arrays [components][width] of all members as in a tvi_run_state. It
@@ -81,49 +81,50 @@ static double member_energy_or_nonfinite(tvi_integrator *it, int member, const d
 
 /* Returns H(q_factor q + distance d, 0), where q is the position at the start of the member's step, and d the direction
  * of the line. */
-static double energy_at_rest_on_line(tvi_integrator *it, int m, double q_factor, double distance, search_line line)
+static double energy_at_rest_on_line(tvi_integrator *it, int member, double q_factor, double distance, search_line line)
 {
     const int width = it->width, end = it->system->n * width;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
-    for (int k = m; k < end; k += width) {
-        it->end.q[k] = q_factor * it->state.q[k] + distance * line_direction_component(line, dq[k], dp[k], dq[end + m]);
+    for (int k = member; k < end; k += width) {
+        it->end.q[k] =
+            q_factor * it->state.q[k] + distance * line_direction_component(line, dq[k], dp[k], dq[end + member]);
         it->end.p[k] = 0;
     }
-    it->end.q[end + m] = it->state.q[end + m];
-    return member_energy_or_nonfinite(it, m, it->end.q, it->end.p);
+    it->end.q[end + member] = it->state.q[end + member];
+    return member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
 }
 
-static double energy_at_rest_at_step_start(tvi_integrator *it, int m)
+static double energy_at_rest_at_step_start(tvi_integrator *it, int member)
 {
-    return energy_at_rest_on_line(it, m, 1, 0, FORWARD);
+    return energy_at_rest_on_line(it, member, 1, 0, FORWARD);
 }
 
 /* Tells whether H(q, -p) = H(q, p) to roundoff at the end of the step. The start is not tested, since p may be 0
  * there. */
-static bool is_energy_even_in_p(tvi_integrator *it, int m)
+static bool is_energy_even_in_p(tvi_integrator *it, int member)
 {
     const int width = it->width, end = it->system->n * width;
     double H[2];
     for (int sign = 0; sign < 2; sign++) {
-        for (int k = m; k < end; k += width) {
+        for (int k = member; k < end; k += width) {
             const double p = it->state.p[k] + it->increments.dp[k];
             it->end.q[k] = it->state.q[k] + it->increments.dq[k];
             it->end.p[k] = sign ? -p : p;
         }
-        it->end.q[end + m] = it->state.q[end + m];
-        H[sign] = member_energy_or_nonfinite(it, m, it->end.q, it->end.p);
+        it->end.q[end + member] = it->state.q[end + member];
+        H[sign] = member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
     }
     return fabs(H[1] - H[0]) <= MOST_DIFFERENCE * fabs(H[0]);
 }
 
 /* Returns the limit of H(c q, 0) for large c. It is NAN if there is no limit, or if H(c q, 0) is not monotonic in c: a
  * pole then lies on the way, and the limit is no measure of the motion before the pole. */
-static double energy_at_rest_at_infinity(tvi_integrator *it, int m, double H, double roundoff)
+static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double H, double roundoff)
 {
-    double last = energy_at_rest_on_line(it, m, 1, 1, FORWARD), difference = INFINITY;
+    double last = energy_at_rest_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
     for (size_t k = 0; k < sizeof FACTORS / sizeof *FACTORS; k++) {
-        const double factor = ldexp(1, FACTORS[k]), next = energy_at_rest_on_line(it, m, factor, factor, FORWARD);
+        const double factor = ldexp(1, FACTORS[k]), next = energy_at_rest_on_line(it, member, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff;
         falls = falls && difference <= roundoff;
@@ -134,32 +135,32 @@ static double energy_at_rest_at_infinity(tvi_integrator *it, int m, double H, do
 
 /* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
  * from which the energy rises. */
-static double lowest_energy_at_rest_on_line(tvi_integrator *it, int m, search_line line, double energy_at_start,
+static double lowest_energy_at_rest_on_line(tvi_integrator *it, int member, search_line line, double energy_at_start,
                                             double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = NEAREST; distance <= FARTHEST; distance *= RATIO) {
-        const double next = energy_at_rest_on_line(it, m, 1, distance, line);
+        const double next = energy_at_rest_on_line(it, member, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
     }
     return lowest;
 }
 
-static double lowest_energy_at_rest_nearby(tvi_integrator *it, int m, double roundoff)
+static double lowest_energy_at_rest_nearby(tvi_integrator *it, int member, double roundoff)
 {
-    const double here = energy_at_rest_at_step_start(it, m);
+    const double here = energy_at_rest_at_step_start(it, member);
     double lowest = here;
     for (search_line line = 0; line < LINES; line++)
-        lowest = fmin(lowest, lowest_energy_at_rest_on_line(it, m, line, here, roundoff));
+        lowest = fmin(lowest, lowest_energy_at_rest_on_line(it, member, line, here, roundoff));
     return lowest;
 }
 
 /* Returns |H| at the start of the member's run. */
-static double energy_magnitude_at_run_start(tvi_integrator *it, int m)
+static double energy_magnitude_at_run_start(tvi_integrator *it, int member)
 {
     const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    return fabs(member_energy_or_nonfinite(it, m, q, p));
+    return fabs(member_energy_or_nonfinite(it, member, q, p));
 }
 
 /* Sets the reference level and scale of the member at the state where its step starts. The energy of this state is
@@ -198,8 +199,8 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
         (void)tvi_energy_compute_lanes(&it->all_energies_work, q + it->system->n * it->width, q, p, H);
         return;
     }
-    for (int m = 0; m < it->width; m++)
-        if (it->needs_energy[m]) H[m] = member_energy_or_nonfinite(it, m, q, p);
+    for (int member = 0; member < it->width; member++)
+        if (it->needs_energy[member]) H[member] = member_energy_or_nonfinite(it, member, q, p);
 }
 
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
@@ -207,25 +208,25 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
 /* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| /
  * h times the mean of |p| at both ends of the step. q0 and q1 are the positions at the ends, and h the time between
  * them. */
-static double mean_p_dot_velocity(const tvi_integrator *it, int m)
+static double mean_p_dot_velocity(const tvi_integrator *it, int member)
 {
     const int width = it->width, end = it->system->n * width;
     const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double p_dot_velocity = 0;
-    for (int k = m; k < end; k += width) p_dot_velocity += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
-    return p_dot_velocity / (2 * fabs(dq[end + m]));
+    for (int k = member; k < end; k += width) p_dot_velocity += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
+    return p_dot_velocity / (2 * fabs(dq[end + member]));
 }
 
 /* Returns the roundoff of the energy H: that of its value, and that caused by the roundoff of q and p, which changes H
  * by H_q dq + H_p dp with H_p = dq/dt and H_q = -dp/dt. It is large if the terms of the energy cancel, as along an
  * unstable direction. */
-static double energy_roundoff(const tvi_integrator *it, int m, double H)
+static double energy_roundoff(const tvi_integrator *it, int member, double H)
 {
     const int width = it->width, end = it->system->n * width;
     const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double sum = 0;
-    for (int k = m; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
-    return ROUNDOFF * (sum / fabs(dq[end + m]) + fabs(H));
+    for (int k = member; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
+    return ROUNDOFF * (sum / fabs(dq[end + member]) + fabs(H));
 }
 
 /* Returns the energy with which the change of the energy is compared: the energy above the reference level, or a
@@ -239,22 +240,22 @@ static double energy_change_scale(const tvi_reference_energy *reference, double 
 /* Tells whether the energy after the step differs from that before it by more than a step that follows the motion
  * can change it. Returns false if the energy is NAN; the next step then fails. It also returns false for a first
  * step from rest by a method of order 1, which changes p only, so that p.dq/dt = 0. */
-static bool does_energy_change_too_much(tvi_integrator *it, int m, double energy_after)
+static bool does_energy_change_too_much(tvi_integrator *it, int member, double energy_after)
 {
-    tvi_reference_energy *reference = &it->reference_energy[m];
+    tvi_reference_energy *reference = &it->reference_energy[member];
     const double before = reference->H;
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
-    const double p_dot_velocity = mean_p_dot_velocity(it, m), roundoff = energy_roundoff(it, m, before),
-                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0,
+    const double p_dot_velocity = mean_p_dot_velocity(it, member), roundoff = energy_roundoff(it, member, before),
+                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + member] : 0,
                  change = fabs(energy_after - before + change_of_e);
     const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_level_searched);
-    if (!reference->has_scale && needs_scale) set_reference_level_and_scale(it, m, before, roundoff);
+    if (!reference->has_scale && needs_scale) set_reference_level_and_scale(it, member, before, roundoff);
     if (change <= roundoff) return false;
     if (!reference->has_scale && p_dot_velocity == 0) return false;
     if (change <= MOST_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff) return false;
-    lower_reference_level(it, m);
+    lower_reference_level(it, member);
     return change > MOST_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
@@ -264,17 +265,17 @@ static void refuse_by_energy_changes(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
     bool knows_all = true;
-    for (int m = 0; m < width; m++)
-        knows_all = knows_all && (it->reference_energy[m].is_H_known || !it->needs_energy[m]);
+    for (int member = 0; member < width; member++)
+        knows_all = knows_all && (it->reference_energy[member].is_H_known || !it->needs_energy[member]);
     if (!knows_all) compute_energies(it, it->state.q, it->state.p, it->energy_before);
     for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->state.q[k] + it->increments.dq[k];
     for (int k = 0; k < n * width; k++) it->end.p[k] = it->state.p[k] + it->increments.dp[k];
     compute_energies(it, it->end.q, it->end.p, it->energy_after);
-    for (int m = 0; m < width; m++) {
-        if (!it->needs_energy[m]) continue;
-        if (!it->reference_energy[m].is_H_known) it->reference_energy[m].H = it->energy_before[m];
-        if (does_energy_change_too_much(it, m, it->energy_after[m]))
-            it->status[m] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
+    for (int member = 0; member < width; member++) {
+        if (!it->needs_energy[member]) continue;
+        if (!it->reference_energy[member].is_H_known) it->reference_energy[member].H = it->energy_before[member];
+        if (does_energy_change_too_much(it, member, it->energy_after[member]))
+            it->status[member] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
     }
 }
 
@@ -288,7 +289,7 @@ static void set_energy_change_bounds(tvi_integrator *it)
     if (!batch) it->energy_change_bound[0] = it->stepper->most_change(it->work);
     else if (batch->most_change) batch->most_change(it->work, it->energy_change_bound);
     else
-        for (int m = 0; m < it->width; m++) it->energy_change_bound[m] = INFINITY;
+        for (int member = 0; member < it->width; member++) it->energy_change_bound[member] = INFINITY;
 }
 
 /* Tells whether the tail is an estimate of an error. It is not if the polynomial of the forces has a single
@@ -299,12 +300,13 @@ static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_s
 }
 
 /* Tells whether the step of the member is accepted without computing its energy. */
-static bool may_skip_energy_check(const tvi_integrator *it, int m, bool step_used_series)
+static bool may_skip_energy_check(const tvi_integrator *it, int member, bool step_used_series)
 {
-    if (has_energy_change_bound(it)) return it->energy_change_bound[m] <= MOST_CHANGE * it->reference_energy[m].scale;
+    if (has_energy_change_bound(it))
+        return it->energy_change_bound[member] <= MOST_CHANGE * it->reference_energy[member].scale;
     if (!is_tail_an_error_estimate(it, step_used_series)) return false;
-    if (step_used_series) return it->tail[m] <= SKIP_SERIES_TAIL && it->pass_counts[m] <= SKIP_SERIES_PASSES;
-    return it->tail[m] <= SKIP_TAIL && it->pass_counts[m] <= SKIP_PASSES;
+    if (step_used_series) return it->tail[member] <= SKIP_SERIES_TAIL && it->pass_counts[member] <= SKIP_SERIES_PASSES;
+    return it->tail[member] <= SKIP_TAIL && it->pass_counts[member] <= SKIP_PASSES;
 }
 
 tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *it)
@@ -329,20 +331,20 @@ JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_
     double *largest = &it->stats.largest_tail;
     bool any = false;
     if (has_energy_change_bound(it)) set_energy_change_bounds(it);
-    for (int m = 0; m < width; m++) {
-        const double tail = it->tail[m];
-        it->needs_energy[m] = false;
-        if (it->status[m] != TVI_OK) continue;
+    for (int member = 0; member < width; member++) {
+        const double tail = it->tail[member];
+        it->needs_energy[member] = false;
+        if (it->status[member] != TVI_OK) continue;
         if (tail > *largest) *largest = tail;
         if (!has_small_tail(it, tail)) {
-            it->status[m] = jet_refuse(
+            it->status[member] = jet_refuse(
                 TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
                 it->stepped->is_automatic ? ": the automatic g is too large here (give a g of your own)" : "");
             continue;
         }
-        it->needs_energy[m] = keeps && !may_skip_energy_check(it, m, step_used_series);
-        any = any || it->needs_energy[m];
-        if (!it->needs_energy[m]) it->reference_energy[m].is_H_known = false;
+        it->needs_energy[member] = keeps && !may_skip_energy_check(it, member, step_used_series);
+        any = any || it->needs_energy[member];
+        if (!it->needs_energy[member]) it->reference_energy[member].is_H_known = false;
     }
     if (any) refuse_by_energy_changes(it);
 }

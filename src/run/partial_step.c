@@ -48,7 +48,7 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     const tvi_integrator *it = partial_step->full_step_integrator;
     if (partial_step->parameter_version == it->parameter_version) return TVI_OK;
     partial_step->parameter_version = it->parameter_version;
-    partial_step->step_number = 0;
+    partial_step->full_step_number = 0;
     if (partial_step->rates_evaluator.field_block)
         tvi_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
@@ -62,7 +62,7 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->history_before_bytes;
-    const bool is_near = partial_step->uses_history_at_end && partial_step->step_number == it->stats.steps &&
+    const bool is_near = partial_step->uses_history_at_end && partial_step->full_step_number == it->stats.steps &&
                          partial_step->offset != it->h && partial_step->offset != 0 &&
                          fabs(offset - partial_step->offset) < NEAR * fabs(it->h);
     tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
@@ -76,19 +76,19 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
     const bool is_end = offset == it->h;
-    if (partial_step->step_number == it->stats.steps && partial_step->offset == offset) return TVI_OK;
+    if (partial_step->full_step_number == it->stats.steps && partial_step->offset == offset) return TVI_OK;
     const tvi_run_state *state = is_end ? &it->state : &it->start;
     partial_step->t = state->q[it->system->n];
     memcpy(partial_step->q, state->q, bytes);
     memcpy(partial_step->p, state->p, bytes);
     if (!is_end && offset != 0) {
         set_partial_step_history(partial_step, offset);
-        partial_step->step_number = 0;
+        partial_step->full_step_number = 0;
         const tvi_status status =
             tvi_step(partial_step->partial_step_integrator, offset, &partial_step->t, partial_step->q, partial_step->p);
         if (status != TVI_OK) return status;
     }
-    partial_step->step_number = it->stats.steps;
+    partial_step->full_step_number = it->stats.steps;
     partial_step->offset = offset;
     return TVI_OK;
 }
@@ -170,7 +170,7 @@ tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step
     if (time == it->state.q[n]) return tvi_partial_step_compute_state(partial_step, h);
     /* Without rescaling steps are steps in time, so the offset is the difference of the times. */
     if (!tvi_is_rescaled(it)) return tvi_partial_step_compute_state(partial_step, offset);
-    partial_step->step_number = 0;
+    partial_step->full_step_number = 0;
     const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target,
                                                  &(time_target){partial_step, time_from_start});
     return status == TVI_OK ? correct_offset_by_newton(partial_step, time, time_from_start,

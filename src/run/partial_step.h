@@ -20,7 +20,7 @@ typedef struct {
     tvi_rates rates_evaluator; /* the function that computes dq/ds and dp/ds of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
     long parameter_version;             /* full_step_integrator->parameter_version when the parameters were copied */
-    long step_number;                   /* the number of the full step that the state lies in; 0 if there is no state */
+    long full_step_number;              /* the number of the full step that the state lies in; 0 if there is no state */
     double offset;                      /* the state lies at this distance from the start of the full step, 0 to h */
 } tvi_partial_step;
 

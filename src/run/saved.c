@@ -17,7 +17,7 @@ static const char MAGIC[] = "tvistate";
 tvi_saved_identity tvi_saved_identity_of_integrator(const tvi_integrator *it, size_t bytes)
 {
     tvi_saved_identity identity = {
-        .version = STATE_VERSION,
+        .format_version = STATE_VERSION,
         .total_bytes = (int64_t)bytes,
         .n = it->system->n,
         .has_stepped = *it->is_state_from_step,
@@ -66,7 +66,7 @@ const char *tvi_saved_find_damage(const void *buffer, size_t size, tvi_saved_ide
     memcpy(identity, buffer, sizeof *identity);
     memcpy(&checksum, (const char *)buffer + size - sizeof checksum, sizeof checksum);
     if (memcmp(identity->magic, MAGIC, sizeof identity->magic) != 0) return "the bytes are no state";
-    if (identity->version != STATE_VERSION) return "the state is of another version of the library";
+    if (identity->format_version != STATE_VERSION) return "the state is of another version of the library";
     const bool is_sound = checksum == jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
     return is_sound && identity->total_bytes == (int64_t)size ? NULL : "the state is damaged";
 }
@@ -85,7 +85,7 @@ const char *tvi_saved_find_mismatch(const tvi_saved_identity *expected, const vo
     if (identity.code_hash != expected->code_hash)
         return expected->code_hash ? "the state is not of compiled steps" : "the state is of compiled steps";
     const bool fits = identity.options_hash == expected->options_hash &&
-                      identity.total_bytes == expected->total_bytes && identity.width == expected->width;
+                      identity.total_bytes == expected->total_bytes && identity.batch_width == expected->batch_width;
     return fits ? NULL : "the state is of other options";
 }
 

@@ -15,10 +15,11 @@
  * eight bytes, so that there are no gaps. A machine with another byte order reads another version number, so it refuses
  * the state. */
 typedef struct {
-    char magic[8];                      /* "tvistate" */
-    int64_t version, total_bytes, n;    /* version of the format; size of the saved state; coordinates of the system */
+    char magic[8]; /* "tvistate" */
+    int64_t format_version, total_bytes,
+        n;                              /* version of the format; size of the saved state; coordinates of the system */
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
-    int64_t member_count, width;        /* members of an ensemble and of each of its batches; 0 for an integrator */
+    int64_t member_count, batch_width;  /* members of an ensemble and of each of its batches; 0 for an integrator */
     uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
     uint64_t code_hash; /* hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none */
 } tvi_saved_identity;

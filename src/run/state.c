@@ -4,8 +4,8 @@
  *     identity | t | q | p | counts | parameters | stop | history | checksum
  *
  * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h).
- * t, q and p are there for readers without an integrator (tvi_state_peek). The history contains everything that one
- * step leaves to the next one (algebra/arena.h). */
+ * The counts are a tvi_stats. t, q and p are there for readers without an integrator (tvi_state_peek). The history
+ * contains everything that one step leaves to the next one (algebra/arena.h). */
 #include "run/saved.h"
 #include "system/refuse.h"
 

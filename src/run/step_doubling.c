@@ -94,11 +94,12 @@ typedef struct {
     double largest_relative_rate; /* the largest component of |rate_a| */
 } orbit_difference;
 
+/* Updates the measures by the n components of q or of p; *largest_component is the largest |b_i| so far. */
 static void accumulate_difference(int n, const double state_a[], const double state_b[], double lag,
-                                  const double rate_a[], double *size, orbit_difference *out)
+                                  const double rate_a[], double *largest_component, orbit_difference *out)
 {
-    for (int i = 0; i < n; i++) *size = fmax(*size, fabs(state_b[i]));
-    const double unit = *size > 0 ? *size : 1;
+    for (int i = 0; i < n; i++) *largest_component = fmax(*largest_component, fabs(state_b[i]));
+    const double unit = *largest_component > 0 ? *largest_component : 1;
     for (int i = 0; i < n; i++) {
         const double d = (state_a[i] - state_b[i] - lag * rate_a[i]) / unit, r = rate_a[i] / unit;
         out->largest_difference = fmax(out->largest_difference, fabs(d));

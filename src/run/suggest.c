@@ -58,7 +58,7 @@ typedef struct {
     tvi_trials trials;
     int order;           /* the order of the method */
     double curve_degree; /* the degree of the method's curve, at least 1; a double, since exponents are divided by it */
-    double wanted_error, aim;         /* the error that the user wants, and the smaller one that trials aim at */
+    double wanted_error, aimed_error; /* the error that the user wants, and the smaller one that trials aim at */
     double longest_allowed_step_size; /* no step size longer than this is tried or suggested */
     /* A step size whose trial had a large error, and this error. No trial of a shorter step has had an error below a
      * third of large_error. */
@@ -84,7 +84,7 @@ static double step_size_factor_after_failure(const suggestion_search *search)
 static double next_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
-    const double wrong = fmin(trial->estimated_error / search->trials.aim, 1 / OF_NO_ORDER);
+    const double wrong = fmin(trial->estimated_error / search->trials.aimed_error, 1 / OF_NO_ORDER);
     return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
 }
 
@@ -154,7 +154,7 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
     const bool is_long = trial->has_passed_hardest_position &&
                          trial->covered_error_part >= TVI_EQUALLY_LONG * trials->largest_covered_error_part;
     return is_long || trial->covers_whole_run ||
-           (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aim));
+           (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
 }
 
 /* Updates the suggestion after a trial. Returns true if another trial shall follow, with the step size *h. */
@@ -200,15 +200,15 @@ static void correct_error_by_companion_growth(suggestion_search *search, tvi_ste
         trial->estimated_error == INFINITY)
         return;
     double growth;
-    const double wanted_error = trials->step_doubling.orbit_distance, part = trials->scout.explored_duration_part;
+    const double trial_distance = trials->step_doubling.orbit_distance, part = trials->scout.explored_duration_part;
     const double growth_factor = tvi_step_doubling_measure_error_factor(
         &trials->step_doubling, &trials->scout, trials->start_position, trial->end_position, &growth);
     if (growth_factor == 0) return;
     /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
      * halves in the unexplored rest. */
-    const double more = fmax(growth / pow(2, trials->growth_exponent), 1), halves = 2 * (1 / part - 1);
+    const double more = fmax(growth / pow(2, trials->error_growth_exponent), 1), halves = 2 * (1 / part - 1);
     suggestion->estimated_error = trial->estimated_error =
-        wanted_error * growth_factor * pow(part, -trials->growth_exponent) * pow(more, halves);
+        trial_distance * growth_factor * pow(part, -trials->error_growth_exponent) * pow(more, halves);
     suggestion->h = trial->h * final_step_size_factor(search, trial);
 }
 
@@ -220,7 +220,7 @@ static double set_up_trials_and_first_step_size(suggestion_search *search)
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
     const double scale = s->resolving_step_size[s->hardest_step_index], end = s->positions[s->step_count];
-    const double wanted_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->curve_degree);
+    const double resolved_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->curve_degree);
     trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
     trials->run_end_position = end / s->explored_duration_part;
@@ -228,9 +228,10 @@ static double set_up_trials_and_first_step_size(suggestion_search *search)
     search->longest_allowed_step_size = scale * pow(MOST_TAILS, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, trials->duration);
-    const double part = pow(KNOWN, trials->growth_exponent);
-    const double h = tvi_smaller_magnitude(scale * pow(trials->aim * part / wanted_error, 1.0 / (search->order + 1)),
-                                           search->longest_allowed_step_size);
+    const double part = pow(KNOWN, trials->error_growth_exponent);
+    const double h =
+        tvi_smaller_magnitude(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
+                              search->longest_allowed_step_size);
     trials->run_length_in_steps = fabs(trials->run_end_position / h);
     return h;
 }
@@ -255,12 +256,12 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
         return TVI_OK;
     const tvi_status status = tvi_step_doubling_measure_time_shift(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
-    const double wanted_error = often * apart / shift * ulp / 2;
-    if (wanted_error > search->wanted_error)
+    const double time_roundoff_error = often * apart / shift * ulp / 2;
+    if (time_roundoff_error > search->wanted_error)
         return jet_refuse(TVI_EINVAL, "error = %g is below what the roundoff of t = %g makes of such a run, about %.0e",
-                          search->wanted_error, last, wanted_error);
-    trials->aim = fmax(trials->aim, wanted_error);
-    trials->roundoff_floor = fmax(trials->roundoff_floor, apart / shift * ulp);
+                          search->wanted_error, last, time_roundoff_error);
+    trials->aimed_error = fmax(trials->aimed_error, time_roundoff_error);
+    trials->largest_roundoff_distance = fmax(trials->largest_roundoff_distance, apart / shift * ulp);
     return TVI_OK;
 }
 
@@ -277,7 +278,7 @@ static double factor_for_spread_of_step_sizes(const suggestion_search *search)
 /* Computes the final step size from the results of all trials. */
 static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *suggestion)
 {
-    const double of_aim = pow(search->aim / search->trials.aim, 1.0 / search->order),
+    const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
                  unknown = search->is_suggestion_reliable ? 1 : UNKNOWN;
     suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
                     factor_for_spread_of_step_sizes(search);
@@ -324,11 +325,12 @@ static tvi_status open_suggestion_search(suggestion_search *search, const tvi_sy
     const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
     search->order = resolved->order;
     search->curve_degree = fmax(1, resolved->degree);
-    search->aim = (trials->step_doubling.is_rescaled ? AIM_LATER : AIM) * search->wanted_error;
+    search->aimed_error = (trials->step_doubling.is_rescaled ? AIM_LATER : AIM) * search->wanted_error;
     trials->is_driven = system->is_driven;
-    trials->growth_exponent = trials->step_doubling.is_rescaled ? GROWTH_LATER : GROWTH;
-    trials->roundoff_floor = FLOOR;
-    trials->aim = fmax(search->aim, FLOOR * pow(TVI_STEPS_OF_TRIAL / TVI_PART_OF_RUN, trials->growth_exponent));
+    trials->error_growth_exponent = trials->step_doubling.is_rescaled ? GROWTH_LATER : GROWTH;
+    trials->largest_roundoff_distance = FLOOR;
+    trials->aimed_error =
+        fmax(search->aimed_error, FLOOR * pow(TVI_STEPS_OF_TRIAL / TVI_PART_OF_RUN, trials->error_growth_exponent));
     trials->scout = (tvi_orbit_scout){.n = system->n, .states = trials->step_doubling.scout_states};
     return TVI_OK;
 }

@@ -38,9 +38,10 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
     trial->recent_orbit_distance = fmax(trial->recent_orbit_distance, distance);
     if (trials->is_driven && step_number >= GROWTH_STEPS && step_number % GROWTH_EVERY == 0 &&
         trial->previous_orbit_distance > 0)
-        trials->growth_exponent = clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), GROWTH);
+        trials->error_growth_exponent =
+            clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), GROWTH);
     trial->estimated_error = distance < CEILING ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
-                                                      pow(trial->covered_error_part, -trials->growth_exponent)
+                                                      pow(trial->covered_error_part, -trials->error_growth_exponent)
                                                 : INFINITY;
 }
 
@@ -57,7 +58,7 @@ static double end_of_hardest_passage(const tvi_trials *trials)
 static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long k)
 {
     const bool is_early = k < EARLY_STEPS && fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) <
-                                                 TVI_TRIAL_BAND * trials->aim;
+                                                 TVI_TRIAL_BAND * trials->aimed_error;
     if (trial->estimated_error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early))
         return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_position &&

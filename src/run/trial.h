@@ -19,12 +19,13 @@ enum { TVI_STEPS_OF_TRIAL = 3, TVI_LEAST_STEPS = 20 * TVI_STEPS_OF_TRIAL, TVI_MO
 
 /* The data that all trials for one suggestion share. */
 typedef struct {
-    double start_time, duration, aim; /* the start and the duration of the run, and the error that the trials aim at */
-    bool is_driven;                   /* true if the system is driven (tvi_system_driven), so that errors may decay */
+    double start_time, duration,
+        aimed_error; /* the start and the duration of the run, and the error that the trials aim at */
+    bool is_driven;  /* true if the system is driven (tvi_system_driven), so that errors may decay */
     /* The exponent a of the growth of errors: the error of a run of the duration t is proportional to t^a. */
-    double growth_exponent;
+    double error_growth_exponent;
     /* Distances of the two orbits below this value may be roundoff. */
-    double roundoff_floor;
+    double largest_roundoff_distance;
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
     /* The position (tvi_orbit_scout) at the end of the run, and tvi_scout_weighted_length of the whole run. */
@@ -79,17 +80,17 @@ static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_
 {
     return trial->estimated_error > error &&
            (trial->estimated_error == INFINITY ||
-            fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) >= trials->roundoff_floor);
+            fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) >= trials->largest_roundoff_distance);
 }
 /* Tells whether the estimate is below the aim by more than the factor TVI_TRIAL_BAND. */
 static inline bool tvi_trial_error_is_far_below_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return trial->estimated_error < trials->aim / TVI_TRIAL_BAND;
+    return trial->estimated_error < trials->aimed_error / TVI_TRIAL_BAND;
 }
 /* Tells whether the estimate is above the aim by more than the factor TVI_TRIAL_BAND. */
 static inline bool tvi_trial_error_is_far_above_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return tvi_trial_error_is_above(trials, trial, TVI_TRIAL_BAND * trials->aim);
+    return tvi_trial_error_is_above(trials, trial, TVI_TRIAL_BAND * trials->aimed_error);
 }
 
 #endif
