@@ -168,7 +168,7 @@ $(BUILD)/ad/%.o: ad/%.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,compiler.h vector.h) include/jet.h $(addprefix ad/,graph.h tape.h rule.h sums.h elementary.h) \
+EMBEDDED_RULES := $(addprefix ad/,measured.h compiler.h vector.h) include/jet.h $(addprefix ad/,graph.h tape.h rule.h sums.h elementary.h) \
                   $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
@@ -178,7 +178,7 @@ $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the steps of the Galerkin curve, for one system, and what they are made with by its form
-EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h width.h tail.h) \
+EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h tail.h) \
                      $(addprefix src/galerkin/,in_generated.h loops.h lanes.h kernel.h \
                          blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
 # texts that others read
@@ -192,7 +192,7 @@ $(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin_$* -f ad/embed.awk $(if $(filter plain,$*),,$(HESSIAN_FORM)) src/galerkin/generated_$*.h >$@
 # a curve, and the action of it
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
-                      $(addprefix algebra/,arena.h block.h linear.h width.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
+                      $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
                       $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h tangents.h orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h))

@@ -6,15 +6,6 @@
 
 #include <stdlib.h>
 
-/* Size limits that keep the time to compile a tape near one second. On tapes with up to APART_MOST operations each
- * sum is a run of its own. On tapes with up to ALONE_MOST operations, of which only values of whole vectors are
- * requested, each operation is a run of its own. */
-enum { APART_MOST = 256, ALONE_MOST = 768 };
-
-/* Values of tapes with up to INLINED_MOST operations are inlined for any number of lanes. For the lanes of one
- * register the limit is INLINED_IN_REGISTER operations. Larger tapes get a function that is called. */
-enum { INLINED_MOST = 64, INLINED_IN_REGISTER = 256 };
-
 /* The numbers of lanes of one vector register: REGISTER is a multiple that every instruction set can process in
  * whole vectors, and the other two are the least and the greatest number. */
 enum { REGISTER = 4, LEAST_REGISTER = 2, MOST_REGISTER = 8 };
@@ -200,7 +191,8 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
         jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
         jet_text_append(emitter->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
-                        emitter->operation_count <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
+                        emitter->operation_count <= (fits ? EMIT_MAX_INLINED_IN_REGISTER : EMIT_MAX_INLINED) ? "ALWAYS"
+                                                                                                             : "NEVER");
 }
 
 /* Writes the functions that other generated code inlines, or calls if they are large. Value functions for one
@@ -272,10 +264,10 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     const char *name = request->name;
     const int operation_count = tape->slots - tape->inputs - tape->constants;
     const bool splits_operations =
-        JET_HAS(SPLIT) && operation_count <= ALONE_MOST && requests_only_vector_values(request);
-    const jet_split_mode mode = splits_operations                                 ? JET_SPLIT_ALL
-                                : JET_HAS(SPLIT) && operation_count <= APART_MOST ? JET_SPLIT_SUMS
-                                                                                  : JET_SPLIT_NONE;
+        JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_OPERATIONS && requests_only_vector_values(request);
+    const jet_split_mode mode = splits_operations                                           ? JET_SPLIT_ALL
+                                : JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_SUMS ? JET_SPLIT_SUMS
+                                                                                            : JET_SPLIT_NONE;
     jet_tape split;
     if (!jet_split_tape_runs(&split, tape, mode)) {
         text->is_incomplete = true;

@@ -1,5 +1,6 @@
 /* precise.c - Computes the values of a tape in long double, for energies in which large terms cancel
  * (jet_sweep_long_double_values). */
+#include "measured.h"
 #include "tape.h"
 
 #include <math.h>
@@ -8,8 +9,7 @@
 /* Computes a^c. For c = k/2 it uses no powl, which costs as much as twenty products. */
 static long double power_of_long_double(long double a, double c)
 {
-    enum { MOST = 16 };
-    int k = (int)fmax(-MOST, fmin(2 * c, MOST));
+    int k = (int)fmax(-2 * TAPE_POWER_MAX_EXPONENT, fmin(2 * c, 2 * TAPE_POWER_MAX_EXPONENT));
     if (k != 2 * c || k == 0) return powl(a, c);
     long double product = 1, factor = k % 2 ? sqrtl(a) : a;
     if (k % 2 == 0) k /= 2;

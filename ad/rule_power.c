@@ -61,8 +61,6 @@ JET_RULE(sqrt, 1, W_NONE)
 
 /* ---- z = a^c,  a_0 != 0 where c is an integer, else a_0 > 0 ------------------------------------------------------ */
 
-enum { QUARTERS_MAX = 32 };
-
 /* Computes z = a^(quarters/4) by multiplications and square roots, which are faster than pow. */
 static void compute_quarter_power(int quarters, int width, const double *a, double *restrict z)
 {
@@ -106,7 +104,7 @@ JET_INLINE bool compute_inverse_half_power(int k, int width, const double *a, do
 
 JET_INLINE bool compute_general_power(double exponent, int width, const double *a, double *restrict z)
 {
-    if (fabs(4 * exponent) <= QUARTERS_MAX && 4 * exponent == floor(4 * exponent))
+    if (fabs(4 * exponent) <= 4 * TAPE_POWER_MAX_EXPONENT && 4 * exponent == floor(4 * exponent))
         compute_quarter_power((int)(4 * exponent), width, a, z);
     else jet_array_pow(exponent, width, a, z);
     return exponent == floor(exponent) ? are_all_nonzero(width, a) : are_all_positive(width, a);

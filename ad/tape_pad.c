@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VECTOR = 8, FEW = VECTOR / 2 };
+enum { VECTOR = 8 };
 
 typedef struct {
     jet_tape *tape;
@@ -18,7 +18,7 @@ typedef struct {
 static int padding_length(int operation_count)
 {
     const int rest = operation_count % VECTOR;
-    return operation_count > VECTOR && rest > FEW ? VECTOR - rest : 0;
+    return operation_count > VECTOR && rest > TAPE_PAD_MIN_REST ? VECTOR - rest : 0;
 }
 
 static int last_slot(const jet_run *run, int first) { return first + run->operation_count - 1; }
@@ -151,7 +151,7 @@ static bool build_padded_tape(const run_padding *p, int new_slots)
     jet_tape *tape = p->tape, to = *tape;
     size_t terms = 1;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        terms += (size_t)run->operation_count * (size_t)run->terms * (VECTOR - FEW);
+        terms += (size_t)run->operation_count * (size_t)run->terms * (VECTOR - TAPE_PAD_MIN_REST);
     const size_t slots = (size_t)new_slots + 1;
     to.slots = new_slots;
     to.linear_operations = to.terms = to.runs = 0;

@@ -4,7 +4,6 @@
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -15,10 +14,6 @@ void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, i
 void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
-
-/* Matrices with fewer rows than this are factored by dgetrf: OpenBLAS then uses one thread, and the result does not
- * depend on the number of threads. Others are factored by dgetf2, which always uses one thread. */
-enum { DGETRF_BELOW = 100 };
 
 void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int width)
 {
@@ -36,11 +31,12 @@ void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int wid
 tvi_status tvi_factor_compute(tvi_lu_factor *factor)
 {
     const int n = factor->n;
-    if (n <= LINEAR_SMALL) return linear_small_equilibrate_and_factor(n, factor);
+    if (n <= LINEAR_OWN_MAX_ROWS) return linear_small_equilibrate_and_factor(n, factor);
     int info = 0;
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate(n, factor);
-    (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
+    /* dgetf2 has one thread for any size, so that results do not depend on the number of threads. */
+    (n < LAPACK_THREADED_MIN_ROWS ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
     return linear_check_factor(n, info == 0, factor);
 }
 
@@ -58,7 +54,7 @@ static void solve_factored_by_lapack(int n, const tvi_lu_factor *factor, bool tr
 static void solve_with_factor(const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int n = factor->n;
-    if (n <= LINEAR_SMALL) linear_solve_scaled(n, factor, transposed, linear_small_solve_factored, x);
+    if (n <= LINEAR_OWN_MAX_ROWS) linear_solve_scaled(n, factor, transposed, linear_small_solve_factored, x);
     else linear_solve_scaled(n, factor, transposed, solve_factored_by_lapack, x);
 }
 

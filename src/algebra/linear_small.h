@@ -7,18 +7,12 @@
 
 #include "algebra/linear.h"
 #include "algebra/sizes.h"
-#include "algebra/width.h"
 #include "vector.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-
-/* The largest n for which whole steps are faster with these functions than with the reference LAPACK. The gain is a
- * factor of 1.2 to 1.5 for pendulum, Kepler, Henon-Heiles and double pendulum, and 1.2 for FPU, whose matrices have
- * 12 rows. Few curves have larger matrices (generating/products.h). */
-enum { LINEAR_SMALL = 16 };
 
 JET_INLINE void linear_swap(double *x, double *y)
 {
@@ -101,9 +95,6 @@ JET_INLINE double linear_power_of_two_scale(double magnitude)
     return power;
 }
 
-/* Rows have different units if their scales differ by at least this factor. */
-enum { LINEAR_OTHER_UNIT = 8 };
-
 /* Scales A <- R A C so that all columns, and then all rows, have about the size 1. The columns are scaled first,
  * which removes the units, so that the pivots do not depend on them. (In the Jacobian matrices of curves, rows are
  * coordinates.) */
@@ -128,7 +119,7 @@ JET_INLINE void linear_equilibrate(int n, tvi_lu_factor *factor)
         least = tvi_smaller(factor->row_scale[i], least);
         largest = tvi_larger(factor->row_scale[i], largest);
     }
-    factor->refines_solutions = largest >= LINEAR_OTHER_UNIT * least;
+    factor->refines_solutions = largest >= LINEAR_UNIT_RATIO * least;
     if (factor->refines_solutions)
         memcpy(factor->scaled_matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
 }
@@ -214,13 +205,6 @@ JET_INLINE void linear_small_solve_factored(int n, const tvi_lu_factor *factor, 
 
 /* ---- Without exchanges of rows, of matrices that are I + O(h) in some units -------------------------------------- */
 
-/* The ratio of a pivot to the number on the diagonal before the elimination must lie between LINEAR_LEAST_PIVOT and
- * its inverse; otherwise rows must be exchanged. If the row has the same units as the columns, the pivot itself must
- * also be at least LINEAR_LEAST_PIVOT. */
-static const double LINEAR_LEAST_PIVOT = 0x1p-10;
-/* The same limit for an inverse, which rounds more than a factorisation does. */
-static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
-
 #define LINEAR_ELIMINATE(V, S) JET_AT(V, other_row, 0) -= multiplier * JET_OF(V, row, 0);
 
 /* Tells whether the ratio of a pivot to the number that was in its place before the elimination lies between
@@ -258,7 +242,7 @@ JET_INLINE void linear_unpivoted_factor(int n, int rows_in_units, int width, con
                                         long long is_safe[])
 {
     const size_t stride = (size_t)n;
-    double before[LINEAR_SMALL * TVI_MOST_WIDTH];
+    double before[LINEAR_OWN_MAX_ROWS * BATCH_MAX_WIDTH];
     JET_UNROLLED
     for (int j = 0; j < n; j++)
         for (int m = 0; m < width; m++) before[j * width + m] = factor->lu[(j * n + j) * width + m];
@@ -267,10 +251,10 @@ JET_INLINE void linear_unpivoted_factor(int n, int rows_in_units, int width, con
         const double *row = factor->lu + j * n * width, *pivot = row + j * width;
         double *inverse = factor->row_scale + j * width;
         for (int m = 0; m < width; m++) {
-            const bool is_large = j >= rows_in_units || fabs(pivot[m]) >= LINEAR_LEAST_PIVOT;
+            const bool is_large = j >= rows_in_units || fabs(pivot[m]) >= LINEAR_MIN_PIVOT;
             inverse[m] = 1 / pivot[m];
             is_safe[m] &=
-                -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_LEAST_PIVOT));
+                -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_MIN_PIVOT));
         }
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
@@ -328,14 +312,14 @@ JET_INLINE bool linear_unpivoted_invert(int n, double a[])
 {
     const size_t stride = (size_t)n;
     bool is_safe = true;
-    double diagonal_before[LINEAR_SMALL] = {0};
+    double diagonal_before[LINEAR_OWN_MAX_ROWS] = {0};
     JET_UNROLLED
     for (int j = 0; j < n; j++) diagonal_before[j] = a[j * n + j];
     JET_UNROLLED
     for (int j = 0; j < n; j++) {
         double *row = a + j * n;
         const double pivot = row[j], inverse = 1 / pivot;
-        is_safe &= linear_is_safe_pivot(pivot, diagonal_before[j], LINEAR_LEAST_INVERTED);
+        is_safe &= linear_is_safe_pivot(pivot, diagonal_before[j], LINEAR_MIN_PIVOT_OF_INVERSE);
         row[j] = 1;
         for (int k = 0; k < n; k++) row[k] *= inverse;
         JET_UNROLLED

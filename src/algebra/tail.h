@@ -6,9 +6,7 @@
 
 #include "algebra/sizes.h"
 #include "algebra/subsystems.h"
-#include "algebra/width.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -25,12 +23,8 @@ typedef struct {
 } tvi_tail_component;
 
 /* The share of a component is its squared velocity, so that a light body counts as much as a heavy one, or its
- * momentum times its velocity if there are no masses. If its share is less than TVI_TAIL_LEAST times the largest
- * share in its subsystem, its ratio is multiplied by the quotient of the two. An example is the end of a chain that a
- * wave has not reached: its first motion has the highest power of t, however small h is. As a share is a product of
- * two factors, the limit corresponds to a hundredth of the motion. */
-#define TVI_TAIL_LEAST 1e-4
-
+ * momentum times its velocity if there are no masses. If its share is less than TAIL_MIN_SHARE times the largest
+ * share in its subsystem, its ratio is multiplied by the quotient of the two. */
 static inline double tvi_tail_component_share(const tvi_tail_component *component, bool has_masses)
 {
     return (has_masses ? component->movement_size : component->momentum_size) * component->movement_size;
@@ -44,15 +38,15 @@ static inline double tvi_tail_component_ratio(const tvi_tail_component *componen
     const double ratio_p = component->last_term_p * component->inverse_momentum;
     const double quotient_q = component->last_term_q * component->inverse_movement;
     const double ratio_q = component->last_term_q > 0 ? quotient_q : 0, ratio = ratio_p >= ratio_q ? ratio_p : ratio_q;
-    const double roundoff = 32 * DBL_EPSILON * component->position_size * component->inverse_movement;
+    const double roundoff = TAIL_ROUNDOFF * component->position_size * component->inverse_movement;
     const double rest = ratio - (component->position_size > 0 ? roundoff : 0);
     return rest > 0 ? rest : 0;
 }
 
-/* Returns the ratio of a component, reduced if its share is below TVI_TAIL_LEAST times the largest share. */
+/* Returns the ratio of a component, reduced if its share is below TAIL_MIN_SHARE times the largest share. */
 static inline double tvi_tail_weigh_ratio(double ratio, double share, double largest_share)
 {
-    const double least = TVI_TAIL_LEAST * largest_share, quotient = share * (1 / least);
+    const double least = TAIL_MIN_SHARE * largest_share, quotient = share * (1 / least);
     return ratio * (share < least ? quotient : 1);
 }
 
@@ -60,11 +54,11 @@ static inline double tvi_tail_weigh_ratio(double ratio, double share, double lar
 static inline void tvi_tail_compute_members(const tvi_subsystems *subsystems, int n, int width, const double *share,
                                             const double *ratio, double *tail)
 {
-    double largest_tail[TVI_MOST_WIDTH];
+    double largest_tail[BATCH_MAX_WIDTH];
     for (int m = 0; m < width; m++) largest_tail[m] = 0;
     for (int subsystem = 0, k = 0; subsystem < subsystems->count; subsystem++) {
         const int first = k, end = tvi_subsystems_end(subsystems, subsystem, n);
-        double largest_share[TVI_MOST_WIDTH];
+        double largest_share[BATCH_MAX_WIDTH];
         for (int m = 0; m < width; m++) largest_share[m] = 0;
         for (; k < end; k++)
             for (int m = 0; m < width; m++) {

@@ -8,12 +8,6 @@
 #include "galerkin/step.h"
 #include "method/single.h"
 
-enum { MOST_LANES = 256 };
-/* The largest size in bytes of the tape's block. If there are generated steps, which are faster than steps in lanes
- * of a larger block, it is MOST_BYTES for any number of members. Otherwise it is MOST_BYTES_OF_ALL for the least
- * number of members, and MOST_BYTES for more: such a block is partly in the second-level cache. */
-enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
-
 typedef struct {
     tvi_member_stepper member_stepper;
     /* the stepper of member_stepper, which owns all tables of coefficients */
@@ -49,10 +43,11 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
     const int node_count = options->degree, bytes = system->field_values->slots * node_count * (int)sizeof(double);
     if (system->hessian_values || options->passes == TVI_PREDICT_ONLY) return 1;
     const bool has_steps = system->code && system->code->galerkin;
-    if (TVI_LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
-    int member_count = TVI_LEAST_WIDTH;
-    while (2 * member_count <= TVI_MOST_WIDTH && 2 * member_count * node_count <= MOST_LANES &&
-           2 * member_count * bytes <= MOST_BYTES)
+    if (BATCH_MIN_WIDTH * bytes > (has_steps ? GALERKIN_BATCH_MAX_BYTES : GALERKIN_BATCH_MAX_BYTES_AT_MIN_WIDTH))
+        return 1;
+    int member_count = BATCH_MIN_WIDTH;
+    while (2 * member_count <= BATCH_MAX_WIDTH && 2 * member_count * node_count <= GALERKIN_BATCH_MAX_LANES &&
+           2 * member_count * bytes <= GALERKIN_BATCH_MAX_BYTES)
         member_count *= 2;
     return member_count;
 }

@@ -5,10 +5,6 @@
 
 #include "galerkin/steps.h"
 
-/* A block of at most this many numbers is a local variable of the step, so that compilers can keep its values in
- * registers. */
-enum { GALERKIN_MOST_OWN = 4096 };
-
 JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin_nodes *nodes)
 {
     galerkin_nodes sized = *nodes;

@@ -22,7 +22,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_outcome *outcome)
 {
-    enum { PACKED = GALERKIN_ROWS * GALERKIN_COLUMNS * GALERKIN_LANES, IS_PACKED = PACKED <= 2 * GALERKIN_MOST_OWN };
+    enum { PACKED = GALERKIN_ROWS * GALERKIN_COLUMNS * GALERKIN_LANES, IS_PACKED = PACKED <= 2 * GALERKIN_MAX_LOCAL };
     enum { ROWS = IS_PACKED ? GALERKIN_ROWS : 1, ALL = IS_PACKED ? GALERKIN_ROWS * GALERKIN_LANES : 1 };
     galerkin_local_blocks own;
     _Alignas(64) float packed[IS_PACKED ? PACKED : 1], change[ALL], total[ALL], impulse[ALL], all[ALL];

@@ -11,10 +11,10 @@ JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_tape_blocks *blocks
     return with_hessian ? GALERKIN_HESSIAN_VALUES(blocks->hessian_block) : GALERKIN_VALUES(blocks->values_block);
 }
 
-/* The lengths of the local copies of the blocks. If the blocks are longer than GALERKIN_MOST_OWN, there are no local
+/* The lengths of the local copies of the blocks. If the blocks are longer than GALERKIN_MAX_LOCAL, there are no local
  * copies, and the lengths are 1. */
 enum {
-    GALERKIN_IS_OWN = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MOST_OWN,
+    GALERKIN_IS_OWN = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MAX_LOCAL,
     GALERKIN_OF_VALUES = GALERKIN_IS_OWN ? tvi_values_slots * GALERKIN_LANES : 1,
     GALERKIN_OF_HESSIAN = GALERKIN_IS_OWN ? (tvi_hessian_slots + 1) * GALERKIN_LANES : 1,
     GALERKIN_OF_ROWS = GALERKIN_IS_OWN ? 5 * GALERKIN_N * GALERKIN_LANES : 1

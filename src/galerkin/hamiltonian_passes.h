@@ -32,10 +32,6 @@ typedef struct {
     double last_movement;
 } hamiltonian_passes;
 
-/* The squares of relative movements. After a movement of at most 2^-25 the next pass reuses the second derivatives,
- * since the error of that pass is the cube of the movement. */
-#define HAMILTONIAN_SERVES  0x1p-50
-#define HAMILTONIAN_NOTHING 0x1p-144
 /* In the first pass of a step the inner rounds end when the square of a relative movement is below this, since a
  * second pass follows in any case. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
@@ -68,9 +64,10 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
 {
     const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknowns * nodes->lanes;
-    const bool is_first = isinf(passes->last_movement), serves = passes->last_movement <= HAMILTONIAN_SERVES * numbers;
+    const bool is_first = isinf(passes->last_movement),
+               serves = passes->last_movement <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers;
     const int *slot = passes->rate_slot[!serves];
-    const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
+    const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
     const double *rates = galerkin_evaluate_gradient_at_nodes(&passes->tape_blocks, sweep, !serves, nodes->values,
                                                               nodes->values + numbers / 2);
     if (!rates) return false;

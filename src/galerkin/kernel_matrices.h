@@ -1,10 +1,6 @@
 /* kernel_matrices.h - Defines the part of kernel.h that inverts L_vv at the nodes and expands the gradient of a
  * Lagrangian to first order. Each lane has its own matrix (lanes_matrix_inverse). */
 
-/* The least ratio of a pivot to the diagonal element of A in its place, and of that element to the pivot, in a
- * matrix that is factored without row exchanges. It is equal to LINEAR_LEAST_INVERTED of linear_small.h, which this
- * file does not include. */
-#define LEAST_PIVOT (1.0 / 16)
 /* Accesses vector v of element i, in an array that stores LANES numbers for each element. */
 #define LANE_AT(x, i, v)        BLOCK_AT(V, (x) + (size_t)(i)*LANES, v)
 #define EACH_VECTOR_OF_LANES(v) for (int v = 0; v < LANES / NUMBERS_OF(V); v++)
@@ -36,7 +32,7 @@ OWN bool NAME(invert)(const lanes_matrix_inverse *f)
         EACH_VECTOR_OF_LANES(v)
         {
             const V inverse = 1 / LANE_AT(row, j, v), part = NAME(size)(LANE_AT(f->matrix, j * n + j, v) * inverse);
-            const V excess = NAME(larger)(LEAST_PIVOT - part, part - 1 / LEAST_PIVOT);
+            const V excess = NAME(larger)(LINEAR_MIN_PIVOT_OF_INVERSE - part, part - 1 / LINEAR_MIN_PIVOT_OF_INVERSE);
             LANE_AT(worst, 0, v) = NAME(larger)(excess, LANE_AT(worst, 0, v));
             for (int k = 0; k < n; k++) LANE_AT(row, k, v) *= inverse;
             LANE_AT(row, j, v) = inverse;
@@ -94,4 +90,3 @@ OWN void NAME(linearise)(const lanes_gradient_expansion *m, double *out)
 
 #undef LANE_AT
 #undef EACH_VECTOR_OF_LANES
-#undef LEAST_PIVOT

@@ -234,11 +234,11 @@ JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_arr
 JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
 {
     const MEMBER none = {0};
-    return IF_ABOVE(largest, none, TVI_GALERKIN_LEAST_SHARE * largest, 1 - none);
+    return IF_ABOVE(largest, none, GALERKIN_MIN_SHARE * largest, 1 - none);
 }
 
 /* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of
- * the largest size in its subsystem (TVI_GALERKIN_LEAST_SHARE). If masses are known, the size of a momentum is at
+ * the largest size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at
  * least momentum_per_unit_drift times the part that is added to its coordinate. There are no branches, because the
  * processor could not predict which number is larger. */
 JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first, int end, galerkin_array_shape shape,

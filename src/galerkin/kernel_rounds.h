@@ -136,7 +136,7 @@ OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds 
     if (is_new) NAME(pack)(nodes, rounds);
     NAME(begin_rounds)(nodes, rounds, rates, slot);
     const double first = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
-    const double left_out = ROUNDS_LEFT_OUT * first * (is_new ? first : movement) / (nodes->unknowns * LANES);
+    const double left_out = GALERKIN_ROUNDS_GOAL * first * (is_new ? first : movement) / (nodes->unknowns * LANES);
     const double last = tvi_larger(left_out, least);
     double now = first;
     do {
@@ -144,7 +144,7 @@ OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds 
         before = now;
         NAME(compute_impulses)(rounds, rounds->round_change, rounds->column_count, rounds->round_impulse);
         now = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
-    } while (++count < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
+    } while (++count < GALERKIN_MAX_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
              (now < before || now < earlier));
     NAME(compute_impulses)(rounds, rounds->total_change, rounds->row_count, rounds->total_impulse);
     if (now <= first) NAME(end_rounds)(rounds, changes);

@@ -48,12 +48,6 @@ typedef enum {
     LAGRANGIAN_SINGULAR
 } lagrangian_pass_result;
 
-/* The largest and the smallest number of iterations in a pass. More iterations take more time than they save. After
- * a single iteration F would still belong to the old V, and the energy would drift by the error of the last pass in
- * V. */
-enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
-/* If the square of the last relative movement is at most this, the next pass reuses the second derivatives. */
-#define LAGRANGIAN_SERVES 1e-8
 /* The square of a relative movement that is only roundoff. After it a pass makes no further iteration. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
@@ -113,14 +107,13 @@ static inline void lagrangian_predict_unknowns(void *work, const galerkin_nodes 
     lagrangian_move_q_and_p(passes);
 }
 
-/* The centres, where the gradient is evaluated, are the nodes with their last LAGRANGIAN_LAST_BITS bits rounded
+/* The centres, where the gradient is evaluated, are the nodes with their last LAGRANGIAN_ROUNDED_BITS bits rounded
  * away, so that the last passes of a step use the same centres. If the gradient were evaluated at the nodes
  * themselves, its roundoff would change with their last bits. The iteration would stop where that roundoff happens
  * to be small, more often on the side from which the nodes come, and the energy would drift. */
-enum { LAGRANGIAN_LAST_BITS = 6 };
 static inline void lagrangian_round_last_bits(int count, const double *nodes, double *rounded_values)
 {
-    const uint64_t unit = UINT64_C(1) << LAGRANGIAN_LAST_BITS;
+    const uint64_t unit = UINT64_C(1) << LAGRANGIAN_ROUNDED_BITS;
     for (int i = 0; i < count; i++) {
         const uint64_t bits = (tvi_double_bits(nodes[i]) + unit / 2) & ~(unit - 1);
         memcpy(&rounded_values[i], &bits, sizeof bits);
@@ -214,7 +207,7 @@ static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *pas
 {
     const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknowns * nodes->lanes;
-    if (passes->last_movement <= LAGRANGIAN_SERVES * numbers) {
+    if (passes->last_movement <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
         if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE;
     } else {
         if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE;
@@ -223,8 +216,8 @@ static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *pas
     }
     double moved = passes->last_movement = 0;
     lagrangian_set_centre_offsets(passes);
-    for (int i = 0; i < LAGRANGIAN_ITERATIONS; i++) {
-        if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
+    for (int i = 0; i < LAGRANGIAN_MAX_ITERATIONS; i++) {
+        if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
         lagrangian_expand_gradient(passes);
         passes->last_movement += moved = lagrangian_iterate_once(passes);
     }

@@ -91,11 +91,6 @@ JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evalua
 
 /* ---- Inner rounds in single precision (kernel_rounds.h) --------------------------------------------------------- */
 
-enum { MOST_ROUNDS = 32 };
-/* The rounds end when the square of the next movement is at most this times the square of the error of the
- * first-order expansion: a movement of twice the error. Half this bound was slower because of more rounds, twice
- * this bound because of more passes. */
-#define ROUNDS_LEFT_OUT 4
 /* Relative movements are stored in this unit, so that the squares of movements down to 2^-72 do not underflow in
  * single precision. */
 #define ROUNDS_UNIT 0x1p-40

@@ -35,15 +35,15 @@ typedef struct {
 
 /* The state of the iteration of each member of a batch, as galerkin_member_iteration has it for one member. */
 typedef struct {
-    double movement[TVI_MOST_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
+    double movement[BATCH_MAX_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
     /* The members of tvi_passes (algebra/passes.h). `correction` is the movement of the last pass that was judged. */
-    double correction[TVI_MOST_WIDTH], previous_correction[TVI_MOST_WIDTH], contraction_ratio[TVI_MOST_WIDTH];
-    double largest_contraction_ratio[TVI_MOST_WIDTH], correction_without_roundoff[TVI_MOST_WIDTH];
-    double first_movement[TVI_MOST_WIDTH]; /* the movement of the first pass */
-    double pass_count[TVI_MOST_WIDTH];     /* the number of passes that were made */
+    double correction[BATCH_MAX_WIDTH], previous_correction[BATCH_MAX_WIDTH], contraction_ratio[BATCH_MAX_WIDTH];
+    double largest_contraction_ratio[BATCH_MAX_WIDTH], correction_without_roundoff[BATCH_MAX_WIDTH];
+    double first_movement[BATCH_MAX_WIDTH]; /* the movement of the first pass */
+    double pass_count[BATCH_MAX_WIDTH];     /* the number of passes that were made */
     /* Masks. All bits of converged_mask are set if the member has converged, and all bits of moving_mask if it still
      * makes passes. */
-    long long converged_mask[TVI_MOST_WIDTH], moving_mask[TVI_MOST_WIDTH];
+    long long converged_mask[BATCH_MAX_WIDTH], moving_mask[BATCH_MAX_WIDTH];
 } galerkin_batch_iteration;
 
 /* The impulses from which a step is predicted. Usually both of the last two steps are used, with the factors of
@@ -120,10 +120,6 @@ static inline double galerkin_coordinate_increment(double drift, double drift_lo
     *low = rest + (fma(scale, double_integral, -rise) + fma(scale, double_integral_low, drift_low));
     return sum;
 }
-
-/* To the size of a component this part of the largest size in its subsystem is added, because the roundoff of a
- * small component comes from the larger ones. */
-#define TVI_GALERKIN_LEAST_SHARE 1e-3
 
 /* The unknowns of a step at its nodes. The rate F_j of an unknown at node j changes the unknowns only through the
  * impulse L_j = impulse_weight_j F_j. Each impulse is rounded once, and all sums use the rounded number, so that

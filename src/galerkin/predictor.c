@@ -10,7 +10,7 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     predictor->history = tvi_arena_allocate_in_history(arena, sizeof *predictor->history);
-    predictor->rough_movement_limit = unknowns * lanes * (1e-2 * 1e-2);
+    predictor->rough_movement_limit = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_in_rings(arena, count * width * sizeof(double));
     predictor->two_step_table = tvi_arena_allocate_doubles(arena, 2 * width * width);
@@ -124,7 +124,8 @@ bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor
     const double ratio = field->step_size == history->step_size ? 1 : field->step_size / history->step_size;
     const bool is_next = galerkin_follows_last_step(history, field->step_size, t);
     *elapsed_part = is_next ? 1 : 0;
-    return ratio <= 1.5 && (is_next ? ratio >= -2 : t == history->start_time && ratio > 0);
+    return ratio <= GALERKIN_PREDICTION_MAX_RATIO &&
+           (is_next ? ratio >= GALERKIN_PREDICTION_BACK_RATIO : t == history->start_time && ratio > 0);
 }
 
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,

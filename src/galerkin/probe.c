@@ -22,11 +22,12 @@
  * stall_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
-    .max_passes = 100, .correction_goal = SQUARE(GOAL), .roundoff_level = SQUARE(32 * DBL_EPSILON),                    \
-    .max_trusted_ratio = SQUARE(0.5), .stall_ratio = TVI_PASSES_ALL, .stall_lag = 2
-const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
-const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
-const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
+    .max_passes = GALERKIN_MAX_PASSES, .correction_goal = SQUARE(GOAL),                                                \
+    .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL), .max_trusted_ratio = SQUARE(PASSES_MAX_CONTRACTION),            \
+    .stall_ratio = TVI_PASSES_ALL, .stall_lag = 2
+const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
+const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
+const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_quadratic = true};
 
 tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
                                                const tvi_options *options)
@@ -40,10 +41,6 @@ tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_ru
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
-
-/* A movement counts as roundoff if displacing the unknowns and the values of the field by this many units of
- * roundoff moves the unknowns as far. */
-enum { UNITS = 16 };
 
 static size_t count_doubles_in_rows(const galerkin_field *field, int row_count)
 {
@@ -62,16 +59,16 @@ void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *aren
     probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknowns));
 }
 
-/* Displaces the unknowns, and the drift values from which passes compute them, by UNITS units of roundoff. The signs
- * are the bits of a pseudorandom sequence. */
+/* Displaces the unknowns, and the drift values from which passes compute them, by GALERKIN_PROBE_UNITS units of
+ * roundoff. The signs are the bits of a pseudorandom sequence. */
 static void displace_unknowns(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
     for (int u = 0; u < nodes->unknowns; u++)
         for (int k = u * nodes->lanes;
              k < (u + 1) * nodes->lanes && u % nodes->unknowns_per_half < nodes->moving_unknowns; k++) {
-            const double size =
-                UNITS * DBL_EPSILON * (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
+            const double size = GALERKIN_PROBE_UNITS * DBL_EPSILON *
+                                (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             nodes->values[k] += bits >> 63 ? size : -size;
             nodes->drift_values_low[k] += bits >> 63 ? size : -size;
@@ -121,7 +118,7 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
     stats->force_evaluations += tvi_roundoff_estimate_field(&probe->value_displacements, field->system,
                                                             field->tape_block, nodes->lanes, field->node_count);
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
-        probe->value_displacements.field_change[i] *= UNITS;
+        probe->value_displacements.field_change[i] *= GALERKIN_PROBE_UNITS;
     tvi_status status = make_displaced_pass(field, probe, movement, stats);
     if (status == TVI_OK) status = galerkin_make_pass(field, movement, stats);
     *roundoff = squared_distance_to_unknowns(nodes, probe->values_of_displaced_pass);

@@ -51,7 +51,7 @@ void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerki
 /* Returns whether a step of size h from time t begins where the last step ended. */
 static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
 {
-    return fabs(t - (history->start_time + history->step_size)) < 0.25 * fabs(h);
+    return fabs(t - (history->start_time + history->step_size)) < GALERKIN_MAX_TIME_GAP * fabs(h);
 }
 
 /* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those

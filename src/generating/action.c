@@ -21,7 +21,7 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
         action->momentum_correction[i] = tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[n + i] + of_v);
     }
     tvi_factor_solve(&curve->velocity_hessian, action->momentum_correction);
-    return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(n, action->momentum_correction, 1);
+    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->momentum_correction, 1);
 }
 
 int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],

@@ -18,8 +18,8 @@ bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
     const tvi_action action = tvi_get_action_sizes(system, options, 1);
     return tvi_find_method(options)->curve.correct_ends == tvi_correct_ends_by_mean &&
-           options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action) && 2 * system->n <= LINEAR_SMALL &&
-           tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
+           options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action) &&
+           2 * system->n <= LINEAR_OWN_MAX_ROWS && tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
 }
 
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options)

@@ -7,10 +7,6 @@
 #include "method/method.h"
 #include "method/single.h"
 
-/* These bound the blocks of the series and of its tangents along one direction, which are to stay in the first-level
- * cache; a block of the least width may be larger. */
-enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
-
 typedef struct {
     tvi_member_stepper single_stepper;
     tvi_curve_workspace *lane_work;
@@ -39,9 +35,9 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
     const int orders = tvi_get_action_sizes(system, options, 1).orders,
               blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
-    int width = TVI_LEAST_WIDTH;
-    if (TVI_LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
-    while (2 * width <= TVI_MOST_WIDTH && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    int width = BATCH_MIN_WIDTH;
+    if (BATCH_MIN_WIDTH * bytes > CURVE_BATCH_MAX_BYTES_AT_MIN_WIDTH) return 1;
+    while (2 * width <= BATCH_MAX_WIDTH && 2 * width * bytes <= CURVE_BATCH_MAX_BYTES) width *= 2;
     return width;
 }
 

@@ -266,13 +266,11 @@ static inline void step_run_passes(step_state *state, const tvi_quick_step_resul
  * */
 static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[], double v[])
 {
-    enum { MOST = 4 };
-    static const double near = 1e-8;
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve);
     double largest = INFINITY, size = 0;
     for (int i = 0; i < n; i++) v[i] = work->velocity_guess[i];
-    for (int count = 0; count < MOST && !(largest <= near * size); count++) {
+    for (int count = 0; count < VELOCITY_MAX_CORRECTIONS && !(largest <= VELOCITY_MAX_CORRECTION * size); count++) {
         if (orders_expand_lagrangian_order(curve, 0) != TVI_OK) return false;
         for (int i = 0; i < n; i++) curve->velocity_residual[i] = p[i] - tvi_curve_field_output(curve, 0, n + i);
         orders_solve_for_velocity(curve, 1, curve->velocity_residual, work->scratch);
@@ -283,7 +281,7 @@ static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[
             size = tvi_larger(fabs(v[i]), size);
         }
     }
-    return largest <= near * size;
+    return largest <= VELOCITY_MAX_CORRECTION * size;
 }
 
 /* Sets the centre data of the curve to the start of the step. Returns false if a Lagrangian's velocity was not found

@@ -283,10 +283,6 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
 
 /* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
 
-/* A step's size is accepted from a curve only if its tau is within this factor of that size. */
-static const double WIDE = 16;
-enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
-
 /* Expands the curve with a tau that is a power of 2 near the usable step, or near the largest step if that is less. A
  * good guess costs one expansion. *usable_step becomes the size of the step that meets the tolerance. */
 static tvi_status expand_within_domain(step_attempt *attempt, double guess, double largest_step, double *usable_step)
@@ -298,7 +294,7 @@ static tvi_status expand_within_domain(step_attempt *attempt, double guess, doub
     double least_usable_step = INFINITY;
     (void)frexp(guess, &exponent);
     (void)frexp(largest_step, &highest);
-    for (int count = 0; count < MOST_EXPANSIONS; count++) {
+    for (int count = 0; count < REACH_MAX_EXPANSIONS; count++) {
         attempt->tau = copysign(ldexp(1, exponent), largest_step);
         tvi_status status = predict_centre_data(attempt);
         if (status == TVI_OK) status = expand_curve(attempt, w->predicted_z, compute_centre_time(attempt));
@@ -306,20 +302,19 @@ static tvi_status expand_within_domain(step_attempt *attempt, double guess, doub
         double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
         if (status == TVI_OK) usable_s = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
         *usable_step = fmin(usable_s * fabs(attempt->tau), least_usable_step);
-        if (usable_s >= 1 / WIDE && (usable_s <= WIDE || exponent >= highest)) return TVI_OK;
-        if (usable_s < 1 / WIDE && usable_s > 0) {
+        if (usable_s >= 1 / REACH_MAX_TAU_RATIO && (usable_s <= REACH_MAX_TAU_RATIO || exponent >= highest))
+            return TVI_OK;
+        if (usable_s < 1 / REACH_MAX_TAU_RATIO && usable_s > 0) {
             highest = exponent - 1;
             least_usable_step = *usable_step;
         }
-        const int wanted = usable_s == 0 ? -4 * WIDE_BITS : isfinite(usable_s) ? ilogb(usable_s) : highest - exponent;
+        const int wanted = usable_s == 0        ? -4 * ilogb(REACH_MAX_TAU_RATIO)
+                           : isfinite(usable_s) ? ilogb(usable_s)
+                                                : highest - exponent;
         exponent = exponent + wanted < highest ? exponent + wanted : highest;
     }
     return TVI_ENOCONV;
 }
-
-/* A step is at most MOST_GROWTH times as large as the one before it. The first step, and one that the coefficients
- * allow to be MUCH_LARGER times as large, have to show that they are right at their end. */
-static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
 static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h, const tvi_step_origin *origin,
                                     const tvi_increments *increments, tvi_stats *stats)
@@ -338,8 +333,8 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
         *h = attempt.tau;
         return status;
     }
-    const bool must_check_end = usable_step > MUCH_LARGER * before;
-    if (before != 0) usable_step = fmin(usable_step, MOST_GROWTH * before);
+    const bool must_check_end = usable_step > REACH_CHECKED_GROWTH * before;
+    if (before != 0) usable_step = fmin(usable_step, REACH_MAX_GROWTH * before);
     bool is_chosen = usable_step < fabs(*h);
     if (is_chosen) *h = copysign(usable_step, *h);
     compute_plain_increments(w, *h, increments);

@@ -3,7 +3,7 @@
 #ifndef TVI_SRC_GENERATING_IN_LIBRARY_H
 #define TVI_SRC_GENERATING_IN_LIBRARY_H
 
-#include "algebra/width.h"
+#include "measured.h"
 
 /* CURVE_SIZE is the constant in generated code, and the variable in the library. */
 #define CURVE_SIZE(constant, variable) (variable)
@@ -11,8 +11,8 @@
 /* CURVE_WIDTH is the number of members. It is 1, unless the file defines CURVE_MEMBERS to handle several members. The
  * mask tells the compiler that a width is a multiple of the least width. */
 #ifdef CURVE_MEMBERS
-enum { CURVE_MOST_WIDTH = TVI_MOST_WIDTH };
-#define CURVE_WIDTH(work)  ((work)->width & -TVI_LEAST_WIDTH)
+enum { CURVE_MOST_WIDTH = BATCH_MAX_WIDTH };
+#define CURVE_WIDTH(work)  ((work)->width & -BATCH_MIN_WIDTH)
 #define CURVE_COMBINE_EACH members_combine_rows
 #else
 enum { CURVE_MOST_WIDTH = 1 };

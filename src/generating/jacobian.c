@@ -10,13 +10,10 @@
 
 #include <string.h>
 
-/* Systems have products from this n on. Products cost less from n = 6 or so on, but stiff systems of few bodies at
- * large steps do better with matrices, which can be made anew by differences. */
-enum { PRODUCTS_FROM = 8 };
-
 tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system)
 {
-    return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_FROM ? TVI_JACOBIAN_PRODUCTS : TVI_JACOBIAN_MATRICES;
+    return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_MIN_COORDINATES ? TVI_JACOBIAN_PRODUCTS
+                                                                                  : TVI_JACOBIAN_MATRICES;
 }
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
@@ -33,13 +30,13 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     else curve_sum_jacobian(curve, combination, matrix);
 }
 
-/* The tangents of Jacobian matrices are computed in blocks of TVI_CURVE_LANES directions, and a last block of those
- * that are left. */
+/* The tangents of Jacobian matrices are computed in blocks of CURVE_TANGENT_DIRECTIONS directions, and a last block of
+ * those that are left. */
 tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
                                          tvi_jacobians jacobians)
 {
-    const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
-    const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
+    const int directions = 2 * system->n, left = directions % CURVE_TANGENT_DIRECTIONS;
+    const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_OWN_MAX_ROWS;
     tvi_used_tapes used = {
         .series = {.name = "tvi_series", .lane_counts = {1}, .top_order = top, .has_series = !is_whole},
         .loops_field = "curve",
@@ -48,8 +45,8 @@ tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_opt
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     if (used.series.has_adjoints) used.series.direction_counts[0] = 1;
     else if (is_whole) used.series.direction_counts[0] = 0;
-    else if (directions < TVI_CURVE_LANES) used.series.direction_counts[0] = left;
-    else used.series.direction_counts[0] = TVI_CURVE_LANES, used.series.direction_counts[1] = left;
+    else if (directions < CURVE_TANGENT_DIRECTIONS) used.series.direction_counts[0] = left;
+    else used.series.direction_counts[0] = CURVE_TANGENT_DIRECTIONS, used.series.direction_counts[1] = left;
     if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
     if (system->form == TVI_HAMILTONIAN)
         used.series.lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */

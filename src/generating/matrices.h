@@ -6,14 +6,6 @@
 #include "generating/closure.h"
 #include "generating/tangents.h"
 
-/* Jacobians are reused if the resulting error of the state, relative to the state, is at most this. It is well below
- * the roundoff of a step. */
-static const double MATRICES_MOST_STALE_ERROR = DBL_EPSILON / 16;
-
-/* The corrector's Jacobian is reused if z has moved by at most this since then: passes then contract by about this
- * factor. */
-static const double MATRICES_MOST_REUSE_DISTANCE = 1e-4;
-
 /* The Jacobians of the curve's ends and their factors. jacobian_count counts how often Jacobians are computed, from 0
  * in each step; a factor is valid if it belongs to the last count. */
 typedef struct {
@@ -61,7 +53,7 @@ static inline void matrices_stack_jacobians(const tvi_closure *closure, const tv
 /* Returns whether the corrector's Jacobian of member m must be renewed. */
 static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
-    return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_MOST_REUSE_DISTANCE;
+    return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
 }
 
 /* Merges the corrector's new Jacobian of member m with the stored one: an outdated stored Jacobian is replaced by the
@@ -153,9 +145,8 @@ static inline void matrices_find_due_members(const tvi_closure *closure, const d
     if (!is_first) matrices_compute_jacobian_distance(closure, z, scale, distance);
     if (!is_first) matrices_bound_stale_error(closure, scale, error_per_distance);
     for (int m = 0; m < curve_width(&closure->curve); m++) {
-        is_due[m] = is_first || (is_iterating[m] && !(distance[m] * error_per_distance[m] <= MATRICES_MOST_STALE_ERROR))
-                        ? -1
-                        : 0;
+        is_due[m] =
+            is_first || (is_iterating[m] && !(distance[m] * error_per_distance[m] <= CURVE_NEGLIGIBLE_ERROR)) ? -1 : 0;
         if (is_due[m] && !is_first) matrices->distance_since_jacobian[m] += distance[m];
     }
 }

@@ -9,22 +9,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_REFRESHES = 3 };
-
-/* A pass that does not shrink the correction below this part of the last one does not contract. */
-#define CONTRACTION 0.5
-
 /* The rule for the corrections relative to each unknown's scale: passes end if the next correction is expected to be
  * half a unit of roundoff or less. Passes that contract by CONTRACTION reach this after 53. */
-static const tvi_passes_rule by_unknown = {.max_passes = 64,
+static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
                                            .correction_goal = DBL_EPSILON / 2,
                                            .max_trusted_ratio = 1,
-                                           .stall_ratio = CONTRACTION,
+                                           .stall_ratio = PASSES_STALL_RATIO,
                                            .stall_lag = 1};
 /* The rule for the largest correction of a group, relative to the largest scale of the group. Without a Jacobian passes
  * are not stuck as long as these corrections shrink: in each pass corrections spread from a body to its neighbours
  * only, and those of bodies that had none before shrink last. */
-static const tvi_passes_rule by_group = {.stall_ratio = CONTRACTION, .stall_lag = 2};
+static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
                          bool has_jacobian, int width)
@@ -86,8 +81,8 @@ static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *e
 }
 
 /* Adds the effect of the residual's roundoff to roundoff_scale, which holds the scale of each unknown: a correction at
- * roundoff is NEWTON_STAGNATION of the sum. The equations are solved for the roundoff of one group of the residual
- * after the other, so that these do not cancel. */
+ * roundoff is NEWTON_STALLED_CORRECTION of the sum. The equations are solved for the roundoff of one group of the
+ * residual after the other, so that these do not cancel. */
 static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equations)
 {
     const size_t bytes = (size_t)newton->group_size * sizeof(double);
@@ -98,7 +93,8 @@ static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equ
         solve_with_jacobian(newton, equations, newton->trial_unknowns);
         for (int i = 0; i < newton->unknown_count; i++)
             if (isfinite(newton->trial_unknowns[i]))
-                newton->roundoff_scale[i] += TVI_ROUNDOFF_UNITS / NEWTON_STAGNATION * fabs(newton->trial_unknowns[i]);
+                newton->roundoff_scale[i] +=
+                    ROUNDOFF_MAX_UNITS / NEWTON_STALLED_CORRECTION * fabs(newton->trial_unknowns[i]);
     }
 }
 
@@ -119,7 +115,7 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     compute_roundoff_scales(newton, equations);
     tvi_correction_sizes sizes;
     newton_measure_corrections(newton, newton->roundoff_scale, &sizes);
-    if (sizes.group_relative[0] > NEWTON_STAGNATION) return false;
+    if (sizes.group_relative[0] > NEWTON_STALLED_CORRECTION) return false;
     passes->contraction_loss = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
@@ -174,7 +170,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];
         by_differences = verdict == TVI_PASSES_STUCK;
-        if (by_differences && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
+        if (by_differences && refreshes == NEWTON_MAX_REFRESHES) return TVI_ENOCONV;
     }
     return TVI_ENOCONV;
 }

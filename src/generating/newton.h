@@ -8,9 +8,6 @@
 #include "algebra/passes.h"
 #include "generating/series.h"
 
-/* An unknown smaller than this part of the largest of its group in its subsystem is measured as if it had this size. */
-static const double TVI_LEAST_RELATIVE_SCALE = 1e-20;
-
 /* The equations r(x) = 0 of a method. Its functions are called with `self`. */
 typedef struct {
     void *self;
@@ -49,15 +46,6 @@ typedef struct {
     bool must_confirm; /* whether one more pass must confirm the expected convergence */
 } tvi_newton_passes;
 
-/* Corrections that no longer shrink are roundoff if they are this small against the largest unknowns, or against the
- * numbers that the residual is computed from. */
-#define NEWTON_STAGNATION (256 * DBL_EPSILON)
-
-/* Corrections above this are no roundoff, and show slack; a pass that checks an expectation moves no more than this. */
-#define NEWTON_SHOWS_SLACK 1e-13
-#define NEWTON_CONFIRMS    (8 * DBL_EPSILON)
-#define NEWTON_MOST_SLACK  1e6
-
 /* Begins the passes of a solution. The first contraction is often better than the later ones: first corrections are
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
@@ -82,9 +70,9 @@ static inline void tvi_newton_update_contraction_loss(tvi_newton_passes *passes,
     if (each->count < 2) return;
     if (shows)
         passes->contraction_loss =
-            tvi_smaller(tvi_larger(passes->contraction_loss, passes->unconfirmed_loss), NEWTON_MOST_SLACK);
+            tvi_smaller(tvi_larger(passes->contraction_loss, passes->unconfirmed_loss), NEWTON_MAX_SLACK);
     const double slack = each->slack * size / each->next;
-    passes->unconfirmed_loss = shows && size > NEWTON_SHOWS_SLACK ? slack : 0;
+    passes->unconfirmed_loss = shows && size > NEWTON_SLACK_MIN_CORRECTION ? slack : 0;
 }
 
 /* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
@@ -99,11 +87,12 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
     const tvi_passes_verdict verdict =
         tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative);
     const tvi_passes_verdict settled = tvi_passes_add_and_judge(&passes->by_group, &rules->by_group, group_relative);
-    const bool is_confirmed = expected <= rules->by_unknown.correction_goal && largest_relative <= NEWTON_CONFIRMS;
+    const bool is_confirmed =
+        expected <= rules->by_unknown.correction_goal && largest_relative <= NEWTON_CHECK_MAX_CORRECTION;
     if (verdict == TVI_PASSES_MAY_END && passes->must_confirm && largest_relative > 0 && !is_confirmed)
         return TVI_PASSES_GO_ON;
     if (verdict != TVI_PASSES_STUCK) return verdict;
-    if (group_relative <= NEWTON_STAGNATION) return TVI_PASSES_MAY_END;
+    if (group_relative <= NEWTON_STALLED_CORRECTION) return TVI_PASSES_MAY_END;
     return settled == TVI_PASSES_STUCK ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
@@ -187,7 +176,7 @@ static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m,
         for (int k = begin; k < end; k++) {
             const int i = tvi_subsystems_component(newton->subsystems, k) * width;
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
-            else scale[i] = tvi_larger(TVI_LEAST_RELATIVE_SCALE * largest, scale[i]);
+            else scale[i] = tvi_larger(NEWTON_MIN_SCALE * largest, scale[i]);
         }
     }
 }

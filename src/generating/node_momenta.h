@@ -10,12 +10,7 @@
  * Generated code does not call it: the library repeats an iteration that is stuck. */
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
-enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_HALF };
-/* Corrections that no longer shrink are roundoff if they are below this part of the largest momentum, or below this
- * many units of their own roundoff, which follows from that of H_p and v. */
-static const double MOMENTA_STALLED = 1e-13;
-/* H_pp is reused as long as each correction is less than this part of the one before. */
-static const double MOMENTA_SERVES = 1e-3;
+enum { MOMENTA_MOST_NODES = 2 * SEEDS_HALF };
 
 /* Computes H_pp at the nodes, [n][n][points]. */
 static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curve *curve)
@@ -63,7 +58,7 @@ static inline tvi_status momenta_invert_H_pp(const tvi_action *action, tvi_curve
     momenta_compute_H_pp(action, curve);
     for (int node = 0; node < points && status == TVI_OK; node++) {
         momenta_copy_H_pp_of_node(action, curve, node);
-        if (n <= LINEAR_SMALL && linear_unpivoted_invert(n, curve->velocity_hessian.lu)) {
+        if (n <= LINEAR_OWN_MAX_ROWS && linear_unpivoted_invert(n, curve->velocity_hessian.lu)) {
             for (int i = 0; i < n * n; i++) action->H_pp[i * points + node] = curve->velocity_hessian.lu[i];
         } else {
             momenta_copy_H_pp_of_node(action, curve, node);
@@ -112,11 +107,13 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     tvi_passes_begin(&passes, 0);
     memcpy(p, action->node_momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
-    const tvi_passes_rule rule = {
-        .correction_goal = DBL_EPSILON * size, .max_trusted_ratio = 0.5, .stall_ratio = TVI_PASSES_ALL, .stall_lag = 1};
-    for (int step = 0; step < MOMENTA_STEPS; step++) {
+    const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
+                                  .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                  .stall_ratio = TVI_PASSES_ALL,
+                                  .stall_lag = 1};
+    for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
         tvi_status status = seeds_evaluate_field(action);
-        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))
+        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.before)))
             status = momenta_invert_H_pp(action, curve);
         if (status != TVI_OK) return status;
         const double largest = momenta_compute_corrections(action, curve);
@@ -125,8 +122,8 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, largest);
         for (int i = 0; i < count; i++) p[i] += action->momentum_correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
-            (verdict == TVI_PASSES_STUCK &&
-             (largest <= MOMENTA_STALLED * size || tvi_passes_set_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
+            (verdict == TVI_PASSES_STUCK && (largest <= MOMENTA_STALLED_CORRECTION * size ||
+                                             tvi_passes_set_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
             return seeds_evaluate_field(action);
     }
     return TVI_ENOCONV;

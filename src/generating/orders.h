@@ -63,7 +63,7 @@ static inline tvi_status orders_factor_velocity_hessian(tvi_curve *curve)
 {
     orders_differentiate_by_velocity(curve);
     orders_copy_velocity_hessian(curve);
-    curve->is_hessian_inverted = curve_dimension(curve) <= LINEAR_SMALL &&
+    curve->is_hessian_inverted = curve_dimension(curve) <= LINEAR_OWN_MAX_ROWS &&
                                  linear_unpivoted_invert(curve_dimension(curve), curve->velocity_hessian.lu);
     if (curve->is_hessian_inverted) return TVI_OK;
     orders_copy_velocity_hessian(curve);
@@ -306,7 +306,7 @@ static inline void curve_differentiate_order(tvi_curve *curve, const curve_tange
 static inline void curve_differentiate(tvi_curve *curve)
 {
     const int directions = 2 * curve_dimension(curve), width = curve_width(curve),
-              most = width > 1 ? 1 : TVI_CURVE_LANES;
+              most = width > 1 ? 1 : CURVE_TANGENT_DIRECTIONS;
     for (int first = 0; first < directions; first += most) {
         const int left = directions - first, count = left < most ? left : most;
         const size_t lanes = (size_t)(width * count);

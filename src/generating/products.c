@@ -12,8 +12,8 @@ static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
     const tvi_conjugate_residuals iteration = {
         .solution = tvi_arena_allocate_doubles(arena, width),
         .residual = tvi_arena_allocate_doubles(arena, width),
-        .direction = tvi_arena_allocate_doubles(arena, PRODUCTS_MOST * width),
-        .direction_image = tvi_arena_allocate_doubles(arena, PRODUCTS_MOST * width),
+        .direction = tvi_arena_allocate_doubles(arena, PRODUCTS_MAX_ITERATIONS * width),
+        .direction_image = tvi_arena_allocate_doubles(arena, PRODUCTS_MAX_ITERATIONS * width),
         .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),
         .product = tvi_arena_allocate_doubles(arena, width),

@@ -110,13 +110,13 @@ static inline void products_multiply_by_transpose(tvi_curve *curve, int last_ord
 
 /* The memory of the generalised conjugate residuals that solve A^T x = D_z. Arrays of 2n rows are padded with zeros to
  * whole vectors. Rows that are not solved for are 0, and have an inverse_unknown_size of 0. */
-enum { PRODUCTS_MOST = 40, PRODUCTS_VECTOR = 8 };
+enum { PRODUCTS_VECTOR = 8 };
 typedef struct {
     double *solution; /* the solution x, which is the initial guess of the next pass */
     double *residual; /* the residual D_z - A^T x, in all 2n rows */
-    /* [PRODUCTS_MOST][2n] the search directions, and A^T times each of them */
+    /* [PRODUCTS_MAX_ITERATIONS][2n] the search directions, and A^T times each of them */
     double *direction, *direction_image;
-    double image_square[PRODUCTS_MOST]; /* the squared norm of each direction's image */
+    double image_square[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction's image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
     double *inverse_unknown_size;
     double *scratch, *product;   /* [2n] */
@@ -176,30 +176,22 @@ static inline void products_divide_by_leading_weights(const tvi_closure *closure
     for (int i = 0; i < n; i++) vector[n + i] = second * r[n + i];
 }
 
-/* Computes s = (2 P - P A^T P) r, an approximation of A^-T r. A is computed from the first PRODUCTS_NEAR orders only,
- * which are exact for a force that is linear in q with a Jacobian that is linear in the time. */
-enum { PRODUCTS_NEAR = 3 };
+/* Computes s = (2 P - P A^T P) r, an approximation of A^-T r. A is computed from the first PRODUCTS_NEAR_ORDER orders
+ * only, which are exact for a force that is linear in q with a Jacobian that is linear in the time. */
 static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_transposed_equations *equations,
                                                  const double r[], double s[])
 {
     double *twice = products_get_iteration(closure)->scratch, *v = products_get_iteration(closure)->product;
     memset(s, 0, (size_t)products_padded_length(closure) * sizeof *s);
     products_divide_by_leading_weights(closure, equations, r, s);
-    products_multiply_by_operator(
-        closure,
-        curve_highest_order(&closure->curve) < PRODUCTS_NEAR ? curve_highest_order(&closure->curve) : PRODUCTS_NEAR,
-        equations, s, v);
+    products_multiply_by_operator(closure,
+                                  curve_highest_order(&closure->curve) < PRODUCTS_NEAR_ORDER
+                                      ? curve_highest_order(&closure->curve)
+                                      : PRODUCTS_NEAR_ORDER,
+                                  equations, s, v);
     for (int i = 0; i < 2 * curve_dimension(&closure->curve); i++) twice[i] = 2 * r[i] - v[i];
     products_divide_by_leading_weights(closure, equations, twice, s);
 }
-
-/* The iteration ends when the next correction is expected to be below this part of the momenta, which is well below
- * roundoff. */
-static const double PRODUCTS_ENOUGH = DBL_EPSILON / 16;
-/* Each pass computes the residual anew and exactly, and need not reduce it by more than this factor. */
-static const double PRODUCTS_ROUGH = 1e-6;
-/* Corrections that no longer shrink are roundoff if they are this much below the solution. */
-static const double PRODUCTS_STALLED = 1e-12;
 
 /* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
 static inline double products_compute_scaled_maximum(const tvi_closure *closure, const double vector[])
@@ -252,11 +244,11 @@ static inline void products_minimise_residual(tvi_closure *closure, int last_ord
 }
 
 /* Returns the order to which a product may sum the curve if only `relative_accuracy` of it is needed: the first order
- * from which on |Q_k| is below a tenth of relative_accuracy |Q_0|, or the highest order. */
+ * from which on |Q_k| is below relative_accuracy / PRODUCTS_TRUNCATION_SAFETY |Q_0|, or the highest order. */
 static inline int products_choose_truncated_order(const tvi_closure *closure, double relative_accuracy)
 {
     const double *largest = products_get_iteration(closure)->largest_coefficient,
-                 bound = relative_accuracy / 10 * largest[0];
+                 bound = relative_accuracy / PRODUCTS_TRUNCATION_SAFETY * largest[0];
     int k = curve_highest_order(&closure->curve);
     while (k > 1 && !(largest[k - 1] > bound)) k--;
     return k;
@@ -267,7 +259,7 @@ static inline int products_choose_truncated_order(const tvi_closure *closure, do
 static inline tvi_status products_iterate_to_solution(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     tvi_conjugate_residuals *iteration = products_get_iteration(closure);
-    double goal = PRODUCTS_ENOUGH;
+    double goal = CURVE_NEGLIGIBLE_ERROR;
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
     if (!iteration->has_guess)
@@ -276,18 +268,21 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
     residual.seed_Q = closure->seed_Q;
     products_multiply_by_transpose(&closure->curve, curve_highest_order(&closure->curve), &residual,
                                    iteration->residual);
-    for (int step = 0; step < PRODUCTS_MOST; step++) {
+    for (int step = 0; step < PRODUCTS_MAX_ITERATIONS; step++) {
         double *s = iteration->direction + step * products_padded_length(closure);
         products_apply_preconditioner(closure, equations, iteration->residual, s);
         const double size = products_compute_scaled_maximum(closure, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
-        if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
-        const tvi_passes_rule rule = {
-            .correction_goal = goal, .max_trusted_ratio = 0.5, .stall_ratio = 0.5, .stall_lag = 1};
+        if (step == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
+        const tvi_passes_rule rule = {.correction_goal = goal,
+                                      .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                      .stall_ratio = PASSES_STALL_RATIO,
+                                      .stall_lag = 1};
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, size);
-        const bool may_end = verdict == TVI_PASSES_MAY_END ||
-                             (verdict == TVI_PASSES_STUCK &&
-                              size <= PRODUCTS_STALLED * products_compute_scaled_maximum(closure, iteration->solution));
+        const bool may_end =
+            verdict == TVI_PASSES_MAY_END ||
+            (verdict == TVI_PASSES_STUCK &&
+             size <= PRODUCTS_STALLED_CORRECTION * products_compute_scaled_maximum(closure, iteration->solution));
         if (may_end && equations->second_combination) /* The residual is not needed if all rows are solved for. */
             products_add_multiple(closure, 1, s, iteration->solution);
         else
@@ -319,7 +314,7 @@ static inline tvi_status products_solve_equations(tvi_closure *closure, const tv
 static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, double correction[])
 {
     const int n = curve_dimension(&closure->curve),
-              last_order = products_choose_truncated_order(closure, PRODUCTS_ROUGH);
+              last_order = products_choose_truncated_order(closure, PRODUCTS_REDUCTION);
     const double *kappa = closure->curve.kappa, *product = products_get_iteration(closure)->product;
     double *of_q = products_get_iteration(closure)->scratch, *of_u = of_q + n;
     for (int i = 0; i < n; i++) {
@@ -351,7 +346,7 @@ static inline void products_set_units_of_subsystem(const tvi_closure *closure, c
     for (int order = 0; order <= curve_highest_order(&closure->curve) && largest == 0; order++)
         for (int k = first; k < end; k++)
             place = tvi_larger(fabs(tvi_curve_position_coefficients(&closure->curve, order)[component[k]]), place);
-    const double least = largest > 0 ? TVI_LEAST_RELATIVE_SCALE * largest : place, none = largest > 0 ? largest : place;
+    const double least = largest > 0 ? NEWTON_MIN_SCALE * largest : place, none = largest > 0 ? largest : place;
     for (int k = first; k < end; k++) {
         const int i = component[k];
         const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = closure->momentum_size[i];

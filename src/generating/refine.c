@@ -9,9 +9,6 @@
 #include "generating/refine.h"
 #include "algebra/weigh.h"
 
-/* Increments are refined for tolerances below this. Larger tolerances leave errors that exceed roundoff. */
-static const double BELOW = 1e-13;
-
 /* The two nodes have equal weights. */
 enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
@@ -31,7 +28,7 @@ typedef struct {
 
 bool tvi_needs_refinement(const tvi_system *system, double tolerance)
 {
-    return tolerance < BELOW && system->form != TVI_LAGRANGIAN;
+    return tolerance < REFINE_MAX_TOLERANCE && system->form != TVI_LAGRANGIAN;
 }
 
 /* ---- The tables -------------------------------------------------------------------------------------------------- */

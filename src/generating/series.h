@@ -34,8 +34,8 @@ typedef struct {
     double tau;
     double *kappa;        /* [n] */
     double *series_block; /* block of the field's series, orders 0 .. top */
-    /* The tangents of the slots, in TVI_CURVE_LANES directions; in one direction for products, and for several members.
-     * */
+    /* The tangents of the slots, in CURVE_TANGENT_DIRECTIONS directions; in one direction for products, and for several
+     * members. */
     double *tangent_block;
     size_t tangent_block_lanes; /* the number of lanes with which tangent_block was last cleared; 0: never */
     bool keeps_old_jacobians;   /* of several members: a new Jacobian is stored only for the members in is_due */
@@ -107,9 +107,6 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, cons
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
-/* the number of directions of one tangent sweep; more would not fit into the cache */
-enum { TVI_CURVE_LANES = 8 };
-
 /* Returns the length of one order of the series' block. */
 static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 {
@@ -121,8 +118,9 @@ static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 static inline int tvi_choose_tangent_lanes(const tvi_system *system)
 {
     const int directions = 2 * system->n;
-    const bool is_small = directions <= 4 || (directions > TVI_CURVE_LANES && directions <= 2 * TVI_CURVE_LANES);
-    return is_small ? directions : TVI_CURVE_LANES;
+    const bool is_small =
+        directions <= 4 || (directions > CURVE_TANGENT_DIRECTIONS && directions <= 2 * CURVE_TANGENT_DIRECTIONS);
+    return is_small ? directions : CURVE_TANGENT_DIRECTIONS;
 }
 
 /* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */
@@ -300,7 +298,6 @@ static inline double curve_compute_tail(const tvi_curve *curve)
  * it, all omitted terms add up to three times the last. */
 static inline double curve_bound_energy_change(const tvi_curve *curve)
 {
-    enum { OFTEN = 8 };
     double sum = 0;
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     if (p_degree < 2) return INFINITY;
@@ -312,7 +309,7 @@ static inline double curve_bound_energy_change(const tvi_curve *curve)
         }
         sum += (curve->movement_size[i] * of_p + curve->momentum_size[i] * of_q) / fabs(curve->kappa[i]);
     }
-    return OFTEN * sum / fabs(curve->tau);
+    return CURVE_ENERGY_BOUND_FACTOR * sum / fabs(curve->tau);
 }
 
 #endif

@@ -14,17 +14,13 @@
 #include "generating/series.h"
 #include "generating/taylor_sweep.h"
 
-/* The last term is e^-REACH_SAFETY of the tolerance: 2 of the exponent is that of the paper, and 3 allows for the
- * growth of errors in tens of revolutions. */
-static const double REACH_SAFETY = 5;
 /* The numbers of coefficients that are used: of the first ones, and of the last ones, of which two in a row may
  * happen to be small. One more of the first coefficients of q is used, since p_k = (k + 1) q_{k+1} in a separable
  * system. */
 enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
-/* A step is at most this part of the radius of convergence, which the ratios of the last coefficients show: each to the
- * one REACH_APART orders before it, which has the same phase if a pair of singularities makes the coefficients swing.
- * Beside a state that is large the coefficients may be so small that they would allow any step. */
-static const double REACH_PART_OF_RADIUS = 0.7;
+/* The ratios of the last coefficients show the radius of convergence: each to the one REACH_APART orders before it,
+ * which has the same phase if a pair of singularities makes the coefficients swing. Beside a state that is large the
+ * coefficients may be so small that they would allow any step. */
 enum { REACH_APART = 4 };
 
 /* A term of a series: its order k, and log_size = log max_i |x_k| over the components i, which is -INFINITY if there is
@@ -133,17 +129,17 @@ static inline double step_size_coefficient_ratio(const tvi_curve *curve, int k)
     return last > REACH_LEAST ? step_size_largest_component(curve, false, k - REACH_APART) / last : INFINITY;
 }
 
-/* Returns the usable step, or REACH_PART_OF_RADIUS of the radius of convergence if that is less. The radius follows
+/* Returns the usable step, or REACH_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius follows
  * from the second largest of the last three ratios of coefficients. */
 static inline double step_size_limit_to_convergence_radius(const tvi_curve *curve, double usable_step)
 {
     const int k = curve_q_degree(curve);
-    const double part = usable_step / REACH_PART_OF_RADIUS, fourth = (part * part) * (part * part);
+    const double part = usable_step / REACH_MAX_PART_OF_RADIUS, fourth = (part * part) * (part * part);
     const double first = step_size_coefficient_ratio(curve, k), second = step_size_coefficient_ratio(curve, k - 1);
     if (tvi_smaller(first, second) >= fourth) return usable_step;
     const double third = step_size_coefficient_ratio(curve, k - 2), smaller = tvi_smaller(first, second);
     const double middle = tvi_larger(smaller, tvi_smaller(tvi_larger(first, second), third));
-    return middle >= fourth ? usable_step : REACH_PART_OF_RADIUS * sqrt(sqrt(middle));
+    return middle >= fourth ? usable_step : REACH_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
 }
 
 static inline double curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)

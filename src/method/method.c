@@ -164,7 +164,8 @@ static tvi_status resolve_free_quadrature(tvi_options *options, bool order_was_a
 static double default_max_tail(const tvi_options *options, const tvi_system *system)
 {
     if (!system || !system->is_automatic) return TVI_MAX_TAIL;
-    return fmin(TVI_MAX_TAIL, exp2(3 - fmin(options->order, 16) / 2));
+    return fmin(TVI_MAX_TAIL,
+                exp2(AUTOMATIC_TAIL_FIRST_EXPONENT - fmin(options->order, AUTOMATIC_TAIL_LAST_ORDER) / 2));
 }
 
 static tvi_status resolve_options(tvi_options *options, const tvi_system *system, const char **why)
@@ -272,9 +273,6 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     *options = tvi_svhd.options;
     return TVI_OK;
 }
-
-/* This order has the least cost in all test problems (docs/choosing.md). */
-enum { DEFAULT_ORDER = 16 };
 
 tvi_options tvi_options_default(void)
 {

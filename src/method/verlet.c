@@ -7,8 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_WIDTH = 64, MIN_WIDTH = 8, MAX_BLOCK_BYTES = 16 << 10 };
-
 /* The memory of a stepper, for one integrator or for a batch. */
 typedef struct {
     const tvi_system *system;
@@ -18,7 +16,7 @@ typedef struct {
     double *force_block;                   /* The block of the tape that computes the forces. */
     double *force_at_start, *force_at_end; /* [n][width] The forces at the ends of the step. */
     double *dq, *dp;                       /* [n][width] The increments of the step. */
-    bool is_outside_domain[MAX_WIDTH];
+    bool is_outside_domain[VERLET_BATCH_MAX_WIDTH];
 } verlet_work;
 
 static void *allocate_members(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
@@ -102,9 +100,9 @@ static void bound_energy_changes(const void *work, double bound[])
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
     const int bytes = system->field_values->slots * (int)sizeof(double);
-    int width = MIN_WIDTH;
+    int width = BATCH_MIN_WIDTH;
     (void)options;
-    while (2 * width <= MAX_WIDTH && 2 * width * bytes <= MAX_BLOCK_BYTES) width *= 2;
+    while (2 * width <= VERLET_BATCH_MAX_WIDTH && 2 * width * bytes <= VERLET_BATCH_MAX_BYTES) width *= 2;
     return width;
 }
 

@@ -2,13 +2,9 @@
  * golden sections, and decides when there can be no zero (dip.h). */
 #include "run/dip.h"
 
-#include <float.h>
-#include <math.h>
+#include "measured.h"
 
-/* The search ends when |g| changes by less than UNITS units of roundoff over the three middle samples, or when these
- * lie within LEAST_SECTION, a part of the step. */
-static const double UNITS = 64, LEAST_SECTION = 1e-8;
-enum { MOST_SECTIONS = 120 };
+#include <math.h>
 
 /* Returns the minimum of the parabola through the three middle samples. If that lies outside of them, or if
  * wants_golden_section is set, it returns a point that divides the larger of the two intervals in the golden ratio. */
@@ -52,9 +48,10 @@ static bool is_zero_excluded(const tvi_event_sample dip[TVI_DIP_SAMPLES])
 bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta)
 {
     const double change = fmax(fabs(dip[1].g), fabs(dip[3].g)) - fabs(dip[2].g);
-    if (sample_count >= MOST_SECTIONS || dip[3].theta - dip[1].theta <= LEAST_SECTION || is_zero_excluded(dip))
+    if (sample_count >= EVENT_DIP_MAX_SAMPLES || dip[3].theta - dip[1].theta <= EVENT_DIP_MIN_WIDTH ||
+        is_zero_excluded(dip))
         return false;
-    if (change <= UNITS * DBL_EPSILON * fabs(dip[2].g)) return false;
+    if (change <= EVENT_ROUNDOFF_UNITS * DBL_EPSILON * fabs(dip[2].g)) return false;
     *theta = next_sample_theta(dip, sample_count % 3 == 2);
     return true;
 }

@@ -12,19 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The slopes of the curve and of g are difference quotients between theta - CHORD and theta + CHORD. */
-static const double CHORD = 1e-5;
-enum { MOST_LINES = 5 };
-/* A correction of theta counts as short if it is at most LEAST_WAY, and at most the part NEAR of the distance to the
- * ends of the bracket. */
-static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
-/* The line from a state of the method is used at most up to the distance REACH in theta. The relative error of the
- * curve's slope is at most STEEPER times that of the curve itself. */
-static const double REACH = 2e-9, STEEPER = 32;
-/* If g changes its sign within SURE on both sides of an estimated root, that sign change is the event. Otherwise the
- * bracket grows by the factor WIDER, up to the width FARTHEST. SURE and FARTHEST are distances in theta. */
-static const double SURE = 0x1p-50, WIDER = 16, FARTHEST = 1.0 / 16;
-
 tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
 {
     const tvi_integrator *it = search->integrator;
@@ -50,7 +37,7 @@ void tvi_finder_close(tvi_event_finder *finder)
 static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index, double theta, double *slope,
                                        double *distance_to_zero)
 {
-    const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
+    const double a = fmax(theta - EVENT_CHORD, 0), b = fmin(theta + EVENT_CHORD, 1);
     double ga = 0, gb = 0;
     tvi_status status = tvi_search_compute_curve_state(finder->search, a, finder->line_direction);
     if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->line_direction, &ga);
@@ -64,7 +51,7 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
         finder->chord_midpoint[i] = (low + high) / 2;
     }
     /* If both ends are inside the step, the difference quotient is central, and its error is proportional to
-     * CHORD^2. */
+     * EVENT_CHORD^2. */
     finder->is_chord_inside_step = a > 0 && b < 1;
     return status;
 }
@@ -72,15 +59,17 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
 /* Tells whether the search has estimated the root, and the estimate lies inside the bracket, away from its ends. */
 static bool is_theta_guess_inside_bracket(const tvi_event_root *root)
 {
-    return root->theta_guess > root->bracket.left + CHORD && root->theta_guess < root->bracket.right - CHORD;
+    return root->theta_guess > root->bracket.left + EVENT_CHORD &&
+           root->theta_guess < root->bracket.right - EVENT_CHORD;
 }
 
 /* Tells whether a correction of theta by `distance` is short, in itself and in relation to the distance of the result
  * from the ends of the root's bracket. */
 static bool is_theta_correction_short(const tvi_event_root *root, double theta, double distance)
 {
-    return fabs(distance) <= fmin(LEAST_WAY, NEAR * fmin(theta + distance - root->bracket.left,
-                                                         root->bracket.right - (theta + distance)));
+    return fabs(distance) <=
+           fmin(EVENT_SHORT_CORRECTION, EVENT_SHORT_CORRECTION_PART * fmin(theta + distance - root->bracket.left,
+                                                                           root->bracket.right - (theta + distance)));
 }
 
 /* Returns the largest difference between the curve (its chord_midpoint) and finder->line_origin in the
@@ -161,25 +150,25 @@ static tvi_status widen_bracket(const tvi_event_root *root, tvi_sign_bracket *br
 }
 
 /* Computes the distance from finder->line_origin to the root on the line, and sets finder->is_root_on_line if there is
- * one inside the step and up to FARTHEST. g is the value at finder->line_origin. `slope` is an estimate of the
+ * one inside the step and up to EVENT_BRACKET_MAX. g is the value at finder->line_origin. `slope` is an estimate of the
  * derivative of g along the line, which need not be accurate. */
 static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
                                     double *distance)
 {
     finder_event_context context = {finder, root->event_index};
-    const double least = fmax(-finder->line_origin_theta, -FARTHEST),
-                 largest = fmin(1 - finder->line_origin_theta, FARTHEST), first = -g / slope;
+    const double least = fmax(-finder->line_origin_theta, -EVENT_BRACKET_MAX),
+                 largest = fmin(1 - finder->line_origin_theta, EVENT_BRACKET_MAX), first = -g / slope;
     double next;
-    *distance = fabs(first) <= FARTHEST ? first : 0;
+    *distance = fabs(first) <= EVENT_BRACKET_MAX ? first : 0;
     tvi_status status = evaluate_event_at_line_distance(&context, *distance, &next);
     if (status != TVI_OK) return status;
     const double second = *distance - next / slope;
-    if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *distance = second;
-    tvi_sign_bracket bracket = {.left = fmin(fmax(*distance - SURE, least), largest),
-                                .right = fmin(fmax(*distance + SURE, least), largest)};
-    status = widen_bracket(root, &bracket, least, largest, WIDER * SURE, WIDER, evaluate_event_at_line_distance,
-                           &context, &finder->is_root_on_line);
-    if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * SURE) return status;
+    if (fabs(next) < fabs(g) && fabs(second) <= EVENT_BRACKET_MAX) *distance = second;
+    tvi_sign_bracket bracket = {.left = fmin(fmax(*distance - EVENT_SURE_DISTANCE, least), largest),
+                                .right = fmin(fmax(*distance + EVENT_SURE_DISTANCE, least), largest)};
+    status = widen_bracket(root, &bracket, least, largest, EVENT_BRACKET_GROWTH * EVENT_SURE_DISTANCE,
+                           EVENT_BRACKET_GROWTH, evaluate_event_at_line_distance, &context, &finder->is_root_on_line);
+    if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * EVENT_SURE_DISTANCE) return status;
     status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_at_line_distance, &context);
     *distance = bracket.right;
     return status;
@@ -216,7 +205,8 @@ static tvi_status start_line_at(tvi_event_finder *finder, double theta)
     const double apart = fmax(fmax(relative_distance_of_line_origin_to_curve(finder, 0, n),
                                    relative_distance_of_line_origin_to_curve(finder, n, n)),
                               relative_time_difference_at_line_origin(finder));
-    finder->accurate_distance = finder->is_chord_inside_step ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
+    finder->accurate_distance =
+        finder->is_chord_inside_step ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart) : 0;
     return TVI_OK;
 }
 
@@ -256,7 +246,7 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
         is_theta_correction_short(root, theta, distance_to_zero))
         theta += distance_to_zero;
     else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
-    for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
+    for (int k = 0; k < EVENT_MAX_LINES && status == TVI_OK; k++) {
         status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
         if (status == TVI_OK)
             status = evaluate_event_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
@@ -302,22 +292,22 @@ static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_e
     status = compute_line_direction_from_rates(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
-    if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, -CHORD, &before);
-    if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, CHORD, &after);
-    const double slope = (after - before) / (2 * CHORD), distance = -g / slope;
+    if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, -EVENT_CHORD, &before);
+    if (status == TVI_OK) status = evaluate_event_at_line_distance(&context, EVENT_CHORD, &after);
+    const double slope = (after - before) / (2 * EVENT_CHORD), distance = -g / slope;
     const double tail = fmax(finder->search->integrator->stats.tail,
                              finder->search->partial_step->partial_step_integrator->stats.tail),
                  error = tail * tail;
     if (status != TVI_OK ||
         !(fabs(distance) * error <= DBL_EPSILON / 8 && is_theta_correction_short(root, root->theta_guess, distance)))
         return status;
-    if (fabs(distance) > REACH) {
+    if (fabs(distance) > EVENT_LINE_MAX_LENGTH) {
         compute_state_on_line(finder, distance / 2, finder->scratch_state);
         status = compute_line_direction_from_rates(finder, finder->scratch_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
     if (status == TVI_OK) set_event_state_on_line(finder, root, found, state);
-    *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - distance) <= REACH &&
+    *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - distance) <= EVENT_LINE_MAX_LENGTH &&
                tvi_all_finite(finder->state_size, state);
     return status;
 }

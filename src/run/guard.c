@@ -9,20 +9,7 @@
 #include "system/refuse.h"
 #include "vector.h"
 
-#include <float.h>
 #include <math.h>
-
-/* The limits of tail and passes up to which a step was right in all runs of docs/stability.md: for the Galerkin curve,
- * and for methods with series, whose passes contract faster. Plain Taylor steps bound the change of the energy by their
- * last terms, and Stormer-Verlet, which has no tail, bounds it by its forces. */
-static const double SKIP_TAIL = 1e-3, SKIP_SERIES_TAIL = 1e-4;
-enum { SKIP_PASSES = 32, SKIP_SERIES_PASSES = 4 };
-/* The relative change of the energy that a step may make. Steps near a pericentre that are right to 1e-3 changed it by
- * 4 %. */
-static const double MOST_CHANGE = 0.05;
-/* An energy below NO_ENERGY p.dq/dt measures nothing, as that of K = g (H + e). The part PART_OF_ACTION of p.dq/dt then
- * takes its place. */
-static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTION = 1.0 / 64;
 
 /* Tells whether the system has a conserved energy, and the user has not switched off the guard (max_tail < 0). */
 static bool has_conserved_energy_to_check(const tvi_integrator *it)
@@ -51,13 +38,8 @@ static bool has_energy_change_bound(const tvi_integrator *it)
  * A constant added to H is added to the level, too. An H that is not even in p, as in a magnetic field, has no
  * energy at rest; its level is 0, and its scale is |H| at the start of the run. */
 
-/* The factors of q are powers of 2 with these exponents. At the last two the forces of bodies are negligible, and H may
- * differ by this part of the energy. */
+/* The factors of q are powers of 2 with these exponents. At the last two the forces of bodies are negligible. */
 static const int FACTORS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
-static const double MOST_DIFFERENCE = 1e-9;
-/* The lines are searched from NEAREST increments of the step to FARTHEST, by factors of RATIO. A step from rest that is
- * too large may be a billion times as long as it should be. */
-static const double NEAREST = 0x1p-30, FARTHEST = 0x1p12, RATIO = 2;
 
 /* Lines from the start of a step: forward or back along its increment of q, or DOWNHILL, where each coordinate moves by
  * the size of its increment in the direction of its force. */
@@ -114,7 +96,7 @@ static bool is_energy_even_in_p(tvi_integrator *it, int member)
         it->end.q[end + member] = it->state.q[end + member];
         H[sign] = member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
     }
-    return fabs(H[1] - H[0]) <= MOST_DIFFERENCE * fabs(H[0]);
+    return fabs(H[1] - H[0]) <= GUARD_ZERO_MAX_DIFFERENCE * fabs(H[0]);
 }
 
 /* Returns the limit of H(c q, 0) for large c. It is NAN if there is no limit, or if H(c q, 0) is not monotonic in c: a
@@ -130,7 +112,7 @@ static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double 
         falls = falls && difference <= roundoff;
         last = next;
     }
-    return (rises || falls) && fabs(difference) <= MOST_DIFFERENCE * fabs(H - last) ? last : NAN;
+    return (rises || falls) && fabs(difference) <= GUARD_ZERO_MAX_DIFFERENCE * fabs(H - last) ? last : NAN;
 }
 
 /* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
@@ -139,7 +121,7 @@ static double lowest_energy_at_rest_on_line(tvi_integrator *it, int member, sear
                                             double roundoff)
 {
     double lowest = energy_at_start;
-    for (double distance = NEAREST; distance <= FARTHEST; distance *= RATIO) {
+    for (double distance = GUARD_ZERO_MIN_DISTANCE; distance <= GUARD_ZERO_MAX_DISTANCE; distance *= GUARD_ZERO_RATIO) {
         const double next = energy_at_rest_on_line(it, member, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
@@ -226,14 +208,14 @@ static double energy_roundoff(const tvi_integrator *it, int member, double H)
     const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double sum = 0;
     for (int k = member; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
-    return ROUNDOFF * (sum / fabs(dq[end + member]) + fabs(H));
+    return GUARD_ENERGY_ROUNDOFF * (sum / fabs(dq[end + member]) + fabs(H));
 }
 
 /* Returns the energy with which the change of the energy is compared: the energy above the reference level, or a
  * part of p.dq/dt (p_dot_velocity) if that energy is nearly 0. */
 static double energy_change_scale(const tvi_reference_energy *reference, double energy_before, double p_dot_velocity)
 {
-    if (reference->scale <= NO_ENERGY * p_dot_velocity) return PART_OF_ACTION * p_dot_velocity;
+    if (reference->scale <= GUARD_MIN_PART_OF_ACTION * p_dot_velocity) return GUARD_PART_OF_ACTION * p_dot_velocity;
     return fmax(reference->scale, fabs(energy_before - reference->level));
 }
 
@@ -254,9 +236,10 @@ static bool does_energy_change_too_much(tvi_integrator *it, int member, double e
     if (!reference->has_scale && needs_scale) set_reference_level_and_scale(it, member, before, roundoff);
     if (change <= roundoff) return false;
     if (!reference->has_scale && p_dot_velocity == 0) return false;
-    if (change <= MOST_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff) return false;
+    if (change <= GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
+        return false;
     lower_reference_level(it, member);
-    return change > MOST_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
+    return change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
 /* Refuses the steps that change the energy of their member too much. Computes the energies of the members with
@@ -303,18 +286,20 @@ static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_s
 static bool may_skip_energy_check(const tvi_integrator *it, int member, bool step_used_series)
 {
     if (has_energy_change_bound(it))
-        return it->energy_change_bound[member] <= MOST_CHANGE * it->reference_energy[member].scale;
+        return it->energy_change_bound[member] <= GUARD_MAX_ENERGY_CHANGE * it->reference_energy[member].scale;
     if (!is_tail_an_error_estimate(it, step_used_series)) return false;
-    if (step_used_series) return it->tail[member] <= SKIP_SERIES_TAIL && it->pass_counts[member] <= SKIP_SERIES_PASSES;
-    return it->tail[member] <= SKIP_TAIL && it->pass_counts[member] <= SKIP_PASSES;
+    if (step_used_series)
+        return it->tail[member] <= GUARD_UNCHECKED_MAX_SERIES_TAIL &&
+               it->pass_counts[member] <= GUARD_UNCHECKED_MAX_SERIES_PASSES;
+    return it->tail[member] <= GUARD_UNCHECKED_MAX_TAIL && it->pass_counts[member] <= GUARD_UNCHECKED_MAX_PASSES;
 }
 
 tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    if (most < 0) return (tvi_unchecked_step_limits){SKIP_TAIL, SKIP_PASSES};
-    return (tvi_unchecked_step_limits){is_tail_an_error_estimate(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1,
-                                       SKIP_PASSES};
+    if (most < 0) return (tvi_unchecked_step_limits){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
+    const double max_tail = is_tail_an_error_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_MAX_TAIL) : -1;
+    return (tvi_unchecked_step_limits){max_tail, GUARD_UNCHECKED_MAX_PASSES};
 }
 
 /* Tells whether the tail is at most the max_tail of the options. */

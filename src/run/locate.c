@@ -6,18 +6,10 @@
 #include "run/times.h"
 #include "system/refuse.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Two times that differ by at most this relative amount are the same time. */
-static const double SAME_TIME = 2 * DBL_EPSILON;
-/* If the run stops at an event within the relative time SOON after its last stop, both count as one stop. A root within
- * NEAR_STOP of a stop, a distance in theta, may be the same point up to the roundoff of g. */
-static const double SOON = 32 * DBL_EPSILON, NEAR_STOP = 1e-6;
-/* Two roots of one event in the same direction are one root if their theta differ by less than this. */
-static const double SAME_ROOT = 1e-12;
 /* The memory of a run with events. States are vectors [2n + 1], in the order q, p, t. */
 struct tvi_locator {
     const tvi_single_run *run;
@@ -40,7 +32,7 @@ static double *state_of_root(const tvi_locator *locator, const tvi_event_root *r
 static bool is_root_before(tvi_locator *locator, const tvi_event_root *a, const tvi_event_root *b)
 {
     const int t = locator->state_size - 1;
-    if (fabs(a->theta - b->theta) > NEAR_STOP) return a->theta < b->theta;
+    if (fabs(a->theta - b->theta) > EVENT_NEAR_STOP) return a->theta < b->theta;
     const double way =
         (state_of_root(locator, a)[t] - state_of_root(locator, b)[t]) * locator->search.integrator->covered_time;
     return way < 0 || (way == 0 && a->event_index < b->event_index);
@@ -63,7 +55,7 @@ static bool is_duplicate_root(const tvi_locator *locator, int root_count, const 
     for (int i = 0; i < root_count; i++) {
         const tvi_event_root *earlier = &locator->search.roots[i];
         if (earlier->event_index == root->event_index && earlier->g_sign_after == root->g_sign_after &&
-            fabs(earlier->theta - root->theta) <= SAME_ROOT)
+            fabs(earlier->theta - root->theta) <= EVENT_SAME_ROOT)
             return true;
     }
     return false;
@@ -124,16 +116,16 @@ static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_even
 }
 
 /* Sets *is_at_stop: true if the root lies at `state`, where the run stops at theta. This is so if the times are
- * equal. It is also so if the two theta differ by less than NEAR_STOP and the sign of g at `state` contradicts their
- * order. */
+ * equal. It is also so if the two theta differ by less than EVENT_NEAR_STOP and the sign of g at `state` contradicts
+ * their order. */
 static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_event_root *root, double theta,
                                                const double state[], bool *is_at_stop)
 {
     const int time = locator->state_size - 1;
     const double t = state[time], own = state_of_root(locator, root)[time];
     double g = 0;
-    *is_at_stop = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
-    if (*is_at_stop || fabs(root->theta - theta) > NEAR_STOP) return TVI_OK;
+    *is_at_stop = fabs(own - t) <= EVENT_SAME_TIME * fmax(fabs(own), fabs(t));
+    if (*is_at_stop || fabs(root->theta - theta) > EVENT_NEAR_STOP) return TVI_OK;
     const tvi_status status = tvi_search_evaluate_event(&locator->search, root->event_index, state, &g);
     *is_at_stop = tvi_has_sign_after_root(root, g) == (root->theta > theta);
     return status;
@@ -173,9 +165,9 @@ static void find_neighbouring_roots(const tvi_locator *locator, int event_index,
 static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int event_index, const tvi_event_root *later,
                                                double theta, double t)
 {
-    const double resolved = SOON * fabs(t / locator->search.integrator->covered_time);
+    const double resolved = EVENT_SAME_STOP * fabs(t / locator->search.integrator->covered_time);
     return tvi_event_skips_a_direction(locator->search.watched_events[event_index].event) &&
-           theta < 1 - fmax(NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
+           theta < 1 - fmax(EVENT_NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
 }
 
 /* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number last_root. The
@@ -203,13 +195,13 @@ static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_
 
 /* Ends the run at the root number last_root with the given state, and reports other events at the same time. The
  * integrator's tvi_event_stop stores all these events, so that a run that goes on from `state` does not report them
- * again. It keeps the events of the previous stop if the times of both stops differ by less than SOON. */
+ * again. It keeps the events of the previous stop if the times of both stops differ by less than EVENT_SAME_STOP. */
 static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const double state[])
 {
     tvi_integrator *it = locator->search.integrator;
     tvi_event_stop *stop = it->stop;
     const double t = state[locator->state_size - 1], before = stop->state[locator->state_size - 1];
-    const bool is_soon = stop->is_set && fabs(t - before) <= SOON * fmax(fabs(t), fabs(before));
+    const bool is_soon = stop->is_set && fabs(t - before) <= EVENT_SAME_STOP * fmax(fabs(t), fabs(before));
     if (!is_soon) tvi_event_stop_forget(stop, it->system->n);
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;

@@ -1,8 +1,8 @@
 /* narrow.c - Narrows a bracket of a sign change of a function until it contains the zero to the wanted accuracy, by the
  * ITP method (narrow.h). */
 #include "run/narrow.h"
+#include "measured.h"
 
-#include <float.h>
 #include <math.h>
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
@@ -15,7 +15,7 @@ static double choose_next_abscissa(double left, double g_left, double right, dou
 {
     const double middle = (left + right) / 2, secant = (left * g_right - right * g_left) / (g_right - g_left),
                  way = middle - secant;
-    const double truncation = 0.2 / first_width * (right - left) * (right - left);
+    const double truncation = EVENT_ITP_TRUNCATION / first_width * (right - left) * (right - left);
     const double reach = ldexp(least_width, evaluations_left) - (right - left) / 2;
     double at = truncation <= fabs(way) ? secant + copysign(truncation, way) : middle;
     if (fabs(at - middle) > reach) at = middle - copysign(fmax(reach, 0), way);

@@ -10,11 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two partial steps whose sizes differ by less than this part of h have nearly the same nodes, so that the history of
- * one serves the other. */
-static const double NEAR = 1e-3;
-enum { MOST_CORRECTIONS = 12 };
-
 tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
                                  bool uses_history_at_end)
 {
@@ -64,7 +59,7 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
     const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->history_before_bytes;
     const bool is_near = partial_step->uses_history_at_end && partial_step->full_step_number == it->stats.steps &&
                          partial_step->offset != it->h && partial_step->offset != 0 &&
-                         fabs(offset - partial_step->offset) < NEAR * fabs(it->h);
+                         fabs(offset - partial_step->offset) < PARTIAL_STEP_NEAR * fabs(it->h);
     tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
     if (!is_near)
         tvi_arena_copy_history(partial_step->partial_step_integrator->history + state, it->history + state,
@@ -145,7 +140,7 @@ static tvi_status correct_offset_by_newton(tvi_partial_step *partial_step, doubl
     const double h = partial_step->full_step_integrator->h;
     double dt_ds, best = offset, least = INFINITY;
     tvi_status status = TVI_OK;
-    for (int count = 0; count < MOST_CORRECTIONS && offset != 0 && offset != h; count++) {
+    for (int count = 0; count < PARTIAL_STEP_MAX_CORRECTIONS && offset != 0 && offset != h; count++) {
         status = tvi_partial_step_compute_state(partial_step, offset);
         if (status != TVI_OK) return status;
         const double rest = time_from_start - partial->covered_time;

@@ -36,9 +36,6 @@ struct tvi_schedule {
     double t_end;
 };
 
-/* The largest number of steps that are made before the run checks again whether its time moves. */
-enum { AT_ONCE = 64 };
-
 /* Returns the remaining time t_end - t, with the low-order part of the time t. */
 static double remaining_time_to(const tvi_integrator *it, double t_end)
 {
@@ -46,15 +43,16 @@ static double remaining_time_to(const tvi_integrator *it, double t_end)
     return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-/* Refuses to go on (TVI_ENOCONV) with a run whose time hardly moves: after 2^16 consecutive steps that each covered
+/* Refuses to go on (TVI_ENOCONV) with a run whose time hardly moves: after RUN_MAX_SLOW_STEPS consecutive steps that each covered
  * less than a 2^53rd of the remaining time. *slow_step_count counts these steps up to the last one. */
 static tvi_status check_time_advances(const tvi_integrator *it, double t_end, int *slow_step_count)
 {
     const double left = remaining_time_to(it, t_end);
     *slow_step_count = fabs(it->covered_time) < DBL_EPSILON / 2 * fabs(left) ? *slow_step_count + 1 : 0;
-    return *slow_step_count < 1 << 16 ? TVI_OK
-                                      : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left",
-                                                   it->covered_time, left);
+    return *slow_step_count < RUN_MAX_SLOW_STEPS
+               ? TVI_OK
+               : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered_time,
+                            left);
 }
 
 /* Replaces a step of a rescaled system that went past t_end by a shorter step from the same start that ends at
@@ -158,14 +156,14 @@ static tvi_status set_schedule_to_time(const tvi_integrator *it, const tvi_singl
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
     if (!by_tolerance && (plan->h > 0 ? plan->t_end < t : plan->t_end > t))
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
-    *schedule =
-        (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end,
-                       .plan = plan,
-                       .most_calls = t == plan->t_end ? 0 : LONG_MAX,
-                       .most_steps_per_call = is_each_step_observed(run) || !it->stats.is_compiled ? 1 : AT_ONCE,
-                       .loads_user_state = true,
-                       .ends_at_t_end = true,
-                       .t_end = plan->t_end};
+    *schedule = (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end,
+                               .plan = plan,
+                               .most_calls = t == plan->t_end ? 0 : LONG_MAX,
+                               .most_steps_per_call =
+                                   is_each_step_observed(run) || !it->stats.is_compiled ? 1 : RUN_STEPS_BETWEEN_CHECKS,
+                               .loads_user_state = true,
+                               .ends_at_t_end = true,
+                               .t_end = plan->t_end};
     return by_tolerance ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 

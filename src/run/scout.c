@@ -6,26 +6,8 @@
 #include "algebra/sizes.h"
 #include "run/integrator.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
-
-/* A step whose tail is larger than this is undone and repeated with a smaller size. */
-static const double MOST_TAIL = 0.03;
-/* Factors of the step size: FIRST_FAILS after a first step that fails, FAILS after a later one that fails; GROWS is
- * the largest factor after a step that succeeds. The resolving step size is between LEAST and MOST times that of the
- * step. */
-static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
-/* A later position replaces the hardest one only if its resolving step size is smaller by this factor. */
-static const double MUCH_HARDER = 0.9;
-/* The largest relative change of the energy that is accepted in the first step. */
-static const double MOST_CHANGE = 0.1;
-/* The largest accepted distance between the end of the first step and the end of two steps of half its size, relative
- * to the largest coordinate or momentum. */
-static const double MOST_APART = 0.25;
-/* The error of a step of given size is taken as proportional to resolving_step_size^-POWER, but at least LEAST_WEIGHT
- * of the error at the hardest position. */
-static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
 void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const double *state)
 {
@@ -58,7 +40,9 @@ static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, do
 {
     const double tail = tvi_integrator_stats(orbit->integrator)->tail,
                  degree = fmax(1, orbit->integrator->options.degree);
-    return h * (tail > 0 ? fmin(fmax(pow(TVI_SCOUT_TAIL / tail, 1 / degree), LEAST), MOST) : MOST);
+    return h * (tail > 0 ? fmin(fmax(pow(SCOUT_RESOLVING_TAIL / tail, 1 / degree), SCOUT_MIN_RESOLVING_FACTOR),
+                                SCOUT_MAX_RESOLVING_FACTOR)
+                         : SCOUT_MAX_RESOLVING_FACTOR);
 }
 
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
@@ -71,11 +55,11 @@ static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi
     scout->resolving_step_size[scout->step_count] =
         is_last && scout->step_count > 0 ? scout->resolving_step_size[scout->step_count - 1] : scale;
     if (fabs(scout->resolving_step_size[scout->step_count]) <
-        MUCH_HARDER * fabs(scout->resolving_step_size[scout->hardest_step_index]))
+        SCOUT_HARDER_FACTOR * fabs(scout->resolving_step_size[scout->hardest_step_index]))
         scout->hardest_step_index = scout->step_count;
     scout->step_count++;
     update_largest_q_and_p(scout, orbit);
-    return tvi_smaller_magnitude(scale, GROWS * h);
+    return tvi_smaller_magnitude(scale, SCOUT_MAX_GROWTH * h);
 }
 
 /* Tries a step of size h, or of remaining_time if that is shorter. Returns the size of the next step, or of another try
@@ -91,9 +75,10 @@ static double try_step_and_choose_next_size(tvi_orbit_scout *scout, tvi_integrat
      * from the step's own start. */
     if (tvi_is_rescaled(orbit->integrator)) tvi_integrator_reset(orbit->integrator);
     scout->last_status = tvi_step(orbit->integrator, size, &orbit->t, orbit->q, orbit->p);
-    if (scout->last_status != TVI_OK) return size * (scout->step_count == 0 ? FIRST_FAILS : FAILS);
-    const bool may_try = scout->step_count > 0 || scout->tried_step_count < TVI_SCOUT_STEPS / 2;
-    if (tvi_integrator_stats(orbit->integrator)->tail <= MOST_TAIL || !may_try)
+    if (scout->last_status != TVI_OK)
+        return size * (scout->step_count == 0 ? SCOUT_FIRST_FAILED_FACTOR : SCOUT_FAILED_FACTOR);
+    const bool may_try = scout->step_count > 0 || scout->tried_step_count < SCOUT_MAX_STEPS / 2;
+    if (tvi_integrator_stats(orbit->integrator)->tail <= SCOUT_MAX_TAIL || !may_try)
         return record_step_and_choose_next_size(scout, orbit, size, is_last);
     tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
     return estimate_resolving_step_size(orbit, size);
@@ -117,7 +102,8 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *or
         size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->states[i])));
     }
     tvi_integrated_orbit_set_state(orbit, n, end);
-    return scout->last_status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
+    return scout->last_status == TVI_OK && apart[0] <= SCOUT_MAX_DISTANCE * size[0] &&
+           apart[1] <= SCOUT_MAX_DISTANCE * size[1];
 }
 
 /* Tells whether the first step conserves the energy. A step that is much too large may have a small tail: all its
@@ -136,15 +122,15 @@ static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *or
     if (first != TVI_OK) return do_half_steps_agree(scout, orbit);
     if (scout->last_status != TVI_OK) return false;
     for (int i = 0; i < scout->n; i++) action += (fabs(p[i]) + fabs(orbit->p[i])) * fabs(orbit->q[i] - q[i]);
-    return fabs(after - before) <= MOST_CHANGE * fmax(fabs(before), action / fabs(orbit->t - t));
+    return fabs(after - before) <= SCOUT_MAX_ENERGY_CHANGE * fmax(fabs(before), action / fabs(orbit->t - t));
 }
 
 /* Tells whether the first step was too large although its tail was small: the following steps are much shorter, or the
  * step did not conserve the energy. */
 static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step_size)
 {
-    return scout->step_count == 1 &&
-           (fabs(next_step_size) < FIRST_FAILS * fabs(scout->positions[1]) || !is_energy_conserved(scout, orbit));
+    return scout->step_count == 1 && (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->positions[1]) ||
+                                      !is_energy_conserved(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
@@ -154,7 +140,7 @@ static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_o
     scout->step_count = scout->hardest_step_index = 0;
     scout->largest_q = scout->largest_p = 0;
     update_largest_q_and_p(scout, orbit);
-    return FIRST_FAILS * scout->positions[1];
+    return SCOUT_FIRST_FAILED_FACTOR * scout->positions[1];
 }
 
 tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration)
@@ -162,7 +148,7 @@ tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit 
     const double start = orbit->t, end = start + duration;
     double h = duration;
     update_largest_q_and_p(scout, orbit);
-    while (scout->tried_step_count < TVI_SCOUT_STEPS && scout->explored_duration_part < 1 &&
+    while (scout->tried_step_count < SCOUT_MAX_STEPS && scout->explored_duration_part < 1 &&
            !scout->is_degree_too_low_for_tail && scout->last_status != TVI_ENOMEM) {
         h = try_step_and_choose_next_size(scout, orbit, h, end - orbit->t);
         if (is_first_step_too_large(scout, orbit, h)) h = restart_with_shorter_step(scout, orbit);
@@ -179,7 +165,7 @@ double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_posit
                  hardest = scout->resolving_step_size[scout->hardest_step_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
-        const double weight = fmax(pow(hardest / scout->resolving_step_size[k], POWER), LEAST_WEIGHT);
+        const double weight = fmax(pow(hardest / scout->resolving_step_size[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
         const double way = fmin(fabs(to_position), fabs(scout->positions[k + 1])) -
                            fmax(fabs(from_position), fabs(scout->positions[k]));
         sum += fmax(way, 0) * weight;

@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_RUN_SCOUT_H
 #define TVI_SRC_RUN_SCOUT_H
 
+#include "measured.h"
 #include "tvi.h"
 
 #include <stdbool.h>
@@ -16,23 +17,21 @@ typedef struct {
 /* Sets the orbit to the state [2n + 1], in the order q, p, t. */
 void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const double *state);
 
-/* The largest number of steps that the scout tries. */
-enum { TVI_SCOUT_STEPS = 24 };
-
 /* The exploration of an orbit. The position of a state is the sum of the steps that lead to it from the start; it is in
  * the unit of the steps' variable, the time or the s of a rescaled system. */
 typedef struct {
     int n; /* the number of coordinates of the orbit */
-    /* [TVI_SCOUT_STEPS + 1][2n + 1] The state (q, p, t) at each position, in memory of the caller. */
+    /* [SCOUT_MAX_STEPS + 1][2n + 1] The state (q, p, t) at each position, in memory of the caller. */
     double *states;
     long tried_step_count; /* the number of steps that were tried, with those that failed or were undone */
     int step_count;        /* the number of steps that succeeded; step k leads from position k to position k + 1 */
-    double positions[TVI_SCOUT_STEPS + 1];
-    double resolving_step_size[TVI_SCOUT_STEPS]; /* the step size whose tail would be TVI_SCOUT_TAIL, at each step */
-    int hardest_step_index;                      /* index of the step with the least resolving_step_size */
-    double explored_duration_part;               /* the part of the run's duration that the scout has covered, 0 to 1 */
-    /* True if the degree of the method's curve is at most 2. The tails of such curves are no estimate of an error,
-     * so only one step is made. */
+    double positions[SCOUT_MAX_STEPS + 1];
+    /* The step size whose tail would be SCOUT_RESOLVING_TAIL, at each step. */
+    double resolving_step_size[SCOUT_MAX_STEPS];
+    int hardest_step_index;        /* index of the step with the least resolving_step_size */
+    double explored_duration_part; /* the part of the duration of the run that the scout has covered, 0 to 1 */
+    /* True if the degree of the curve of the method is at most 2. The tails of such curves are no estimate of an
+     * error, so only one step is made. */
     bool is_degree_too_low_for_tail;
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
     tvi_status last_status;      /* the status of the last step */
@@ -43,10 +42,7 @@ static inline double *tvi_scout_state(const tvi_orbit_scout *scout, int position
     return scout->states + (size_t)position_index * (size_t)(2 * scout->n + 1);
 }
 
-/* The tail (tvi_stats.tail) of a step of the resolving step size. */
-#define TVI_SCOUT_TAIL 0.003
-
-/* Explores the orbit from its current state by at most TVI_SCOUT_STEPS steps, or to the end of the run. It fails if no
+/* Explores the orbit from its current state by at most SCOUT_MAX_STEPS steps, or to the end of the run. It fails if no
  * step succeeds, with the status of the last step, or if memory is exhausted. */
 TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration);
 

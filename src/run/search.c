@@ -11,19 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The distance in theta of an additional sample from a sample with g = 0, or from an end of the step. Two roots that
- * are closer than this count as one. */
-static const double EDGE = 0x1p-20;
-/* A dip of |g| may lie between an end of the step and the next sample if the slope of |g| at that end is below this
- * part of the mean slope. */
-static const double FLAT = 0.1;
-/* A function counts as not smooth if its fourth or eighth difference is larger than this part of its largest first
- * difference. */
-static const double KINKED = 0.05;
-/* The secant method ends when theta changes by less than this. */
-static const double LEAST_SECANT = 1e-4;
-enum { MOST_SECANTS = 6 };
-
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
 static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
@@ -62,7 +49,7 @@ static double guess_root_by_interpolation(const double g_samples[], double left,
     memcpy(c, g_samples, sizeof c);
     for (int k = 1; k <= TVI_SAMPLES; k++)
         for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) * part[k];
-    for (int k = 0; k < MOST_SECANTS && now != before && fabs(at - last) > LEAST_SECANT; k++) {
+    for (int k = 0; k < EVENT_MAX_SECANTS && now != before && fabs(at - last) > EVENT_SECANT_MIN_CHANGE; k++) {
         const double next = fmin(fmax(at - now * (at - last) / (now - before), left), right), x = TVI_SAMPLES * next;
         double p = c[TVI_SAMPLES];
         for (int i = TVI_SAMPLES; i-- > 0;) p = c[i] + (x - i) * p;
@@ -129,10 +116,10 @@ static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_e
     tvi_status status = TVI_OK;
     if (middle.g == 0)
         status = sample_event_at_distance(search, event_index, middle.theta,
-                                          -fmin(EDGE, (middle.theta - left.theta) / 2), &near);
+                                          -fmin(EVENT_EDGE, (middle.theta - left.theta) / 2), &near);
     if (middle.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
         status = sample_event_at_distance(search, event_index, middle.theta,
-                                          fmin(EDGE, (right.theta - middle.theta) / 2), &near);
+                                          fmin(EVENT_EDGE, (right.theta - middle.theta) / 2), &near);
     if (status != TVI_OK) return status;
     const bool crosses = sign_of(near.g) == -sign;
     (void)add_root(search, event_index, -sign, left, crosses ? near : middle);
@@ -161,13 +148,13 @@ static bool is_local_minimum_of_abs_g(const double g[])
     return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
 }
 
-/* Tells whether |g| falls at the start of the step, or rises there with less than the part FLAT of its mean slope up
+/* Tells whether |g| falls at the start of the step, or rises there with less than EVENT_FLAT_SLOPE of its mean slope up
  * to the next sample, over which it increases by abs_g_increase. The slope at the start is that of the polynomial
  * through five samples. With stride = -1 the samples are read backwards from the end of the step. */
 static bool is_not_rising_at_boundary(const double g[], int stride, double abs_g_increase)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
-    return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * abs_g_increase;
+    return (g[0] > 0 ? slope : -slope) <= 12 * EVENT_FLAT_SLOPE * abs_g_increase;
 }
 
 /* Returns the largest |g[j + 1] - g[j]| of neighbouring samples. */
@@ -188,7 +175,7 @@ static bool has_kink_at_boundary(const double g[], int stride)
     const double eighth = (first[0] + first[8]) - 8 * (first[1] + first[7]) + 28 * (first[2] + first[6]) -
                           56 * (first[3] + first[5]) + 70 * first[4];
     const double size = tvi_larger(fabs(fourth), fabs(eighth));
-    return (size > noise) & ((size >= KINKED * largest_sample_change(first)) | (size >= fabs(g[0])));
+    return (size > noise) & ((size >= EVENT_KINK * largest_sample_change(first)) | (size >= fabs(g[0])));
 }
 
 /* Tells whether |g| may have a dip between the start of the step and the first sample, or with stride = -1 between the
@@ -220,9 +207,9 @@ static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_ind
 {
     const double *g = search->watched_events[event_index].g_samples, part = 1.0 / TVI_SAMPLES;
     const tvi_event_sample nowhere = {NAN, NAN};
-    tvi_event_sample x[TVI_DIP_SAMPLES] = {nowhere, {0, g[0]}, {EDGE, 0}, {part, g[1]}, {2 * part, g[2]}};
+    tvi_event_sample x[TVI_DIP_SAMPLES] = {nowhere, {0, g[0]}, {EVENT_EDGE, 0}, {part, g[1]}, {2 * part, g[2]}};
     const tvi_event_sample last[TVI_DIP_SAMPLES] = {
-        {1 - 2 * part, g[6]}, {1 - part, g[7]}, {1 - EDGE, 0}, {1, g[8]}, nowhere};
+        {1 - 2 * part, g[6]}, {1 - part, g[7]}, {1 - EVENT_EDGE, 0}, {1, g[8]}, nowhere};
     if (is_at_step_end) memcpy(x, last, sizeof x);
     const tvi_status status = evaluate_event_on_curve(search, event_index, x[2].theta, &x[2].g);
     if (status != TVI_OK) return status;
@@ -238,9 +225,9 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
 {
     const tvi_event_sample at_right = right;
     tvi_status status = TVI_OK;
-    if (left.g == 0) status = sample_event_at_distance(search, event_index, left.theta, EDGE, &left);
+    if (left.g == 0) status = sample_event_at_distance(search, event_index, left.theta, EVENT_EDGE, &left);
     if (status == TVI_OK && right.g == 0)
-        status = sample_event_at_distance(search, event_index, right.theta, -EDGE, &right);
+        status = sample_event_at_distance(search, event_index, right.theta, -EVENT_EDGE, &right);
     if (status != TVI_OK) return status;
     if (left.g != 0 && right.g != 0 && sign_of(left.g) != sign_of(right.g)) {
         tvi_event_root *root = add_root(search, event_index, sign_of(right.g), left, right);

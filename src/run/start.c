@@ -14,16 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-/* A change of g that is less than UNITS units of roundoff of its terms has no certain sign. */
-static const double UNITS = 64;
-/* The roundoff of a state after a step, or on the curve, is counted as OF_STEPS units of roundoff of its components,
- * since such a state is a sum. */
-static const double OF_STEPS = 4;
-/* The sign of g just after the start is tested at growing theta. FIRST is the first theta in systems whose steps are
- * steps in time, FIRST_IN_S in rescaled ones, where the time must move; then come LEAST and its multiples by FARTHER.
- * An event may return to 0 from theta = LEAST on. */
-static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FARTHER = 16;
-
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
 static bool are_bitwise_equal(int n, const double a[], const double b[])
@@ -152,7 +142,7 @@ tvi_status tvi_step_start_compute_g_change(tvi_event_search *search, int event_i
         status = tvi_event_compute_change(w->event, &w->local_series, search->scratch_state, search->scratch_increment,
                                           g_change, &scale, &is_exact);
     if (status != TVI_OK) return status;
-    *is_sign_certain = fabs(*g_change) > UNITS * DBL_EPSILON * scale;
+    *is_sign_certain = fabs(*g_change) > EVENT_ROUNDOFF_UNITS * DBL_EPSILON * scale;
     if (is_exact) return TVI_OK;
     tvi_partial_step_copy_state(search->partial_step, search->scratch_state);
     return tvi_search_evaluate_event(search, event_index, search->scratch_state, g_change);
@@ -177,14 +167,14 @@ static double first_theta_that_moves_time(const tvi_event_search *search, double
     const double resolution =
         DBL_EPSILON * fmax(fabs(search->integrator->start.q[n]), fabs(search->integrator->state.q[n]));
     const double theta = resolution * first_theta / fabs(search->scratch_increment[2 * n]);
-    return theta > LEAST && theta < tvi_sample_theta[0] ? theta : LEAST;
+    return theta > EVENT_RETURN_MIN_THETA && theta < tvi_sample_theta[0] ? theta : EVENT_RETURN_MIN_THETA;
 }
 
 tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int event_index)
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     int first, sign;
-    const double at_first = tvi_is_rescaled(search->integrator) ? FIRST_IN_S : FIRST;
+    const double at_first = tvi_is_rescaled(search->integrator) ? EVENT_FIRST_RESCALED_THETA : EVENT_FIRST_THETA;
     tvi_status status = find_sign_of_g_change(search, event_index, at_first, &first);
     if (status != TVI_OK) return status;
     double theta = first_theta_that_moves_time(search, at_first);
@@ -195,8 +185,8 @@ tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int e
     if (search->g_returns_to_zero_before_time_moves)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
-    while (status == TVI_OK && sign == 0 && theta * FARTHER < tvi_sample_theta[0])
-        status = find_sign_of_g_change(search, event_index, theta *= FARTHER, &sign);
+    while (status == TVI_OK && sign == 0 && theta * EVENT_RETURN_THETA_GROWTH < tvi_sample_theta[0])
+        status = find_sign_of_g_change(search, event_index, theta *= EVENT_RETURN_THETA_GROWTH, &sign);
     w->begins_on_event = sign != 0;
     w->theta_after_leaving_zero = theta;
     w->g_samples[0] = sign != 0 ? copysign(DBL_MIN, sign) : w->g_samples[1];
@@ -221,6 +211,7 @@ tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int e
     tvi_integrator_copy_state(it, &search->scratch_state[2 * n], search->scratch_state, search->scratch_state + n);
     if (status == TVI_OK)
         status = tvi_event_estimate_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_end);
-    *is_roundoff = tvi_largest_magnitude(TVI_SAMPLES, w->g_samples + 1, 1) <= OF_STEPS * (at_start + at_end);
+    *is_roundoff =
+        tvi_largest_magnitude(TVI_SAMPLES, w->g_samples + 1, 1) <= EVENT_STATE_ROUNDOFF_UNITS * (at_start + at_end);
     return status;
 }

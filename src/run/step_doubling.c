@@ -5,16 +5,9 @@
 #include "run/integrator.h"
 #include "system/refuse.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The lag of one orbit behind the other is measured only where the speed is at least this part of the largest speed. */
-static const double FAST = 1.0 / 30;
-/* The distance of the companion from the scout's orbit at its start. It is much larger than roundoff, and leaves room
- * to grow. */
-static const double START_DISTANCE = 1e-7;
 
 /* ---- Open and close ---------------------------------------------------------------------------------------------- */
 
@@ -26,7 +19,7 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     const size_t n = (size_t)system->n, state = 2 * n + 1;
     doubling->n = system->n;
     doubling->is_rescaled = tvi_is_rescaled(doubling->full_step_orbit.integrator);
-    doubling->rates_input = calloc((4 + TVI_SCOUT_STEPS + 1) * state, sizeof *doubling->rates_input);
+    doubling->rates_input = calloc((4 + SCOUT_MAX_STEPS + 1) * state, sizeof *doubling->rates_input);
     if (!doubling->rates_input) return jet_explain_out_of_memory(TVI_ENOMEM);
     doubling->rates_output = doubling->rates_input + state;
     doubling->full_step_orbit.q = doubling->rates_output + state,
@@ -120,7 +113,7 @@ double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
     accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->largest_p, &d);
     doubling->orbit_distance = d.largest_difference;
     doubling->largest_relative_rate = fmax(doubling->largest_relative_rate, d.largest_relative_rate);
-    const bool is_fast = d.largest_relative_rate > FAST * doubling->largest_relative_rate;
+    const bool is_fast = d.largest_relative_rate > DOUBLING_MIN_SPEED * doubling->largest_relative_rate;
     return is_fast ? fmax(d.largest_difference,
                           fabs(d.difference_dot_rate / d.rate_squared) * doubling->largest_relative_rate)
                    : d.largest_difference;
@@ -143,13 +136,13 @@ tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, con
 
 /* ---- Stretch ----------------------------------------------------------------------------------------------------- */
 
-/* Sets half_step_orbit to the given state, displaced by START_DISTANCE in the direction of the present difference of
- * the two orbits. */
+/* Sets half_step_orbit to the given state, displaced by DOUBLING_START_DISTANCE in the direction of the present
+ * difference of the two orbits. */
 static void place_companion_orbit(tvi_step_doubling *doubling, const double *state)
 {
     const size_t n = (size_t)doubling->n;
     tvi_integrated_orbit *b = &doubling->half_step_orbit;
-    const double lag = doubling->full_step_orbit.t - b->t, unit = START_DISTANCE / doubling->orbit_distance;
+    const double lag = doubling->full_step_orbit.t - b->t, unit = DOUBLING_START_DISTANCE / doubling->orbit_distance;
     for (size_t i = 0; i < n; i++) {
         b->q[i] = state[i] + unit * (doubling->full_step_orbit.q[i] - b->q[i] - lag * doubling->rates_output[i]);
         b->p[i] =
@@ -197,7 +190,7 @@ double tvi_step_doubling_measure_error_factor(tvi_step_doubling *doubling, const
                                               double start_position, double end_position, double *growth_ratio)
 {
     int first = 0;
-    double distances[TVI_SCOUT_STEPS + 1], sum = 0;
+    double distances[SCOUT_MAX_STEPS + 1], sum = 0;
     while (scout->positions[first] != start_position) first++;
     do first++;
     while (first < scout->step_count &&

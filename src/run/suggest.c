@@ -26,33 +26,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Trials aim at the part AIM of the error that the user wants, or AIM_LATER in a rescaled system, since another passage
- * of a pericentre may be worse than the one that a trial sees. */
-static const double AIM = 0.08, AIM_LATER = 0.06;
-/* Two orbits that differ by less than FLOOR may differ by roundoff alone. */
-static const double FLOOR = 1e-13;
-/* Trials whose orbits differ by less than TINY are tested for roundoff. */
-static const double TINY = 1e-10;
-static const double GROWTH = 1.25, GROWTH_LATER = 1.1;
-/* Factors of the step size h. After a failed step or a large error h is multiplied by FAILS, or by FAILS_LATER in a
- * rescaled system. Otherwise the factor is at least LEAST_FACTOR. The error of a trial counts as at most 1 /
- * OF_NO_ORDER times the aim. If no estimate was near the aim, the final h is multiplied by UNKNOWN. */
-static const double FAILS = 0.88, FAILS_LATER = 0.7, LEAST_FACTOR = 0.25, OF_NO_ORDER = 1e-3, UNKNOWN = 0.8;
-/* Assumptions for the first step size: a step that just resolves the orbit makes the error RESOLVED tail^(order /
- * degree), and a trial covers the part KNOWN of the run. No step size is longer than that whose tail is MOST_TAILS
- * times the scout's. */
-static const double RESOLVED = 0.1, KNOWN = 0.05, MOST_TAILS = 40;
-/* A step size serves if a trial of the whole run has an error of at most KEPT of the wanted error. It is accepted as
- * the longest if that error is at least FULL of the wanted error, or if a step NEARLY times as long does not serve. */
-static const double KEPT = 0.9, FULL = 0.02, NEARLY = 1.1;
-/* The final step size is divided by 1 + DRAWS log(r), where r is the ratio of the largest to the smallest resolving
- * step size, at most MOST_DRAWS. */
-static const double DRAWS = 0.15, MOST_DRAWS = 30;
-/* The effect of the time's roundoff is measured if it may be more than DOUBT of the wanted error. The time is shifted
- * by SHIFT of a step for this, or by SHIFTS units of its roundoff if that is more. A run is taken to round the time
- * TIMES sqrt(steps) times in one direction. */
-static const double DOUBT = 0.01, SHIFT = 1e-3, SHIFTS = 4, TIMES = 3;
-
 /* The search for a step size: the trials so far, and what they show. */
 typedef struct {
     tvi_trials trials;
@@ -77,21 +50,22 @@ typedef struct {
 static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static double step_size_factor_after_failure(const suggestion_search *search)
 {
-    return search->trials.step_doubling.is_rescaled ? FAILS_LATER : FAILS;
+    return search->trials.step_doubling.is_rescaled ? SUGGEST_FAILED_FACTOR_RESCALED : SUGGEST_FAILED_FACTOR;
 }
 
 /* Returns the size of the steps of the next trial divided by that of this trial. */
 static double next_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
-    const double wrong = fmin(trial->estimated_error / search->trials.aimed_error, 1 / OF_NO_ORDER);
-    return wrong > 0 ? clamp(LEAST_FACTOR, pow(wrong, -1.0 / search->order), 1 / LEAST_FACTOR) : 1 / LEAST_FACTOR;
+    const double wrong = fmin(trial->estimated_error / search->trials.aimed_error, 1 / SUGGEST_MIN_AIM_PER_ERROR);
+    return wrong > 0 ? clamp(SUGGEST_MIN_FACTOR, pow(wrong, -1.0 / search->order), 1 / SUGGEST_MIN_FACTOR)
+                     : 1 / SUGGEST_MIN_FACTOR;
 }
 
 /* Returns the suggested step size divided by that of the trial, if no other trial follows. */
 static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    return fmin(next_step_size_factor(search, trial), pow(TVI_TRIAL_BAND, 1.0 / search->order));
+    return fmin(next_step_size_factor(search, trial), pow(TRIAL_ERROR_BAND, 1.0 / search->order));
 }
 
 /* Records a trial whose error is above the aim although the distance of its orbits is so small that it may be
@@ -99,11 +73,12 @@ static double final_step_size_factor(const suggestion_search *search, const tvi_
 static void detect_roundoff_error(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->estimated_error == INFINITY ||
-        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) > TINY)
+        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) > SUGGEST_ROUNDOFF_DOUBT)
         return;
-    if (search->step_size_of_large_error == 0 || trial->estimated_error < search->large_error / 3)
+    if (search->step_size_of_large_error == 0 ||
+        trial->estimated_error < search->large_error / SUGGEST_ROUNDOFF_DECREASE)
         search->step_size_of_large_error = trial->h, search->large_error = trial->estimated_error;
-    else if (pow(trial->h / search->step_size_of_large_error, search->order) < 0.01)
+    else if (pow(trial->h / search->step_size_of_large_error, search->order) < SUGGEST_EXPECTED_DECREASE)
         search->roundoff_error = fmin(trial->estimated_error, search->large_error);
 }
 
@@ -111,7 +86,7 @@ static void detect_roundoff_error(suggestion_search *search, const tvi_step_size
 static void update_step_size_bracket(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     const bool is_too_long = trial->is_finished && tvi_trial_error_is_far_above_aim(&search->trials, trial);
-    if (trial->covers_whole_run && trial->estimated_error <= KEPT * search->wanted_error) {
+    if (trial->covers_whole_run && trial->estimated_error <= SUGGEST_MAX_ERROR * search->wanted_error) {
         if (fabs(trial->h) > fabs(search->longest_good_step_size))
             search->longest_good_step_size = trial->h, search->error_of_longest_good_step_size = trial->estimated_error;
     } else if (trial->covers_whole_run || is_too_long) {
@@ -123,7 +98,8 @@ static void update_step_size_bracket(suggestion_search *search, const tvi_step_s
         search->longest_allowed_step_size =
             tvi_smaller_magnitude(search->longest_allowed_step_size, step_size_factor_after_failure(search) * trial->h);
     else if (is_too_long)
-        search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, FAILS * trial->h);
+        search->longest_allowed_step_size =
+            tvi_smaller_magnitude(search->longest_allowed_step_size, SUGGEST_FAILED_FACTOR * trial->h);
 }
 
 /* Tells whether a trial of the whole run may find a longer step size than longest_good_step_size. *h is the step
@@ -136,10 +112,10 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
         !(fabs(*h) > fabs(search->longest_good_step_size) && fabs(*h) < fabs(search->shortest_bad_step_size)))
         *h = copysign(sqrt(search->longest_good_step_size * search->shortest_bad_step_size),
                       search->longest_good_step_size);
-    const bool is_found =
-        search->error_of_longest_good_step_size >= FULL * search->wanted_error ||
-        fabs(search->longest_good_step_size) >= fabs(search->longest_allowed_step_size) ||
-        (has_worst && fabs(search->shortest_bad_step_size) < NEARLY * fabs(search->longest_good_step_size));
+    const bool is_found = search->error_of_longest_good_step_size >= SUGGEST_FULL_ERROR * search->wanted_error ||
+                          fabs(search->longest_good_step_size) >= fabs(search->longest_allowed_step_size) ||
+                          (has_worst && fabs(search->shortest_bad_step_size) <
+                                            SUGGEST_LONGER_FACTOR * fabs(search->longest_good_step_size));
     return !is_found && tvi_trials_have_budget_for_steps(
                             &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_position / *h)));
 }
@@ -152,7 +128,7 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
     *is_near_aim = trial->has_passed_hardest_position && !trial->covers_whole_run &&
                    !tvi_trial_error_is_far_above_aim(trials, trial);
     const bool is_long = trial->has_passed_hardest_position &&
-                         trial->covered_error_part >= TVI_EQUALLY_LONG * trials->largest_covered_error_part;
+                         trial->covered_error_part >= TRIAL_EQUAL_LENGTH * trials->largest_covered_error_part;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
 }
@@ -220,15 +196,16 @@ static double set_up_trials_and_first_step_size(suggestion_search *search)
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
     const double scale = s->resolving_step_size[s->hardest_step_index], end = s->positions[s->step_count];
-    const double resolved_error = RESOLVED * pow(TVI_SCOUT_TAIL, search->order / search->curve_degree);
+    const double resolved_error =
+        SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->curve_degree);
     trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
     trials->run_end_position = end / s->explored_duration_part;
     trials->run_weighted_length = tvi_scout_weighted_length(s, 0, end) / s->explored_duration_part;
-    search->longest_allowed_step_size = scale * pow(MOST_TAILS, 1 / search->curve_degree);
+    search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, trials->duration);
-    const double part = pow(KNOWN, trials->error_growth_exponent);
+    const double part = pow(SUGGEST_COVERED_PART, trials->error_growth_exponent);
     const double h =
         tvi_smaller_magnitude(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
                               search->longest_allowed_step_size);
@@ -248,11 +225,11 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
                  h = s->positions[s->hardest_step_index + 1] - s->positions[s->hardest_step_index];
     const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
                  ulp = DBL_EPSILON * last;
-    const double often = TIMES * sqrt(fmax(fabs(trials->run_end_position / h), 1)),
-                 shift = fmax(SHIFT * dt, SHIFTS * ulp);
+    const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->run_end_position / h), 1)),
+                 shift = fmax(SUGGEST_TIME_SHIFT * dt, SUGGEST_TIME_SHIFT_UNITS * ulp);
     double apart;
     if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
-        often * ulp < DOUBT * search->wanted_error * dt)
+        often * ulp < SUGGEST_TIME_DOUBT * search->wanted_error * dt)
         return TVI_OK;
     const tvi_status status = tvi_step_doubling_measure_time_shift(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
@@ -272,20 +249,20 @@ static double factor_for_spread_of_step_sizes(const suggestion_search *search)
     for (int k = 0; k < s->step_count; k++)
         shortest = fmin(shortest, fabs(s->resolving_step_size[k])),
         longest = fmax(longest, fabs(s->resolving_step_size[k]));
-    return 1 + DRAWS * log(fmin(longest / shortest, MOST_DRAWS));
+    return 1 + SUGGEST_SPREAD_WEIGHT * log(fmin(longest / shortest, SUGGEST_MAX_SPREAD));
 }
 
 /* Computes the final step size from the results of all trials. */
 static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *suggestion)
 {
     const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
-                 unknown = search->is_suggestion_reliable ? 1 : UNKNOWN;
+                 unknown = search->is_suggestion_reliable ? 1 : SUGGEST_UNKNOWN_FACTOR;
     suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
                     factor_for_spread_of_step_sizes(search);
     if (search->longest_good_step_size != 0)
         suggestion->h = suggestion->tried_step_size = search->longest_good_step_size,
         suggestion->covered_error_part = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
-    if (suggestion->explored_duration_part > 1 - 1e-9) suggestion->explored_duration_part = 1;
+    if (suggestion->explored_duration_part > 1 - TRIAL_END) suggestion->explored_duration_part = 1;
 }
 
 static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *suggestion)
@@ -325,12 +302,14 @@ static tvi_status open_suggestion_search(suggestion_search *search, const tvi_sy
     const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
     search->order = resolved->order;
     search->curve_degree = fmax(1, resolved->degree);
-    search->aimed_error = (trials->step_doubling.is_rescaled ? AIM_LATER : AIM) * search->wanted_error;
+    search->aimed_error =
+        (trials->step_doubling.is_rescaled ? SUGGEST_AIM_RESCALED : SUGGEST_AIM) * search->wanted_error;
     trials->is_driven = system->is_driven;
-    trials->error_growth_exponent = trials->step_doubling.is_rescaled ? GROWTH_LATER : GROWTH;
-    trials->largest_roundoff_distance = FLOOR;
-    trials->aimed_error =
-        fmax(search->aimed_error, FLOOR * pow(TVI_STEPS_OF_TRIAL / TVI_PART_OF_RUN, trials->error_growth_exponent));
+    trials->error_growth_exponent =
+        trials->step_doubling.is_rescaled ? TRIAL_GROWTH_EXPONENT_RESCALED : TRIAL_GROWTH_EXPONENT;
+    trials->largest_roundoff_distance = SUGGEST_ROUNDOFF;
+    trials->aimed_error = fmax(search->aimed_error, SUGGEST_ROUNDOFF * pow(TVI_STEPS_OF_TRIAL / TRIALS_PART_OF_RUN,
+                                                                           trials->error_growth_exponent));
     trials->scout = (tvi_orbit_scout){.n = system->n, .states = trials->step_doubling.scout_states};
     return TVI_OK;
 }
@@ -363,7 +342,7 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
     if (!system || !q || !p || !h || !seen) return tvi_refuse_null_pointer(5, pointer, name);
     if (duration == 0 || !isfinite(duration))
         return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
-    if (isfinite(t) && !(fabs(duration) > TVI_LEAST_STEPS * DBL_EPSILON * fabs(t)))
+    if (isfinite(t) && !(fabs(duration) > TRIALS_MIN_STEPS * DBL_EPSILON * fabs(t)))
         return jet_refuse(TVI_EINVAL, "duration = %g is roundoff of t = %g", duration, t);
     if (!(wanted_error >= DBL_EPSILON && wanted_error < 1))
         return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", wanted_error);

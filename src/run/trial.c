@@ -13,20 +13,6 @@
 #include "algebra/sizes.h"
 #include "run/integrator.h"
 
-/* If the two orbits differ by more than CEILING, their distance is not proportional to a power of the step size. */
-static const double CEILING = 0.05;
-static const double GROWTH = 1.25;
-/* With a drive the growth exponent of errors is measured after GROWTH_STEPS steps, and then at every GROWTH_EVERY-th
- * step. */
-enum { GROWTH_STEPS = 8, GROWTH_EVERY = 4 };
-/* A trial is not ended because of a large estimate before it has made this number of steps. */
-enum { EARLY_STEPS = 4 };
-/* A trial begins at the start of the run if at most this part of its affordable steps leads past the hardest
- * position. */
-static const double EARLY_PART = 0.6;
-/* The companion is used if the scout has explored at least this part of the run. */
-static const double SEEN = 0.5;
-
 static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
@@ -36,13 +22,14 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
     if (step_number > 1 && is_power_of_two(step_number - 1))
         trial->previous_orbit_distance = trial->recent_orbit_distance, trial->recent_orbit_distance = 0;
     trial->recent_orbit_distance = fmax(trial->recent_orbit_distance, distance);
-    if (trials->is_driven && step_number >= GROWTH_STEPS && step_number % GROWTH_EVERY == 0 &&
+    if (trials->is_driven && step_number >= TRIAL_GROWTH_FIRST_STEP && step_number % TRIAL_GROWTH_INTERVAL == 0 &&
         trial->previous_orbit_distance > 0)
         trials->error_growth_exponent =
-            clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), GROWTH);
-    trial->estimated_error = distance < CEILING ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
-                                                      pow(trial->covered_error_part, -trials->error_growth_exponent)
-                                                : INFINITY;
+            clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), TRIAL_GROWTH_EXPONENT);
+    trial->estimated_error = distance < TRIAL_MAX_DISTANCE
+                                 ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
+                                       pow(trial->covered_error_part, -trials->error_growth_exponent)
+                                 : INFINITY;
 }
 
 /* Returns the position just after the hardest part of the orbit. */
@@ -57,8 +44,8 @@ static double end_of_hardest_passage(const tvi_trials *trials)
  * trial has passed the hardest position. */
 static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long k)
 {
-    const bool is_early = k < EARLY_STEPS && fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) <
-                                                 TVI_TRIAL_BAND * trials->aimed_error;
+    const bool is_early = k < TRIAL_MIN_STEPS && fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) <
+                                                     TRIAL_ERROR_BAND * trials->aimed_error;
     if (trial->estimated_error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early))
         return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_position &&
@@ -86,7 +73,7 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
              1);
     trial->has_passed_hardest_position = fabs(trial->end_position) >= fabs(end_of_hardest_passage(trials));
     update_error_estimate(trials, trial, k, tvi_step_doubling_measure_distance(&trials->step_doubling));
-    const bool is_at_end = trial->duration_part_at_end >= 1 - 1e-9;
+    const bool is_at_end = trial->duration_part_at_end >= 1 - TRIAL_END;
     trial->covers_whole_run = is_at_end && trials->start_position == 0;
     trial->is_finished = is_at_end || is_trial_finished(trials, trial, k);
     return !trial->is_finished;
@@ -97,7 +84,7 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
 static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
     const bool takes = trials->reserved_step_count > 0 &&
-                       trial->covered_error_part < TVI_EQUALLY_LONG * trials->largest_covered_error_part;
+                       trial->covered_error_part < TRIAL_EQUAL_LENGTH * trials->largest_covered_error_part;
     if (takes) trials->reserved_step_count = 0;
     return takes && tvi_trials_have_budget_for_trial_step(trials);
 }
@@ -111,14 +98,15 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
     const double end = end_of_hardest_passage(trials),
                  steps = (tvi_trials_step_budget(trials) - (double)trials->step_doubling.tried_step_count) /
                          TVI_STEPS_OF_TRIAL;
-    const double early = EARLY_PART * steps * fabs(h);
+    const double early = TRIAL_MAX_HARDEST_PART * steps * fabs(h);
     int first = fabs(end) > early ? s->hardest_step_index : 0;
     while (first > 0 && fabs(trials->run_end_position - s->positions[first]) < steps * fabs(h) &&
            fabs(end - s->positions[first - 1]) <= early)
         first--;
     trials->start_position = s->positions[first];
     trials->start_state = tvi_scout_state(s, first);
-    trials->reserved_step_count = s->explored_duration_part >= SEEN ? s->step_count - first - 1 : 0;
+    trials->reserved_step_count =
+        s->explored_duration_part >= TRIAL_COMPANION_MIN_EXPLORED ? s->step_count - first - 1 : 0;
 }
 
 tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)

@@ -8,14 +8,9 @@
 #include <math.h>
 
 /* A step of a trial costs three steps of the integrator: one of size h, and two of half that size. The steps of all
- * trials and of the scout together are limited to TVI_PART_OF_RUN of the steps of the run, but this limit is at least
- * TVI_LEAST_STEPS and at most TVI_MOST_STEPS. */
-enum { TVI_STEPS_OF_TRIAL = 3, TVI_LEAST_STEPS = 20 * TVI_STEPS_OF_TRIAL, TVI_MOST_STEPS = 6000 };
-#define TVI_PART_OF_RUN 0.04
-/* A trial continues as long as its estimate differs from the error that is aimed at by less than this factor. */
-#define TVI_TRIAL_BAND 30.0
-/* A trial counts as much as the longest one if it covers at least this part of what that one covers. */
-#define TVI_EQUALLY_LONG 0.8
+ * trials and of the scout together are limited to TRIALS_PART_OF_RUN of the steps of the run, but this limit is at
+ * least TRIALS_MIN_STEPS and at most TRIALS_MAX_STEPS. */
+enum { TVI_STEPS_OF_TRIAL = 3 };
 
 /* The data that all trials for one suggestion share. */
 typedef struct {
@@ -60,7 +55,7 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h);
 /* Returns the number of steps that the scout and all trials may make together. */
 static inline double tvi_trials_step_budget(const tvi_trials *trials)
 {
-    return fmin(fmax(TVI_LEAST_STEPS, TVI_PART_OF_RUN * trials->run_length_in_steps), TVI_MOST_STEPS);
+    return fmin(fmax(TRIALS_MIN_STEPS, TRIALS_PART_OF_RUN * trials->run_length_in_steps), TRIALS_MAX_STEPS);
 }
 /* Tells whether the budget allows this number of further steps. */
 static inline bool tvi_trials_have_budget_for_steps(const tvi_trials *trials, double steps)
@@ -82,15 +77,15 @@ static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_
            (trial->estimated_error == INFINITY ||
             fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) >= trials->largest_roundoff_distance);
 }
-/* Tells whether the estimate is below the aim by more than the factor TVI_TRIAL_BAND. */
+/* Tells whether the estimate is below the aim by more than the factor TRIAL_ERROR_BAND. */
 static inline bool tvi_trial_error_is_far_below_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return trial->estimated_error < trials->aimed_error / TVI_TRIAL_BAND;
+    return trial->estimated_error < trials->aimed_error / TRIAL_ERROR_BAND;
 }
-/* Tells whether the estimate is above the aim by more than the factor TVI_TRIAL_BAND. */
+/* Tells whether the estimate is above the aim by more than the factor TRIAL_ERROR_BAND. */
 static inline bool tvi_trial_error_is_far_above_aim(const tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    return tvi_trial_error_is_above(trials, trial, TVI_TRIAL_BAND * trials->aimed_error);
+    return tvi_trial_error_is_above(trials, trial, TRIAL_ERROR_BAND * trials->aimed_error);
 }
 
 #endif

@@ -123,16 +123,16 @@ tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const ev
 
 /* ---- Near a state ------------------------------------------------------------------------------------------------ */
 
-/* The degree of the Taylor polynomial along a line, and the number of tangents that are computed at once. */
-enum { ORDER = 8, SAMPLES = TVI_ROUNDOFF_SAMPLES };
+/* The number of tangents that are computed at once. */
+enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
 tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event)
 {
     const size_t slots = (size_t)event->series->slots;
-    expansion->series_block = malloc((ORDER + 1) * slots * sizeof *expansion->series_block);
+    expansion->series_block = malloc((EVENT_LINE_DEGREE + 1) * slots * sizeof *expansion->series_block);
     expansion->tangents = calloc(slots * SAMPLES, sizeof *expansion->tangents);
     if (!expansion->series_block || !expansion->tangents) return TVI_ENOMEM;
-    jet_tape_prepare_block(event->series, expansion->series_block, ORDER + 1, 1);
+    jet_tape_prepare_block(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
     return TVI_OK;
 }
 
@@ -190,7 +190,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
     if (status != TVI_OK) return status;
     *change = 0;
     *term_sum = sum_first_order_terms(event, expansion, displacement);
-    for (int k = 1; k <= ORDER; k++) {
+    for (int k = 1; k <= EVENT_LINE_DEGREE; k++) {
         double *order = expansion->series_block + (size_t)k * slots;
         for (size_t i = 0; i < inputs; i++) order[i] = k == 1 ? displacement[i] : 0;
         (void)jet_sweep_series(tape, expansion->series_block, k, 1);

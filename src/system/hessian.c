@@ -4,13 +4,6 @@
 
 #include <stdlib.h>
 
-/* Limits for the second derivatives of K = g f, which reduce the number of passes of large steps
- * (galerkin/hamiltonian.c). They are kept if the field with them has at most MOST_COST / 4 times as many operations
- * as the field alone; measurements show that otherwise more passes without them take as little time. The complete K''
- * is recorded only if the number of nodes of the graph times the number of rows is at most MOST_OF_WHOLE, and K''
- * without the term f g'' only if there are at most MOST_NODES nodes. */
-enum { MOST_COST = 13, MOST_OF_WHOLE = 4096, MOST_NODES = 800 };
-
 /* Makes room in *jets for the field, one more row of second derivatives, and the whole gradient that contains the
  * row. Also makes room in system->hessian for the entries of the row. */
 static bool grow_hessian_arrays(tvi_system *system, jet **jets)
@@ -86,7 +79,7 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
     return status == TVI_OK ? jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets) : status;
 }
 
-/* Drops the second derivatives if they cost too much beside the field (MOST_COST). */
+/* Drops the second derivatives if they cost too much beside the field (HESSIAN_MAX_COST). */
 static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
@@ -94,7 +87,7 @@ static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
     jet_tape *with_hessian =
         jet_tape_create(system->graph, rows, rows + system->hessian_entries, jets, JET_TAPE_VALUES);
     const bool created = field && with_hessian;
-    if (!created || 4 * with_hessian->slots > MOST_COST * field->slots) system->hessian_entries = 0;
+    if (!created || 4 * with_hessian->slots > HESSIAN_MAX_COST * field->slots) system->hessian_entries = 0;
     jet_tape_free(field);
     jet_tape_free(with_hessian);
     return created ? TVI_OK : TVI_ENOMEM;
@@ -105,12 +98,12 @@ tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2]
     const int rows = 2 * system->n, nodes = jet_graph_node_count(system->graph);
     tvi_status status = jet_graph_accept_outputs(system->graph, rows, system->field);
     if (status != TVI_OK) return status;
-    if (rows <= MOST_OF_WHOLE / nodes) {
+    if (rows <= HESSIAN_WHOLE_MAX_NUMBERS / nodes) {
         status = tvi_hessian_record(system, jets);
         if (status == TVI_OK) status = drop_expensive_hessian(system, *jets);
     }
     system->hessian_is_complete = system->hessian_entries > 0;
-    if (status != TVI_OK || system->hessian_is_complete || nodes > MOST_NODES) return status;
+    if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
     status = record_product_hessian(system, factor, jets);
     return status == TVI_OK ? drop_expensive_hessian(system, *jets) : status;
 }

@@ -55,11 +55,6 @@ static tvi_status factor_jacobian(tvi_legendre *legendre)
     return tvi_factor_compute(&legendre->jacobian_factor);
 }
 
-/* A solution has |y - f(x)| below this part of |y|. If the iteration runs off to infinity, the residual stays
- * large. */
-static const double SOLVED_RESIDUAL = 1e-6;
-enum { NEWTON_STEPS = 100, HALVINGS = 40, GROWTH_HALVINGS = 12 };
-
 /* Returns |y - f(x)| in the maximum norm. legendre->value contains f(x). */
 static double residual_norm(const tvi_legendre *legendre, const double y[])
 {
@@ -68,17 +63,18 @@ static double residual_norm(const tvi_legendre *legendre, const double y[])
     return largest;
 }
 
-/* Adds the correction to x, halved until f(x) exists and is nearer to y than before. After GROWTH_HALVINGS halvings
- * it need not be nearer, since roundoff may prevent that. */
+/* Adds the correction to x, halved until f(x) exists and is nearer to y than before. After
+ * LEGENDRE_MAX_GROWTH_HALVINGS halvings it need not be nearer, since roundoff may prevent that. */
 static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, const double q[], const double y[],
                                           double old_residual, double x[])
 {
     const int n = legendre->system->n;
     tvi_status status = TVI_OK;
-    for (int halving = 0; halving < HALVINGS; halving++) {
+    for (int halving = 0; halving < LEGENDRE_MAX_HALVINGS; halving++) {
         for (int i = 0; i < n; i++) legendre->moved[i] = x[i] + legendre->correction[i];
         status = tvi_legendre_evaluate(legendre, t, q, legendre->moved, legendre->value);
-        if (status == TVI_OK && (residual_norm(legendre, y) < old_residual || halving >= GROWTH_HALVINGS)) break;
+        if (status == TVI_OK && (residual_norm(legendre, y) < old_residual || halving >= LEGENDRE_MAX_GROWTH_HALVINGS))
+            break;
         for (int i = 0; i < n; i++) legendre->correction[i] /= 2;
     }
     if (status == TVI_OK) memcpy(x, legendre->moved, (size_t)n * sizeof *x);
@@ -96,14 +92,6 @@ static tvi_status compute_newton_correction(tvi_legendre *legendre, const double
     return status;
 }
 
-/* The Jacobian matrix dy/dx is used again if the residual is below this part of the residual for which it was
- * computed. */
-static const double JACOBIAN_REUSE_LIMIT = 1e-3;
-
-/* Corrections that no longer shrink are roundoff if they are below this part of x, or below TVI_ROUNDOFF_UNITS units
- * of the roundoff that y and f(x) cause in them. */
-static const double STALLED_CORRECTION = 1e-12;
-
 /* Estimates the roundoff of the corrections. */
 static double estimate_correction_roundoff(tvi_legendre *legendre, const double y[])
 {
@@ -114,19 +102,21 @@ static double estimate_correction_roundoff(tvi_legendre *legendre, const double 
         legendre->moved[i] =
             tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[system->n + i] + DBL_EPSILON * fabs(y[i]));
     tvi_factor_solve(&legendre->jacobian_factor, legendre->moved);
-    return TVI_ROUNDOFF_UNITS * tvi_largest_magnitude(system->n, legendre->moved, 1);
+    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(system->n, legendre->moved, 1);
 }
 
 /* Tells whether the correction that was just computed is the last one. */
 static bool is_last_correction(tvi_legendre *legendre, const double x[], const double y[], tvi_passes *passes)
 {
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
-    const tvi_passes_rule rule = {
-        .correction_goal = DBL_EPSILON * size, .max_trusted_ratio = 0.5, .stall_ratio = TVI_PASSES_ALL, .stall_lag = 1};
+    const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
+                                  .max_trusted_ratio = PASSES_MAX_CONTRACTION,
+                                  .stall_ratio = TVI_PASSES_ALL,
+                                  .stall_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
-    return largest <= STALLED_CORRECTION * size ||
+    return largest <= LEGENDRE_STALLED_CORRECTION * size ||
            tvi_passes_set_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
@@ -145,17 +135,17 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     tvi_passes_begin(&passes, 0);
     tvi_status status = tvi_legendre_evaluate(legendre, t, q, x, legendre->value);
     if (status == TVI_OK) scale = fmax(scale, tvi_largest_magnitude(n, legendre->value, 1));
-    for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
+    for (int step = 0; step < LEGENDRE_MAX_ITERATIONS && status == TVI_OK; step++) {
         const double residual = residual_norm(legendre, y);
         status = compute_newton_correction(legendre, y, !(residual <= reuse_limit));
         const bool is_singular = status == TVI_ESINGULAR && !was_singular && residual > 0;
         if (status != TVI_OK && !is_singular) return status;
         was_singular |= is_singular;
-        reuse_limit = is_singular ? -1 : JACOBIAN_REUSE_LIMIT * residual;
+        reuse_limit = is_singular ? -1 : LEGENDRE_REUSE_MAX_RATIO * residual;
         if (!is_singular && is_last_correction(legendre, x, y, &passes)) {
             for (int i = 0; i < n; i++) x[i] += legendre->correction[i];
             if (!tvi_all_finite(n, x)) return TVI_ENONFINITE;
-            return residual <= SOLVED_RESIDUAL * scale ? TVI_OK : TVI_ENOCONV;
+            return residual <= LEGENDRE_MAX_RESIDUAL * scale ? TVI_OK : TVI_ENOCONV;
         }
         status = apply_damped_correction(legendre, t, q, y, residual, x);
     }
@@ -200,11 +190,6 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
     return TVI_OK;
 }
 
-enum { PROBES = 8 };
-/* A matrix is regular if its least pivot is above this. The pivots of a singular matrix are roundoff, which may not
- * be exactly 0. */
-static const double CLEARLY_REGULAR = 1e-9;
-
 /* Computes dy/dx at pseudo-random points in (-1, 1), which are the same in each call. Points at which the field has
  * no value are left out. */
 tvi_status tvi_legendre_test_regularity(tvi_system *system)
@@ -218,7 +203,7 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
     if (status == TVI_OK && point) {
         unsigned random = 1;
         bool stated = false, regular = false;
-        for (int probe = 0; probe < PROBES && !regular; probe++) {
+        for (int probe = 0; probe < LEGENDRE_PROBES && !regular; probe++) {
             for (int i = 0; i < 2 * system->n; i++) {
                 random = random * 1664525u + 1013904223u;
                 point[i] = (random >> 8) * (2.0 / (1 << 24)) - 1;
@@ -227,7 +212,7 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
                 continue;
             stated = true;
             regular = factor_jacobian(&legendre) == TVI_OK &&
-                      tvi_factor_least_pivot(&legendre.jacobian_factor) > CLEARLY_REGULAR;
+                      tvi_factor_least_pivot(&legendre.jacobian_factor) > LEGENDRE_REGULAR_MIN_PIVOT;
         }
         system->regular = regular || !stated;
     }
@@ -235,5 +220,5 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
     free(point);
     if (status != TVI_OK || !point) return TVI_ENOMEM;
     if (system->regular || system->form != TVI_LAGRANGIAN) return TVI_OK;
-    return jet_refuse(TVI_ESINGULAR, "L_vv of the Lagrangian is singular at all of %d points", PROBES);
+    return jet_refuse(TVI_ESINGULAR, "L_vv of the Lagrangian is singular at all of %d points", LEGENDRE_PROBES);
 }

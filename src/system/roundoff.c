@@ -104,9 +104,6 @@ static bool are_close_to_start(int n, double distance, const double start[], con
     return true;
 }
 
-/* The motion counts as small up to this multiple of |h v_start|. */
-enum { SPEED_GROWTH = 4 };
-
 bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
                                   const double *q, const double *p, int lanes, int points)
 {
@@ -115,7 +112,7 @@ bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const doub
     double distance = 0;
     if (separable)
         for (int i = 0; i < n; i++) distance = fmax(distance, fabs(h * p_start[i] / system->mass[i]));
-    return are_close_to_start(n, tvi_largest_magnitude(n, q_start, 1) + SPEED_GROWTH * distance, q_start, q, lanes,
-                              points) ||
+    return are_close_to_start(n, tvi_largest_magnitude(n, q_start, 1) + ROUNDOFF_MAX_SPEED_GROWTH * distance, q_start,
+                              q, lanes, points) ||
            (!separable && are_close_to_start(n, tvi_largest_magnitude(n, p_start, 1), p_start, p, lanes, points));
 }

@@ -6,11 +6,6 @@
 
 #include "system/system.h"
 
-/* Corrections that no longer shrink count as roundoff if they are at most this many times the estimate. Near
- * equilibria, one in a hundred corrections by roundoff was larger than this, which costs a pass or a Jacobian matrix.
- * A correction below this limit does no harm even if it is not roundoff. */
-static const double TVI_ROUNDOFF_UNITS = 32;
-
 /* The memory in which roundoff is estimated. */
 typedef struct {
     double *field_change; /* [outputs of the field] The estimate of the change of each output by roundoff. */

@@ -10,9 +10,9 @@
 #include "problems/random.h"
 #include "suites.h"
 
-enum { MOST_TERMS = 21, DIRECTIONS = 2, ROW = DIRECTIONS * TVI_MOST_WIDTH };
+enum { MOST_TERMS = 21, DIRECTIONS = 2, ROW = DIRECTIONS * BATCH_MAX_WIDTH };
 
-static _Alignas(64) double weight[MOST_TERMS], weight_of_each[MOST_TERMS * TVI_MOST_WIDTH], table[MOST_TERMS * ROW];
+static _Alignas(64) double weight[MOST_TERMS], weight_of_each[MOST_TERMS * BATCH_MAX_WIDTH], table[MOST_TERMS * ROW];
 
 /* Terms of both signs and of many sizes: any other order of the terms has other bits. */
 static void fill(int width, uint64_t *bits)
@@ -33,7 +33,7 @@ static void check_same(const char *what, int count, int width, const double a[],
 
 START_TEST(sums_of_weighted_rows_have_the_same_bits)
 {
-    const int width = TVI_LEAST_WIDTH << _i;
+    const int width = BATCH_MIN_WIDTH << _i;
     const size_t stride = (size_t)(DIRECTIONS * width);
     _Alignas(64) double one[ROW], other[ROW];
     uint64_t bits = 1;

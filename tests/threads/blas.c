@@ -1,6 +1,6 @@
-/* blas.c - Prints the bits of a run whose equations are solved by LAPACK, of fewer and of more rows than DGETRF_BELOW
- * (src/algebra/linear.c): bodies whose Lagrangian does not separate, some steps. tests/blas_threads.sh compares what it
- * prints. */
+/* blas.c - Prints the bits of a run whose equations are solved by LAPACK, of fewer and of more rows than
+ * LAPACK_THREADED_MIN_ROWS (ad/measured.h): bodies whose Lagrangian does not separate, some steps.
+ * tests/blas_threads.sh compares what it prints. */
 #include "tvi.h"
 
 #include <inttypes.h>
