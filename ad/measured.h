@@ -101,11 +101,11 @@
 /* [numbers] Blocks of up to this size are local variables of a generated step, so that compilers know that nothing else
  * changes them (make performance ONE=compiled). */
 #define GALERKIN_MAX_LOCAL 4096
-/* [1] Inner rounds end when the square of the next movement is this many times that of the error of the expansion to
- * first order. Half of this bound takes more time, twice this bound takes more passes. */
-#define GALERKIN_ROUNDS_GOAL 4
-/* [rounds] A pass has at most so many inner rounds. */
-#define GALERKIN_MAX_ROUNDS 32
+/* [1] Inner iterations end when the square of the next movement is this many times that of the error of the expansion
+ * to first order. Half of this bound takes more time, twice this bound takes more passes. */
+#define GALERKIN_INNER_GOAL 4
+/* [iterations] A pass has at most so many inner iterations. */
+#define GALERKIN_MAX_INNER_ITERATIONS 32
 /* [1] The next pass reuses second derivatives after a relative movement whose square is at most this. In the equations
  * of a Hamiltonian its error is the cube of that movement; for a Lagrangian make longrun SCENE=double_pendulum shows
  * it. */

@@ -16,15 +16,15 @@ typedef struct {
     galerkin_tail_inputs tail_inputs;
     galerkin_step_data step_data;
     galerkin_batch_iteration iteration;
-    /* [member_count] Masks. All bits of lanes_mask are set if the member is stepped together with others. All bits
-     * of last_step_mask are set if its unknowns are predicted from its last step alone. */
-    long long *lanes_mask, *last_step_mask;
+    /* [member_count] All bits of stepped_together_mask are set if the member takes this step together with others. All
+     * bits of last_step_only_mask are set if its unknowns are predicted from its last step alone. */
+    long long *stepped_together_mask, *last_step_only_mask;
     tvi_increments increments; /* [n][member_count] the increments of the state */
     double *tail;              /* [width] */
     /* The integrator's history stores `history`, last_ring_index and impulse_ring. */
-    galerkin_history *history; /* [member_count]; last_ring_index is not used */
+    galerkin_history *history; /* [member_count] each member's history; its own last_ring_index is not used */
     long *last_ring_index;
-    /* [unknowns][node_count][member_count] The impulses of the last two steps and of the next one. */
+    /* [unknowns][node_count][member_count] The impulses (galerkin_nodes) of the last two steps and of the next one. */
     double *impulse_ring[GALERKIN_RING];
 } galerkin_batch_stepper;
 
@@ -57,8 +57,8 @@ static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const 
 {
     const size_t row_arrays = (size_t)system->inputs * (size_t)member_count,
                  impulse_count = row_arrays * (size_t)node_count;
-    *nodes = (galerkin_nodes){.unknowns = system->inputs,
-                              .unknowns_per_half = system->n,
+    *nodes = (galerkin_nodes){.unknown_count = system->inputs,
+                              .unknown_count_per_half = system->n,
                               .node_count = node_count,
                               .member_count = member_count};
     nodes->values = tvi_arena_allocate_block(arena, system->field_values, 1, node_count * member_count, 0);
@@ -82,13 +82,17 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     double **const row_arrays[] = {&sums->single_integral,   &sums->double_integral,      &sums->last_term,
                                    &sums->end_impulse_size,  &sums->single_integral_low,  &sums->double_integral_low,
                                    &stepper.step_data.drift, &stepper.step_data.drift_low};
-    double **const of_n[] = {&stepper.increments.dq,     &stepper.increments.dp,     &stepper.increments.dq_low,
-                             &stepper.increments.dp_low, &stepper.tail_inputs.share, &stepper.tail_inputs.ratio};
+    double **const of_n[] = {&stepper.increments.dq,
+                             &stepper.increments.dp,
+                             &stepper.increments.dq_low,
+                             &stepper.increments.dp_low,
+                             &stepper.tail_inputs.component_share,
+                             &stepper.tail_inputs.component_ratio};
     for (size_t i = 0; i < 8; i++) *row_arrays[i] = tvi_arena_allocate_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
     stepper.tail = tvi_arena_allocate_doubles(arena, count);
-    stepper.lanes_mask = tvi_arena_allocate(arena, count * sizeof *stepper.lanes_mask);
-    stepper.last_step_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_mask);
+    stepper.stepped_together_mask = tvi_arena_allocate(arena, count * sizeof *stepper.stepped_together_mask);
+    stepper.last_step_only_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_only_mask);
     stepper.history = tvi_arena_allocate_in_history(arena, count * sizeof *stepper.history);
     stepper.last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *stepper.last_ring_index);
     for (int i = 0; i < GALERKIN_RING; i++)
@@ -107,8 +111,8 @@ static void prepare_batch_stepper(void *work)
     tvi_member_stepper_set_tables(&stepper->member_stepper);
     const galerkin_nodes *member_nodes = &single_stepper->field.nodes;
     nodes->moving_mask = stepper->iteration.moving_mask;
-    nodes->lanes = member_nodes->lanes;
-    nodes->moving_unknowns = member_nodes->moving_unknowns;
+    nodes->lane_count = member_nodes->lane_count;
+    nodes->moving_unknown_count = member_nodes->moving_unknown_count;
     nodes->impulse_weight = member_nodes->impulse_weight;
     nodes->impulse_scale = member_nodes->impulse_scale;
     nodes->momentum_per_unit_drift = member_nodes->momentum_per_unit_drift;
@@ -116,8 +120,8 @@ static void prepare_batch_stepper(void *work)
     const galerkin_tail_inputs arrays = stepper->tail_inputs;
     stepper->tail_inputs = single_stepper->tail_inputs;
     stepper->tail_inputs.impulse_sums = arrays.impulse_sums;
-    stepper->tail_inputs.share = arrays.share;
-    stepper->tail_inputs.ratio = arrays.ratio;
+    stepper->tail_inputs.component_share = arrays.component_share;
+    stepper->tail_inputs.component_ratio = arrays.component_ratio;
     stepper->step_data = single_stepper->step_data;
     stepper->step_data.kernels = *kernel_tables[single_stepper->field.system->field_values->sweeps->isa];
     stepper->step_data.nodes = nodes;
@@ -135,17 +139,17 @@ static void gather_member_impulses(const galerkin_batch_stepper *stepper, const 
                                    double *destination)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         tvi_gather_member(nodes->node_count, nodes->member_count, source + u * nodes->node_count * nodes->member_count,
-                          member, destination + u * nodes->lanes);
+                          member, destination + u * nodes->lane_count);
 }
 
 static void scatter_member_impulses(const galerkin_batch_stepper *stepper, const double *source, int member,
                                     double *destination)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
-    for (int u = 0; u < nodes->unknowns; u++)
-        tvi_scatter_member(nodes->node_count, nodes->member_count, source + u * nodes->lanes, member,
+    for (int u = 0; u < nodes->unknown_count; u++)
+        tvi_scatter_member(nodes->node_count, nodes->member_count, source + u * nodes->lane_count, member,
                            destination + u * nodes->node_count * nodes->member_count);
 }
 
@@ -199,8 +203,8 @@ static void step_member_alone(galerkin_batch_stepper *stepper, double h, const t
 
 /* Selects the members whose last step had size h and ended at the time t, so that this step can be made in lanes.
  * Returns the number of these members. */
-static int select_members_for_lanes(galerkin_batch_stepper *stepper, double h, const double t[],
-                                    const tvi_status status[])
+static int select_members_to_step_together(galerkin_batch_stepper *stepper, double h, const double t[],
+                                           const tvi_status status[])
 {
     int count = 0;
     for (int member = 0; member < stepper->nodes.member_count; member++) {
@@ -208,9 +212,9 @@ static int select_members_for_lanes(galerkin_batch_stepper *stepper, double h, c
         const bool is_next =
             status[member] == TVI_OK && history->step_size == h && galerkin_follows_last_step(history, h, t[member]);
         stepper->iteration.largest_contraction_ratio[member] = history->convergence.largest_contraction_ratio;
-        stepper->lanes_mask[member] = stepper->iteration.moving_mask[member] = is_next ? -1 : 0;
-        stepper->last_step_mask[member] = galerkin_mask_rough_prediction(
-            &stepper->step_data, history->previous_step_size == h ? 2 : 1, history->convergence.first_movement);
+        stepper->stepped_together_mask[member] = stepper->iteration.moving_mask[member] = is_next ? -1 : 0;
+        stepper->last_step_only_mask[member] = galerkin_mask_last_step_only(
+            &stepper->step_data, history->previous_step_size == h ? 2 : 1, history->convergence.first_movement_square);
         count += is_next;
     }
     return count;
@@ -222,7 +226,8 @@ static void freeze_member_at_start(galerkin_batch_stepper *stepper, int member)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
     stepper->iteration.moving_mask[member] = 0;
-    for (int at = member; at < nodes->unknowns * nodes->node_count * nodes->member_count; at += nodes->member_count) {
+    for (int at = member; at < nodes->unknown_count * nodes->node_count * nodes->member_count;
+         at += nodes->member_count) {
         nodes->impulses[at] = nodes->drift_values_low[at] = 0;
         nodes->drift_values[at] =
             nodes->start_values[at / (nodes->node_count * nodes->member_count) * nodes->member_count + member];
@@ -232,7 +237,7 @@ static void freeze_member_at_start(galerkin_batch_stepper *stepper, int member)
 static void set_node_times(const galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
-    double *t = nodes->values + nodes->unknowns * nodes->node_count * nodes->member_count;
+    double *t = nodes->values + nodes->unknown_count * nodes->node_count * nodes->member_count;
     if (!stepper->single_stepper->field.system->uses_time) return;
     for (int i = 0; i < nodes->node_count; i++)
         for (int member = 0; member < nodes->member_count; member++)
@@ -264,8 +269,8 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
             !tvi_is_member_inside_domain(&stepper->member_stepper, tape, nodes->values, nodes->node_count, member))
             freeze_member_at_start(stepper, member);
     }
-    stepper->step_data.kernels->move(nodes, stepper->step_data.impulse_matrix, nodes->values, field->rate_row,
-                                     movement);
+    stepper->step_data.kernels->move(nodes, stepper->step_data.impulse_matrix, nodes->values,
+                                     field->rate_row_of_unknown, movement);
     return TVI_OK;
 }
 
@@ -273,12 +278,12 @@ static void solve_members_in_lanes(galerkin_batch_stepper *stepper, double h, co
                                    const tvi_step_origin *origin, tvi_stats *stats)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
-    const galerkin_extrapolation extrapolation =
-        galerkin_select_extrapolation(&stepper->step_data, (int)*stepper->last_ring_index, stepper->last_step_mask);
+    const galerkin_extrapolation extrapolation = galerkin_select_extrapolation(
+        &stepper->step_data, (int)*stepper->last_ring_index, stepper->last_step_only_mask);
     batch_pass_work pass_work = {stepper, stats};
     galerkin_set_drift_values(&stepper->step_data, nodes, origin);
     for (int member = 0; member < nodes->member_count; member++)
-        if (!stepper->lanes_mask[member]) freeze_member_at_start(stepper, member);
+        if (!stepper->stepped_together_mask[member]) freeze_member_at_start(stepper, member);
     stepper->step_data.kernels->predict(nodes, &extrapolation);
     set_node_times(stepper, h, origins);
     stepper->step_data.kernels->set_sizes(nodes, stepper->single_stepper->n);
@@ -286,18 +291,19 @@ static void solve_members_in_lanes(galerkin_batch_stepper *stepper, double h, co
                              &(galerkin_pass_functions){.make_pass = make_batch_pass, .work = &pass_work},
                              &stepper->iteration);
     for (int member = 0; member < nodes->member_count; member++)
-        stepper->lanes_mask[member] = stepper->iteration.converged_mask[member];
+        stepper->stepped_together_mask[member] = stepper->iteration.converged_mask[member];
 }
 
 /* The index of the last step in the ring advances for all members together. This function moves the impulses of
  * members that are stepped alone by one place in the ring, so that their history stays the same. */
-static void shift_impulses_of_lone_members(const galerkin_batch_stepper *stepper)
+static void shift_impulse_ring_of_lone_members(const galerkin_batch_stepper *stepper)
 {
-    const int member_count = stepper->nodes.member_count, rows = stepper->nodes.unknowns * stepper->nodes.node_count;
+    const int member_count = stepper->nodes.member_count,
+              rows = stepper->nodes.unknown_count * stepper->nodes.node_count;
     double *const before = impulses_of_step(stepper, -1), *const last = impulses_of_step(stepper, 0),
                   *const next = impulses_of_step(stepper, 1);
     for (int member = 0; member < member_count; member++)
-        for (int at = member; at < rows * member_count && !stepper->lanes_mask[member]; at += member_count) {
+        for (int at = member; at < rows * member_count && !stepper->stepped_together_mask[member]; at += member_count) {
             next[at] = last[at];
             last[at] = before[at];
         }
@@ -305,13 +311,13 @@ static void shift_impulses_of_lone_members(const galerkin_batch_stepper *stepper
 }
 
 /* Copies the elements of rows [member_count] that belong to members in lanes. */
-static void copy_members_in_lanes(const galerkin_batch_stepper *stepper, int rows, const double *source,
-                                  double *destination)
+static void copy_rows_of_members_in_lanes(const galerkin_batch_stepper *stepper, int row_count, const double *source,
+                                          double *destination)
 {
     const int member_count = stepper->nodes.member_count;
-    for (int i = 0; i < rows; i++, source += member_count, destination += member_count)
+    for (int i = 0; i < row_count; i++, source += member_count, destination += member_count)
         for (int member = 0; member < member_count; member++)
-            destination[member] = stepper->lanes_mask[member] ? source[member] : destination[member];
+            destination[member] = stepper->stepped_together_mask[member] ? source[member] : destination[member];
 }
 
 static void finish_step_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
@@ -319,21 +325,21 @@ static void finish_step_in_lanes(galerkin_batch_stepper *stepper, double h, cons
 {
     const int n = stepper->single_stepper->n;
     galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments, stepper->tail);
-    shift_impulses_of_lone_members(stepper);
-    copy_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
-    copy_members_in_lanes(stepper, n, stepper->increments.dp, results->increments.dp);
-    copy_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
-    copy_members_in_lanes(stepper, n, stepper->increments.dp_low, results->increments.dp_low);
-    copy_members_in_lanes(stepper, 1, stepper->tail, results->tail);
+    shift_impulse_ring_of_lone_members(stepper);
+    copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
+    copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp, results->increments.dp);
+    copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
+    copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp_low, results->increments.dp_low);
+    copy_rows_of_members_in_lanes(stepper, 1, stepper->tail, results->tail);
     for (int member = 0; member < stepper->nodes.member_count; member++) {
-        if (!stepper->lanes_mask[member]) continue;
+        if (!stepper->stepped_together_mask[member]) continue;
         stepper->history[member] =
             (galerkin_history){.step_size = h,
                                .previous_step_size = h,
                                .start_time = origins->t[member],
                                .convergence = {stepper->iteration.largest_contraction_ratio[member],
-                                               stepper->iteration.first_movement[member]}};
-        results->passes[member] = (int)stepper->iteration.pass_count[member];
+                                               stepper->iteration.first_movement_square[member]}};
+        results->passes[member] = (int)stepper->iteration.pass_count_as_double[member];
     }
 }
 
@@ -344,12 +350,12 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origins, co
     const tvi_step_origin origin = {0, 0, origins->q, origins->q_low, origins->p, origins->p_low};
     tvi_galerkin_set_step_size(stepper->single_stepper, h);
     stepper->nodes.impulses = impulses_of_step(stepper, 1);
-    if (select_members_for_lanes(stepper, h, origins->t, results->status) > 0) {
+    if (select_members_to_step_together(stepper, h, origins->t, results->status) > 0) {
         solve_members_in_lanes(stepper, h, origins, &origin, stats);
         finish_step_in_lanes(stepper, h, origins, &origin, results);
     }
     for (int member = 0; member < stepper->nodes.member_count; member++)
-        if (results->status[member] == TVI_OK && !stepper->lanes_mask[member])
+        if (results->status[member] == TVI_OK && !stepper->stepped_together_mask[member])
             step_member_alone(stepper, h, origins, results, member, stats);
 }
 

@@ -1,5 +1,7 @@
-/* blocks.h - Evaluates tapes for passes that use second derivatives (docs/method.md section 5), and predicts rates
- * for them. The library and generated code include it; in generated code all sizes are constants. */
+/* blocks.h - Evaluates the gradient of a Lagrangian L(q, v) or a Hamiltonian K(q, p) at the nodes of a Galerkin curve,
+ * with or without its second derivatives, and predicts the rates of the unknowns. The passes that use second
+ * derivatives call it (docs/method.md section 5). The library and generated code include it; in generated code all
+ * sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_BLOCKS_H
 #define TVI_SRC_GALERKIN_BLOCKS_H
 
@@ -9,11 +11,12 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* The blocks of the tapes of a gradient: that of L(q, v), or that of K(q, p) = g h (hamiltonian.c). The first rows
- * of a block are n rows for q, n rows for v or p, then the time and the parameters. */
+/* The blocks of numbers of the tapes that compute a gradient: that of L(q, v), or that of K(q, p) (hamiltonian.c). A
+ * block begins with the input_count inputs of the tape, one row of lane_count numbers each: n rows for q, n rows for v
+ * or p, then the time and the parameters. */
 typedef struct {
-    int n, lanes, inputs;
-    const void *sweep_data; /* the galerkin_field, for tvi_galerkin_sweep_tape */
+    int n, lane_count, input_count;
+    const void *sweep_argument; /* the galerkin_field, which tvi_galerkin_sweep_tape needs */
     /* values_block is the block of the tape of the gradient. hessian_block is the block of the tape that also
      * computes second derivatives; one row of zeros follows it. */
     double *values_block, *hessian_block;
@@ -29,28 +32,29 @@ static inline const double *galerkin_evaluate_gradient(const galerkin_tape_block
                                                        bool with_hessian)
 {
     if (with_hessian)
-        memcpy(blocks->hessian_block, blocks->values_block, (size_t)(blocks->inputs * blocks->lanes) * sizeof(double));
+        memcpy(blocks->hessian_block, blocks->values_block,
+               (size_t)(blocks->input_count * blocks->lane_count) * sizeof(double));
     return !sweep(blocks, with_hessian) ? NULL : with_hessian ? blocks->hessian_block : blocks->values_block;
 }
 
-/* Evaluates the gradient at the nodes, where the coordinates are q [n][lanes] and the velocities or momenta are
- * second_input [n][lanes]. */
+/* Evaluates the gradient at the nodes, with the coordinates q [n][lanes] and the velocities or momenta v_or_p
+ * [n][lanes]. */
 static inline const double *galerkin_evaluate_gradient_at_nodes(const galerkin_tape_blocks *blocks,
                                                                 galerkin_sweep *sweep, bool with_hessian,
-                                                                const double *q, const double *second_input)
+                                                                const double *q, const double *v_or_p)
 {
-    const int half = blocks->n * blocks->lanes;
+    const int half = blocks->n * blocks->lane_count;
     memcpy(blocks->values_block, q, (size_t)half * sizeof *q);
-    memcpy(blocks->values_block + half, second_input, (size_t)half * sizeof *second_input);
+    memcpy(blocks->values_block + half, v_or_p, (size_t)half * sizeof *v_or_p);
     return galerkin_evaluate_gradient(blocks, sweep, with_hessian);
 }
 
-/* Predicts the rates of the unknowns, impulse / (h b_j), from the impulses of earlier steps. In rate_nodes the
- * unknowns are these rates, and their values at the start are 0. */
+/* Predicts the rates of the unknowns from the impulses of earlier steps, which are the rates times h b_j (step size
+ * times quadrature weight). rate_nodes has these rates as its unknowns; their values at the start are 0. */
 static inline void galerkin_predict_rates(const galerkin_kernels *kernels, const galerkin_nodes *rate_nodes,
                                           const galerkin_extrapolation *extrapolation)
 {
-    for (int u = 0; u < rate_nodes->unknowns; u++) rate_nodes->impulse_scale[u] = 1 / extrapolation->step_size;
+    for (int u = 0; u < rate_nodes->unknown_count; u++) rate_nodes->impulse_scale[u] = 1 / extrapolation->step_size;
     GALERKIN_KERNEL(kernels, predict, rate_nodes, extrapolation);
 }
 

@@ -1,4 +1,5 @@
-/* coefficients.c - Computes the coefficients of Gauss collocation (coefficients.h). */
+/* coefficients.c - Computes the nodes, the weights and the impulse matrix of Gauss collocation, and the polynomials
+ * through the nodes (coefficients.h). */
 #include "galerkin/coefficients.h"
 #include "algebra/quadrature.h"
 
@@ -14,22 +15,25 @@ void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomia
     polynomials->node_count = node_count;
     polynomials->sweeps = sweeps;
     polynomials->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
-    polynomials->transposed_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
+    polynomials->transposed_legendre_coefficient =
+        tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
     polynomials->single_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
     polynomials->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
-/* Computes P_0 .. P_top at x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
-static void evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int top, long double s,
+/* Computes P_0 .. P_max_degree at x = 2 s - 1, max_degree >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
+static void evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int max_degree, long double s,
                                           long double P[])
 {
     const long double x = 2 * s - 1;
     P[0] = 1;
     P[1] = x;
-    for (int k = 1; k < top; k++) P[k + 1] = ((2 * k + 1) * x * P[k] - k * P[k - 1]) * polynomials->reciprocal[k + 1];
+    for (int k = 1; k < max_degree; k++)
+        P[k + 1] = ((2 * k + 1) * x * P[k] - k * P[k - 1]) * polynomials->reciprocal_integer[k + 1];
 }
 
-/* Computes the coefficients (2 k + 1) P_k(2 c_j - 1) of l_j / b_j, since the Gauss rule is exact for l_j P_k. */
+/* Computes the factors (2 k + 1) P_k(2 c_j - 1) of the polynomials P_k(2 s - 1) in l_j(s) / b_j (coefficients.h). They
+ * have this form because the Gauss rule is exact for l_j P_k. */
 static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
     const int m = polynomials->node_count;
@@ -37,7 +41,7 @@ static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, in
     for (int j = 0; j < m; j++) {
         evaluate_legendre_polynomials(polynomials, m, node[j], P);
         for (int k = 0; k < m; k++)
-            polynomials->legendre_coefficient[k * m + j] = polynomials->transposed_coefficient[j * lanes + k] =
+            polynomials->legendre_coefficient[k * m + j] = polynomials->transposed_legendre_coefficient[j * lanes + k] =
                 (double)((2 * k + 1) * P[k]);
     }
 }
@@ -45,7 +49,7 @@ static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, in
 void tvi_galerkin_prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
     double single_integral[MAX_LANES], double_integral[MAX_LANES];
-    for (int k = 1; k < MAX_LANES + 2; k++) polynomials->reciprocal[k] = 1 / (long double)k;
+    for (int k = 1; k < MAX_LANES + 2; k++) polynomials->reciprocal_integer[k] = 1 / (long double)k;
     for (int k = 1; k < MAX_LANES + 1; k++) polynomials->legendre_integral_factor[k] = 1 / (long double)(4 * k + 2);
     set_legendre_coefficients(polynomials, lanes, node);
     for (int place = 0; place < TVI_SAMPLES; place++) {
@@ -117,13 +121,13 @@ void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi
 {
     const size_t width = (size_t)lanes;
     coefficients->node_count = node_count;
-    coefficients->lanes = lanes;
+    coefficients->lane_count = lanes;
     coefficients->node_weight = tvi_arena_allocate_doubles(arena, width);
     coefficients->node_abscissa = tvi_arena_allocate_doubles(arena, width);
     coefficients->impulse_matrix = tvi_arena_allocate_doubles(arena, width * width);
-    coefficients->end_weights.node_count = node_count;
-    coefficients->end_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
-    coefficients->end_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
+    coefficients->end_sum_weights.node_count = node_count;
+    coefficients->end_sum_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
+    coefficients->end_sum_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
 }
 
 static double round_to_binary_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
@@ -134,23 +138,24 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
 {
     const int m = coefficients->node_count;
     double left = 1;
-    tvi_quadrature_compute_nodes(TVI_GAUSS, m, coefficients->long_abscissa, coefficients->long_weight);
+    tvi_quadrature_compute_nodes(TVI_GAUSS, m, coefficients->long_double_abscissa, coefficients->long_double_weight);
     for (int i = 0; i < m; i++) {
-        coefficients->long_abscissa[i] = (1 + coefficients->long_abscissa[i]) / 2;
-        coefficients->long_weight[i] /= 2;
+        coefficients->long_double_abscissa[i] = (1 + coefficients->long_double_abscissa[i]) / 2;
+        coefficients->long_double_weight[i] /= 2;
     }
     for (int i = 0; i < (m + 1) / 2; i++) {
-        coefficients->node_abscissa[i] = round_to_binary_grid(coefficients->long_abscissa[i], 53);
+        coefficients->node_abscissa[i] = round_to_binary_grid(coefficients->long_double_abscissa[i], 53);
         coefficients->node_abscissa[m - 1 - i] = 1 - coefficients->node_abscissa[i];
         coefficients->node_weight[i] = coefficients->node_weight[m - 1 - i] =
-            i < m - 1 - i ? round_to_binary_grid(coefficients->long_weight[i], 53) : left;
+            i < m - 1 - i ? round_to_binary_grid(coefficients->long_double_weight[i], 53) : left;
         left -= 2 * coefficients->node_weight[i];
     }
     if (m % 2 == 0)
         coefficients->node_weight[m / 2 - 1] = coefficients->node_weight[m / 2] =
             coefficients->node_weight[m / 2] + left / 2;
-    coefficients->inverse_end_weight = 1 / coefficients->node_weight[0];
-    for (int i = m; i < coefficients->lanes; i++) coefficients->node_abscissa[i] = coefficients->node_abscissa[m - 1];
+    coefficients->inverse_outermost_weight = 1 / coefficients->node_weight[0];
+    for (int i = m; i < coefficients->lane_count; i++)
+        coefficients->node_abscissa[i] = coefficients->node_abscissa[m - 1];
 }
 
 /* Sets the weights of the sums at the end of a step. The rate of an unknown is sum_k f_k P_k(x), x in [-1, 1], with
@@ -160,42 +165,43 @@ static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_
 {
     const int m = coefficients->node_count;
     for (int j = 0; j < m; j++) {
-        coefficients->end_weights.one_minus_abscissa[j] = 1 - coefficients->node_abscissa[j];
-        coefficients->end_weights.last_term_weight[j] =
-            polynomials->transposed_coefficient[j * coefficients->lanes + m - 1];
+        coefficients->end_sum_weights.one_minus_abscissa[j] = 1 - coefficients->node_abscissa[j];
+        coefficients->end_sum_weights.last_term_weight[j] =
+            polynomials->transposed_legendre_coefficient[j * coefficients->lane_count + m - 1];
     }
 }
 
-/* Returns the element (i, j), i >= j, of the impulse matrix: sum_k a_ik a_kj / b_j for a separable system, and a_ij
- * / b_j for any other. The element (i, j) of collocation_matrix is a_ij / b_j. The exact double integral of l_j must
- * not replace a a, since the method would not be symplectic. */
-static long double compute_impulse_factor(const galerkin_coefficients *coefficients, bool is_second_order,
-                                          long double collocation_matrix[][MAX_LANES], int i, int j)
+/* Returns the element (i, j), i >= j, of the impulse matrix: sum_k a_ik a_kj / b_j for a separable system, and a_ij /
+ * b_j for any other, where a_ij is the integral of l_j from 0 to c_i. The element (i, j) of collocation_matrix is a_ij
+ * / b_j. The exact double integral of l_j must not replace the sum, since the method would not be symplectic. */
+static long double compute_impulse_matrix_element(const galerkin_coefficients *coefficients, bool is_second_order,
+                                                  long double collocation_matrix[][MAX_LANES], int i, int j)
 {
     long double square = 0;
     if (!is_second_order) return collocation_matrix[i][j];
     for (int k = 0; k < coefficients->node_count; k++)
-        square += collocation_matrix[i][k] * coefficients->long_weight[k] * collocation_matrix[k][j];
+        square += collocation_matrix[i][k] * coefficients->long_double_weight[k] * collocation_matrix[k][j];
     return square;
 }
 
-/* Sets the impulse matrix nu. Its elements are multiples of 2^-52. The elements above the diagonal follow from the
- * condition of symplecticity, which then holds exactly: nu_ij - nu_ji = c_i - c_j for a separable system, and nu_ij
- * + nu_ji = 1 for any other. The condition of symmetry, nu_ij = nu_{m-1-j, m-1-i}, holds, too. */
+/* Sets the impulse matrix nu (coefficients.h) for m nodes c_i. Its elements are multiples of 2^-52. The elements above
+ * the diagonal follow from the condition of symplecticity, which then holds exactly: nu_ij - nu_ji = c_i - c_j for a
+ * separable system, and nu_ij + nu_ji = 1 for any other. The condition of symmetry, nu_ij = nu_{m-1-j, m-1-i}, holds,
+ * too. */
 static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials,
                                bool is_second_order)
 {
     long double collocation_matrix[MAX_LANES][MAX_LANES];
-    const int m = coefficients->node_count, lanes = coefficients->lanes;
+    const int m = coefficients->node_count, lanes = coefficients->lane_count;
     double *matrix = coefficients->impulse_matrix;
     for (int i = 0; i < m; i++)
-        tvi_galerkin_integrate_node_polynomials(polynomials, coefficients->long_abscissa[i],
-                                                coefficients->long_abscissa, collocation_matrix[i]);
+        tvi_galerkin_integrate_node_polynomials(polynomials, coefficients->long_double_abscissa[i],
+                                                coefficients->long_double_abscissa, collocation_matrix[i]);
     for (int i = 0; i < m; i++)
         for (int j = 0; j <= i; j++) {
             const long double exact =
-                compute_impulse_factor(coefficients, is_second_order, collocation_matrix, i, j) +
-                compute_impulse_factor(coefficients, is_second_order, collocation_matrix, m - 1 - j, m - 1 - i);
+                compute_impulse_matrix_element(coefficients, is_second_order, collocation_matrix, i, j) +
+                compute_impulse_matrix_element(coefficients, is_second_order, collocation_matrix, m - 1 - j, m - 1 - i);
             const double nu = round_to_binary_grid(exact / 2, 52);
             matrix[j * lanes + i] = nu;
             matrix[i * lanes + j] =
@@ -209,7 +215,7 @@ void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, gale
                                        bool is_second_order)
 {
     set_nodes_and_weights(coefficients);
-    tvi_galerkin_prepare_node_polynomials(polynomials, coefficients->lanes, coefficients->long_abscissa);
+    tvi_galerkin_prepare_node_polynomials(polynomials, coefficients->lane_count, coefficients->long_double_abscissa);
     set_end_weights(coefficients, polynomials);
     set_impulse_matrix(coefficients, polynomials, is_second_order);
 }

@@ -1,5 +1,6 @@
-/* coefficients.h - Computes the coefficients of Gauss collocation, as they act on impulses (docs/method.md section 6),
- * and polynomials through the Gauss nodes. */
+/* coefficients.h - Computes the coefficients of Gauss collocation (nodes c_i, weights b_i, matrix a_ij), in the form in
+ * which they multiply impulses, which are rates times h b_j (docs/method.md section 6), and the polynomials through the
+ * nodes. The stepper (galerkin.c), the predictor and the dense output use them. */
 #ifndef TVI_SRC_GALERKIN_COEFFICIENTS_H
 #define TVI_SRC_GALERKIN_COEFFICIENTS_H
 
@@ -13,11 +14,11 @@ typedef struct {
     const jet_sweeps *sweeps;
     /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
     double *legendre_coefficient;
-    long double reciprocal[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */
+    long double reciprocal_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */
     /* [k] 1 / (4 k + 2), a factor in integrals of Legendre's polynomials. */
     long double legendre_integral_factor[TVI_GALERKIN_MAX_LANES + 1];
     /* [j][lanes] legendre_coefficient, transposed: a row holds the factors of P_0, P_1, .. for one node */
-    double *transposed_coefficient;
+    double *transposed_legendre_coefficient;
     /* [lanes][TVI_SAMPLES] The single and double integrals of l_j / b_j from 0 to each sample point. */
     double *single_integral, *double_integral;
 } galerkin_node_polynomials;
@@ -37,14 +38,15 @@ void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, 
                                   double double_integral[]);
 
 typedef struct {
-    int node_count, lanes;
+    int node_count, lane_count;
     double *node_weight, *node_abscissa; /* [lanes] */
-    /* The reciprocal of the weight of the first and of the last node. */
-    double inverse_end_weight;
-    /* [j][i] The factor of the impulse of node j in an unknown at node i. */
+    /* The reciprocal 1 / b_j for the first and the last node, whose weights are equal. */
+    double inverse_outermost_weight;
+    /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a
+     * separable system. */
     double *impulse_matrix;
-    galerkin_end_weights end_weights;
-    long double long_abscissa[TVI_GALERKIN_MAX_LANES], long_weight[TVI_GALERKIN_MAX_LANES];
+    galerkin_end_sum_weights end_sum_weights;
+    long double long_double_abscissa[TVI_GALERKIN_MAX_LANES], long_double_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 
 void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi_arena *arena, int node_count,

@@ -39,9 +39,10 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const 
                     "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, GALERKIN_PARTS = %d, "
                     "GALERKIN_TAIL_PARTS = %d, GALERKIN_IS_SEPARABLE = %d, "
                     "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
-                    nodes->lanes, field->node_count, field->system->n, nodes->unknowns, nodes->moving_unknowns,
-                    nodes->subsystems.count, field->system->tail_parts.count, galerkin_is_second_order(field),
-                    galerkin_count_input_rows(field->system->field_values), nodes->lanes);
+                    nodes->lane_count, field->node_count, field->system->n, nodes->unknown_count,
+                    nodes->moving_unknown_count, nodes->subsystems.count, field->system->tail_parts.count,
+                    galerkin_is_second_order(field), galerkin_count_input_rows(field->system->field_values),
+                    nodes->lane_count);
     emit_text_lines(text, tvi_embedded_galerkin);
     emit_passes_rule(text, rule);
     field->form->emit(text, field);

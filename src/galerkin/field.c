@@ -5,10 +5,10 @@
 
 static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)
 {
-    field->pass_input_row_count = field->nodes.unknowns;
-    field->nodes.values = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
+    field->pass_input_row_count = field->nodes.unknown_count;
+    field->nodes.values = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lane_count, 0);
     field->tape_block = field->nodes.values;
-    field->rate_to_unknown = field->impulse_matrix;
+    field->impulse_to_predicted = field->impulse_matrix;
 }
 
 /* Returns the tape's output slot that contains the rate of an unknown: F for a separable system; H_p for a
@@ -21,26 +21,27 @@ static int find_rate_slot(const tvi_system *system, int unknown)
 
 static void prepare_fixed_point_field(galerkin_field *field)
 {
-    for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = find_rate_slot(field->system, u);
+    for (int u = 0; u < field->nodes.unknown_count; u++)
+        field->rate_row_of_unknown[u] = find_rate_slot(field->system, u);
 }
 
-void tvi_galerkin_add_value_displacements(const galerkin_field *field, const jet_tape *tape, double *block)
+void tvi_galerkin_displace_tape_outputs(const galerkin_field *field, const jet_tape *tape, double *block)
 {
-    const int lanes = field->nodes.lanes;
+    const int lanes = field->nodes.lane_count;
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
             block[tape->output_slot[i] * lanes + lane] +=
-                tvi_roundoff_sign_randomly(field->value_displacements, field->value_displacements->field_change[i]);
+                tvi_roundoff_sign_randomly(field->output_displacements, field->output_displacements->field_change[i]);
 }
 
-static tvi_status predict_fixed_point_from_start(galerkin_field *field, const tvi_step_origin *origin)
+static tvi_status predict_fixed_point_unknowns_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
     (void)origin;
-    for (int u = 0; u < nodes->unknowns; u++)
-        for (int i = 0; i < nodes->lanes; i++) nodes->values[u * nodes->lanes + i] = nodes->start_values[u];
+    for (int u = 0; u < nodes->unknown_count; u++)
+        for (int i = 0; i < nodes->lane_count; i++) nodes->values[u * nodes->lane_count + i] = nodes->start_values[u];
     const tvi_status status = galerkin_evaluate_field(field);
-    if (status == TVI_OK) (void)galerkin_move_unknowns(field);
+    if (status == TVI_OK) (void)galerkin_move_unknowns_by_rates(field);
     return status;
 }
 
@@ -51,12 +52,12 @@ static void predict_fixed_point_unknowns(galerkin_field *field, const galerkin_e
 
 static void emit_fixed_point_field(jet_text *text, const galerkin_field *field)
 {
-    tvi_galerkin_emit_int_array(text, "slot", field->nodes.unknowns, field->rate_row);
+    tvi_galerkin_emit_int_array(text, "slot", field->nodes.unknown_count, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_plain = {allocate_fixed_point_field,
                                                      prepare_fixed_point_field,
-                                                     predict_fixed_point_from_start,
+                                                     predict_fixed_point_unknowns_from_start,
                                                      predict_fixed_point_unknowns,
                                                      NULL,
                                                      emit_fixed_point_field,

@@ -13,8 +13,9 @@
 
 typedef struct galerkin_field_form galerkin_field_form;
 
-/* The data with which the field is evaluated at the nodes. The unknowns are Q for a separable system, and (Q, P)
- * otherwise. Their rates are F, or (V, F). */
+/* The data with which the field is evaluated at the nodes. The unknowns are the positions Q at the nodes for a
+ * separable system, and positions and momenta (Q, P) otherwise. Their rates are the forces F, with Q'' = F, or the
+ * velocities and forces (V, F). */
 typedef struct {
     const tvi_system *system;
     const galerkin_field_form *form;
@@ -23,19 +24,20 @@ typedef struct {
     galerkin_nodes nodes;
     /* the number of rows of nodes.values on which a pass depends; they are saved while roundoff is measured */
     int pass_input_row_count;
-    /* The step for which the weights and scales of the nodes were computed; 0 before the first step. */
+    /* The step size h for which the weights and scales of the nodes were computed; 0 before the first step. */
     double step_size;
     double *node_weight; /* [lanes] */
     /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
-    int *rate_row;
+    int *rate_row_of_unknown;
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
     double *impulse_matrix;
-    /* [j][i] The factors from rates at the nodes to the quantities that the form's `predict` extrapolates: its
-     * unknowns, or the rates themselves. */
-    double *rate_to_unknown;
-    /* The displacements that are added to the field's values while roundoff is measured; NULL otherwise. */
-    tvi_roundoff *value_displacements;
+    /* [j][i] The factor of the impulse of node j in the quantity that the form's `predict` extrapolates, at node i: the
+     * unknown, or its rate. The tables of the predictor are products with this matrix. */
+    double *impulse_to_predicted;
+    /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
+     * otherwise. */
+    tvi_roundoff *output_displacements;
     /* the data of the field's form: lagrangian_work, hamiltonian_work or NULL */
     void *form_work;
 } galerkin_field;
@@ -46,8 +48,7 @@ struct galerkin_field_form {
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
-    /* Predicts the unknowns from the impulses of earlier steps. The tables of the extrapolation are products with
-     * rate_to_unknown. */
+    /* Predicts the unknowns from the impulses of earlier steps, by tables that contain impulse_to_predicted. */
     void (*predict)(galerkin_field *field, const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
      * moves the unknowns itself. */
@@ -61,8 +62,8 @@ struct galerkin_field_form {
  * Newton's method (probe.c). */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
-/* The forms of the field. The rates of the plain form are outputs of the tape. The other forms use second
- * derivatives. */
+/* The forms of the field. In the plain form the rates are outputs of the tape. The forms of a Lagrangian and of a
+ * Hamiltonian also use second derivatives. */
 extern const galerkin_field_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian;
 
 /* Returns whether the equations are Q'' = F, and not Q' = V and P' = F. */
@@ -81,24 +82,25 @@ extern const char *const tvi_embedded_galerkin_hamiltonian[];
 /* Returns the number of rows at the start of a tape's block that a sweep reads and does not write. */
 static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
-/* Adds value_displacements to the outputs of a tape in its block. */
-void tvi_galerkin_add_value_displacements(const galerkin_field *field, const jet_tape *tape, double *block);
+/* Adds the field's output_displacements to the outputs of a tape in its block. */
+void tvi_galerkin_displace_tape_outputs(const galerkin_field *field, const jet_tape *tape, double *block);
 
 /* Evaluates the field's tape at the unknowns, which are its inputs. */
 static inline tvi_status galerkin_evaluate_field(galerkin_field *field)
 {
     const jet_tape *tape = field->system->field_values;
     double *block = field->nodes.values;
-    if (!jet_sweep_values(tape, block, field->nodes.lanes)) return TVI_EDOMAIN;
-    if (field->value_displacements) tvi_galerkin_add_value_displacements(field, tape, block);
+    if (!jet_sweep_values(tape, block, field->nodes.lane_count)) return TVI_EDOMAIN;
+    if (field->output_displacements) tvi_galerkin_displace_tape_outputs(field, tape, block);
     return TVI_OK;
 }
 
 /* Moves the unknowns by their rates. Returns the movement, as the kernel `move` measures it. */
-static inline double galerkin_move_unknowns(const galerkin_field *field)
+static inline double galerkin_move_unknowns_by_rates(const galerkin_field *field)
 {
     double movement;
-    field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row, &movement);
+    field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row_of_unknown,
+                         &movement);
     return movement;
 }
 
@@ -112,7 +114,7 @@ static inline tvi_status galerkin_make_pass(galerkin_field *field, double *movem
         if (status != TVI_OK) return status;
     } else {
         if (galerkin_evaluate_field(field) != TVI_OK) return TVI_EDOMAIN;
-        *movement = galerkin_move_unknowns(field);
+        *movement = galerkin_move_unknowns_by_rates(field);
     }
     stats->passes++;
     return isfinite(*movement) ? TVI_OK : TVI_ENONFINITE;

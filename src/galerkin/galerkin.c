@@ -25,7 +25,7 @@ static int choose_lane_count(int node_count)
 }
 
 /* Returns the index of the kernel table for this number of lanes. */
-static int find_kernel_table(int lanes)
+static int find_kernel_table_index(int lanes)
 {
     int index = 0;
     while (1 << index < lanes) index++;
@@ -48,8 +48,8 @@ static const galerkin_field_form *select_field_form(const tvi_system *system)
                                             : &tvi_galerkin_form_hamiltonian;
 }
 
-/* If the second derivatives of a Hamiltonian K = g h are computed without the term h g'', each pass reduces the error
- * by a constant factor only, and the passes are not those of Newton's method. */
+/* If the second derivatives of a Hamiltonian K = g h (hamiltonian.c) are computed without the term h g'', each pass
+ * reduces the error by a constant factor only, and the passes are not those of Newton's method. */
 static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
 {
     return !system->hessian_values                                          ? &tvi_galerkin_fixed_point
@@ -60,7 +60,7 @@ static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
 /* Counts how many of the last coordinates are cyclic: H does not depend on them. An example is the time of a
  * rescaled system whose forces do not depend on it. The momentum of a cyclic coordinate is constant, and the
  * coordinate follows from a quadrature, so that passes need not move them. */
-static int count_last_cyclic_coordinates(const tvi_system *system)
+static int count_trailing_cyclic_coordinates(const tvi_system *system)
 {
     const int *force = system->field_values->output_slot;
     int count = 0;
@@ -76,17 +76,17 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     field->system = system;
     field->node_count = node_count;
     const int lanes_needed = choose_lane_count(node_count);
-    field->kernels = kernel_tables[system->field_values->sweeps->isa][find_kernel_table(lanes_needed)];
+    field->kernels = kernel_tables[system->field_values->sweeps->isa][find_kernel_table_index(lanes_needed)];
     field->form = select_field_form(system);
-    nodes->unknowns = system->inputs;
-    nodes->lanes = lanes_needed;
+    nodes->unknown_count = system->inputs;
+    nodes->lane_count = lanes_needed;
     nodes->node_count = node_count;
     nodes->member_count = 1;
-    nodes->unknowns_per_half = system->n;
+    nodes->unknown_count_per_half = system->n;
     nodes->subsystems = system->parts;
-    const int cyclic = count_last_cyclic_coordinates(system);
-    nodes->moving_unknowns = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
-    const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
+    const int cyclic = count_trailing_cyclic_coordinates(system);
+    nodes->moving_unknown_count = cyclic > 0 ? system->n - cyclic : nodes->unknown_count;
+    const size_t unknowns = (size_t)nodes->unknown_count, lanes = (size_t)nodes->lane_count;
     nodes->drift_values = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     nodes->drift_values_low = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     nodes->impulse_weight = tvi_arena_allocate_doubles(arena, lanes);
@@ -94,11 +94,11 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     nodes->impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->momentum_per_unit_drift = tvi_arena_allocate_doubles(arena, (size_t)system->n);
-    field->rate_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    field->rate_row_of_unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
 }
 
 static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system,
-                                 double *scale)
+                                 double *impulse_scale)
 {
     galerkin_impulse_sums *sums = &inputs->impulse_sums;
     double **const vectors[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
@@ -108,7 +108,7 @@ static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena,
     inputs->is_separable = system->form == TVI_SEPARABLE;
     inputs->has_masses = system->compares_movements;
     inputs->subsystems = system->tail_parts;
-    inputs->impulse_scale = scale;
+    inputs->impulse_scale = impulse_scale;
     inputs->inverse_impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
@@ -117,7 +117,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     galerkin_stepper *taken = tvi_arena_allocate(arena, sizeof *taken);
     galerkin_stepper stepper = {.options = options, .n = system->n};
     allocate_field(&stepper.field, arena, system, options->degree);
-    const int unknowns = stepper.field.nodes.unknowns, lanes = stepper.field.nodes.lanes;
+    const int unknowns = stepper.field.nodes.unknown_count, lanes = stepper.field.nodes.lane_count;
     tvi_galerkin_allocate_coefficients(&stepper.coefficients, arena, stepper.field.node_count, lanes);
     stepper.field.node_weight = stepper.coefficients.node_weight;
     stepper.field.impulse_matrix = stepper.coefficients.impulse_matrix;
@@ -126,9 +126,9 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
                                            system->field_values->sweeps);
     stepper.step_data.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     stepper.step_data.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
-    stepper.tail_inputs.share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
-    stepper.tail_inputs.ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
-    stepper.increment_scale = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
+    stepper.tail_inputs.component_share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
+    stepper.tail_inputs.component_ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
+    stepper.increment_factor = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
     allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
     stepper.field.form->allocate(&stepper.field, arena);
     tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.field);
@@ -142,9 +142,9 @@ static void prepare_stepper(void *work)
     tvi_galerkin_compute_coefficients(&stepper->coefficients, &stepper->node_polynomials,
                                       galerkin_is_second_order(&stepper->field));
     stepper->field.form->prepare(&stepper->field);
-    const int numbers = stepper->field.nodes.unknowns * stepper->field.nodes.lanes;
+    const int numbers = stepper->field.nodes.unknown_count * stepper->field.nodes.lane_count;
     tvi_galerkin_prepare_predictor(&stepper->predictor, &stepper->coefficients, &stepper->field);
-    stepper->tail_inputs.inverse_end_weight = stepper->coefficients.inverse_end_weight;
+    stepper->tail_inputs.inverse_outermost_weight = stepper->coefficients.inverse_outermost_weight;
     stepper->passes_rule =
         tvi_galerkin_scale_passes_rule(select_passes_rule(stepper->field.system), numbers, stepper->options);
     const bool iterates = stepper->options->passes != TVI_PREDICT_ONLY;
@@ -152,13 +152,13 @@ static void prepare_stepper(void *work)
     stepper->step_data = (galerkin_step_data){.kernels = stepper->field.kernels,
                                               .nodes = &stepper->field.nodes,
                                               .tail_inputs = &stepper->tail_inputs,
-                                              .end_weights = &stepper->coefficients.end_weights,
+                                              .end_sum_weights = &stepper->coefficients.end_sum_weights,
                                               .passes_rule = &stepper->passes_rule,
                                               .impulse_matrix = stepper->field.impulse_matrix,
                                               .node_abscissa = stepper->coefficients.node_abscissa,
-                                              .two_step_table = stepper->predictor.two_step_table,
-                                              .last_step_table = stepper->predictor.last_step_table,
-                                              .rough_movement_limit = stepper->predictor.rough_movement_limit,
+                                              .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
+                                              .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
+                                              .rough_movement_square = stepper->predictor.rough_movement_square,
                                               .impulse_ring = stepper->predictor.impulse_ring,
                                               .drift = stepper->step_data.drift,
                                               .drift_low = stepper->step_data.drift_low,
@@ -173,17 +173,17 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
     const galerkin_nodes *nodes = &stepper->field.nodes;
     if (h == stepper->field.step_size) return;
     stepper->field.step_size = h;
-    for (int i = 0; i < nodes->lanes; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int i = 0; i < nodes->lane_count; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
+    for (int u = 0; u < nodes->unknown_count; u++)
         nodes->impulse_scale[u] = galerkin_is_second_order(&stepper->field) ? h / stepper->field.system->mass[u]
                                   : u < stepper->n || stepper->field.system->form == TVI_LAGRANGIAN ? 1
                                                                                                     : -1;
     for (int i = 0; i < stepper->n; i++) {
-        stepper->increment_scale[i] = nodes->impulse_scale[i];
+        stepper->increment_factor[i] = nodes->impulse_scale[i];
         stepper->tail_inputs.inverse_impulse_scale[i] = 1 / fabs(nodes->impulse_scale[i]);
         nodes->momentum_per_unit_drift[i] =
             stepper->field.system->has_masses ? stepper->field.system->mass[i] / fabs(h) : INFINITY;
-        stepper->increment_scale[stepper->n + i] =
+        stepper->increment_factor[stepper->n + i] =
             galerkin_is_second_order(&stepper->field) ? 1 : nodes->impulse_scale[stepper->n + i];
     }
 }
@@ -193,23 +193,23 @@ static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *ori
 {
     double t[MAX_LANES];
     if (!stepper->field.system->uses_time) return;
-    for (int i = 0; i < stepper->field.nodes.lanes; i++)
+    for (int i = 0; i < stepper->field.nodes.lane_count; i++)
         t[i] = origin->t + (origin->t_low + h * stepper->coefficients.node_abscissa[i]);
-    tvi_system_write_time(stepper->field.system, stepper->field.tape_block, stepper->field.nodes.lanes, t);
+    tvi_system_write_time(stepper->field.system, stepper->field.tape_block, stepper->field.nodes.lane_count, t);
 }
 
-/* Predicts the unknowns of a step that has no earlier step of the same size. If elapsed_part is not NULL, it
- * extrapolates the last step, and the new step begins at *elapsed_part of the last one. If elapsed_part is NULL, it
- * uses the field at the start of the step. */
+/* Predicts the unknowns of a step that has no earlier step of the same size. If elapsed_fraction is not NULL, it
+ * extrapolates the last step, and the new step begins at the fraction *elapsed_fraction of the last one. If it is NULL,
+ * the prediction uses the field at the start of the step. */
 static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_origin *origin,
-                                     const double *elapsed_part, tvi_stats *stats)
+                                     const double *elapsed_fraction, tvi_stats *stats)
 {
     galerkin_field *field = &stepper->field;
     field->nodes.impulses = galerkin_impulses_of_step(&stepper->predictor, 1);
     galerkin_set_drift_values(&stepper->step_data, &field->nodes, origin);
-    if (elapsed_part) {
+    if (elapsed_fraction) {
         tvi_galerkin_predict_from_last_step(&stepper->predictor, &stepper->coefficients, &stepper->node_polynomials,
-                                            field, *elapsed_part);
+                                            field, *elapsed_fraction);
         return TVI_OK;
     }
     set_node_times(stepper, origin, 0);
@@ -223,14 +223,14 @@ static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_o
 typedef struct {
     galerkin_stepper *stepper;
     const tvi_step_origin *origin;
-    /* The counts of all evaluations, and the counts at the end of the last step that was completed. */
+    /* The counts of all evaluations and passes, and a copy of them from the end of the last completed step. */
     tvi_stats *stats, completed_stats;
 } library_pass_work;
 
 /* Makes the next pass of a step. If passes no longer shrink, it also measures their roundoff, provided that the
  * movement is as small as roundoff or that the nodes are near the start of the step. Otherwise the step is too
  * large, and its movements back and forth are no roundoff. */
-JET_INLINE tvi_status make_library_pass(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff)
+JET_INLINE tvi_status make_pass_in_library(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff)
 {
     const library_pass_work *step = work;
     galerkin_field *field = &step->stepper->field;
@@ -241,73 +241,74 @@ JET_INLINE tvi_status make_library_pass(void *work, const galerkin_nodes *nodes,
     return galerkin_make_pass(field, movement, step->stats);
 }
 
-JET_INLINE void predict_library_unknowns(void *work, const galerkin_nodes *nodes,
-                                         const galerkin_extrapolation *extrapolation)
+JET_INLINE void predict_unknowns_in_library(void *work, const galerkin_nodes *nodes,
+                                            const galerkin_extrapolation *extrapolation)
 {
     const library_pass_work *step = work;
     (void)nodes;
     step->stepper->field.form->predict(&step->stepper->field, extrapolation);
 }
 
-static void save_counts_of_completed_steps(void *work)
+static void save_stats_of_completed_steps(void *work)
 {
     library_pass_work *step = work;
     step->completed_stats = *step->stats;
 }
 
 static void make_steps_in_library(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
-                                  const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats)
+                                  const tvi_run_state *state, galerkin_steps_outcome *outcome, tvi_stats *stats)
 {
     library_pass_work step = {.stepper = stepper, .origin = origin, .stats = stats};
-    galerkin_make_steps(
-        &stepper->step_data, &stepper->field.nodes,
-        &(galerkin_pass_functions){make_library_pass, predict_library_unknowns, save_counts_of_completed_steps, &step},
-        run, origin, state, outcome);
+    galerkin_make_steps(&stepper->step_data, &stepper->field.nodes,
+                        &(galerkin_pass_functions){make_pass_in_library, predict_unknowns_in_library,
+                                                   save_stats_of_completed_steps, &step},
+                        run, origin, state, outcome);
     if (outcome->step_count > 0) *stats = step.completed_stats;
 }
 
 static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_run_request *run,
                                          const tvi_step_origin *origin, const tvi_run_state *state,
-                                         galerkin_outcome *outcome, tvi_stats *stats)
+                                         galerkin_steps_outcome *outcome, tvi_stats *stats)
 {
     stepper->generated_code->steps(&stepper->step_data, run, origin, state, outcome);
-    const long passes = outcome->pass_count + (outcome->step_count < 1 ? outcome->failed_pass_count : 0);
+    const long passes = outcome->pass_count + (outcome->step_count < 1 ? outcome->pass_count_of_failed_step : 0);
     stats->passes += passes;
     stats->force_evaluations += passes * stepper->field.node_count;
     stats->factorisations += outcome->hessian_pass_count * stepper->field.node_count;
 }
 
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
-                        const tvi_run_state *state, galerkin_outcome *outcome, tvi_stats *stats);
+                        const tvi_run_state *state, galerkin_steps_outcome *outcome, tvi_stats *stats);
 
 /* Makes steps of size field.step_size, by generated code or by the library. If *continues_last_step is set, the
  * first step is predicted from earlier steps, if that is possible; otherwise *continues_last_step is cleared, and
  * the first step is predicted from the state alone. */
-static galerkin_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
-                                               bool *continues_last_step, const tvi_run_request *run,
-                                               const tvi_step_origin *origin, const tvi_run_state *state,
-                                               tvi_stats *stats)
+static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
+                                                     bool *continues_last_step, const tvi_run_request *run,
+                                                     const tvi_step_origin *origin, const tvi_run_state *state,
+                                                     tvi_stats *stats)
 {
     galerkin_history *history = stepper->predictor.history;
-    galerkin_outcome outcome = {.last_ring_index = (int)history->last_ring_index, .largest_tail = stats->largest_tail};
-    double elapsed_part;
+    galerkin_steps_outcome outcome = {.last_ring_index = (int)history->last_ring_index,
+                                      .largest_tail = stats->largest_tail};
+    double elapsed_fraction;
     if (stepper->field.step_size == history->step_size) outcome.convergence = history->convergence;
     *continues_last_step &=
-        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_part);
-    if (*continues_last_step && elapsed_part == 1 && stepper->field.step_size == history->step_size)
+        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_fraction);
+    if (*continues_last_step && elapsed_fraction == 1 && stepper->field.step_size == history->step_size)
         outcome.equal_step_count = stepper->field.step_size == history->previous_step_size ? 2 : 1;
     if (outcome.equal_step_count == 0)
-        outcome.status = predict_first_step(stepper, origin, *continues_last_step ? &elapsed_part : NULL, stats);
+        outcome.status = predict_first_step(stepper, origin, *continues_last_step ? &elapsed_fraction : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
     set_node_times(stepper, origin, stepper->field.step_size);
     make_steps(stepper, run, origin, state, &outcome, stats);
     if (outcome.step_count < 1) return outcome;
     *history = (galerkin_history){.step_size = run->h,
                                   .previous_step_size = outcome.step_count > 1 ? run->h : history->step_size,
-                                  .start_time = outcome.last_start_time,
+                                  .start_time = outcome.start_time_of_last_step,
                                   .convergence = outcome.convergence,
                                   .last_ring_index = outcome.last_ring_index};
-    stats->residual = sqrt(outcome.last_movement);
+    stats->residual = sqrt(outcome.last_movement_square);
     stats->tail = outcome.last_tail;
     return outcome;
 }
@@ -326,7 +327,7 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
                 .step_count > 0)
         return TVI_OK;
     continues_last_step = stepper->passes_rule.max_passes > 0;
-    galerkin_outcome outcome =
+    galerkin_steps_outcome outcome =
         predict_and_make_steps(stepper, make_steps_in_library, &continues_last_step, &run, origin, NULL, stats);
     if (outcome.step_count < 1 && continues_last_step) {
         continues_last_step = false;
@@ -346,7 +347,7 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
     tvi_galerkin_set_step_size(stepper, run->h);
     run->increments.dq[stepper->n] = run->h;
-    const galerkin_outcome outcome =
+    const galerkin_steps_outcome outcome =
         predict_and_make_steps(stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_in_library,
                                &continues_last_step, run, &origin, state, &counted);
     if (outcome.step_count < 1) return 0;
@@ -391,7 +392,7 @@ const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,
                                           .step = make_single_step,
                                           .run = make_steps_of_run,
                                           .dense = tvi_galerkin_compute_dense_output,
-                                          .sample = tvi_galerkin_compute_samples,
+                                          .sample = tvi_galerkin_compute_curve_samples,
                                           .is_superconvergent = true,
                                           .is_history_valid = is_history_valid,
                                           .uses = list_used_tapes,

@@ -8,12 +8,12 @@
 JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin_nodes *nodes)
 {
     galerkin_nodes sized = *nodes;
-    sized.lanes = GALERKIN_LANES;
+    sized.lane_count = GALERKIN_LANES;
     sized.node_count = GALERKIN_POINTS;
     sized.member_count = 1;
-    sized.unknowns = GALERKIN_UNKNOWNS;
-    sized.unknowns_per_half = GALERKIN_N;
-    sized.moving_unknowns = GALERKIN_MOVING;
+    sized.unknown_count = GALERKIN_UNKNOWNS;
+    sized.unknown_count_per_half = GALERKIN_N;
+    sized.moving_unknown_count = GALERKIN_MOVING;
     sized.subsystems.count = GALERKIN_PARTS;
     return sized;
 }

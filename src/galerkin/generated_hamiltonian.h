@@ -13,18 +13,18 @@ JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_
     hamiltonian_passes *passes = work;
     (void)nodes;
     if (roundoff || !hamiltonian_make_pass(passes, galerkin_sweep_generated_tape)) return TVI_ENOCONV;
-    *movement = passes->last_movement;
+    *movement = passes->last_movement_square;
     return TVI_OK;
 }
 
-/* Makes steps in a row. The matrix of the inner rounds has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. */
+/* Makes steps in a row. The matrix of the inner iterations has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. */
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
-                                          galerkin_outcome *outcome)
+                                          galerkin_steps_outcome *outcome)
 {
     enum { PACKED = GALERKIN_ROWS * GALERKIN_COLUMNS * GALERKIN_LANES, IS_PACKED = PACKED <= 2 * GALERKIN_MAX_LOCAL };
     enum { ROWS = IS_PACKED ? GALERKIN_ROWS : 1, ALL = IS_PACKED ? GALERKIN_ROWS * GALERKIN_LANES : 1 };
-    galerkin_local_blocks own;
+    galerkin_block_copies own;
     _Alignas(64) float packed[IS_PACKED ? PACKED : 1], change[ALL], total[ALL], impulse[ALL], all[ALL];
     double size[ROWS], per_size[ROWS];
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
@@ -33,27 +33,27 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     hamiltonian_passes passes = *(const hamiltonian_passes *)step_data->form_work;
     local_data.tail_inputs = &inputs;
     passes.nodes = &nodes;
-    passes.tape_blocks = galerkin_use_local_blocks(&passes.tape_blocks, &nodes, &own);
+    passes.tape_blocks = galerkin_use_block_copies(&passes.tape_blocks, &nodes, &own);
     if (GALERKIN_IS_OWN)
         galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + GALERKIN_UNKNOWNS * GALERKIN_LANES;
-    passes.rate_row = galerkin_slot;
+    passes.rate_row_of_unknown = galerkin_slot;
     passes.rate_slot[false] = galerkin_value_slot;
     passes.rate_slot[true] = galerkin_hessian_slot;
-    passes.rounds.column_count = GALERKIN_COLUMNS;
-    passes.rounds.row_count = GALERKIN_ROWS;
-    passes.rounds.unknown_of_row = galerkin_unknown;
-    passes.rounds.hessian_index = galerkin_index_of;
-    passes.rounds.hessian_block = passes.tape_blocks.hessian_block;
+    passes.inner_iterations.hessian_column_count = GALERKIN_COLUMNS;
+    passes.inner_iterations.hessian_row_count = GALERKIN_ROWS;
+    passes.inner_iterations.unknown_of_row = galerkin_unknown;
+    passes.inner_iterations.hessian_index = galerkin_index_of;
+    passes.inner_iterations.hessian_block = passes.tape_blocks.hessian_block;
     if (IS_PACKED) {
-        passes.rounds.packed_hessian = packed;
-        passes.rounds.unknown_size = size;
-        passes.rounds.inverse_unknown_size = per_size;
-        passes.rounds.round_change = change;
-        passes.rounds.total_change = total;
-        passes.rounds.round_impulse = impulse;
-        passes.rounds.total_impulse = all;
+        passes.inner_iterations.packed_hessian = packed;
+        passes.inner_iterations.unknown_size = size;
+        passes.inner_iterations.inverse_unknown_size = per_size;
+        passes.inner_iterations.last_unknown_change = change;
+        passes.inner_iterations.total_unknown_change = total;
+        passes.inner_iterations.last_impulse_change = impulse;
+        passes.inner_iterations.total_impulse_change = all;
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_hamiltonian_pass, hamiltonian_predict_unknowns, NULL,
                                                     &passes};

@@ -1,6 +1,6 @@
-/* generated_hessian.h - Evaluates the tapes of generated passes that use second derivatives (blocks.h), in blocks
- * that are local variables of the step. The operations of a tape do not set the first GALERKIN_KEPT rows of
- * values_block and the first GALERKIN_HESSIAN_KEPT rows of hessian_block. */
+/* generated_hessian.h - Evaluates the tapes of generated passes that use second derivatives (blocks.h), in blocks that
+ * are local variables of the step. The first GALERKIN_KEPT rows of values_block and the first GALERKIN_HESSIAN_KEPT
+ * rows of hessian_block contain inputs and constants, which a tape reads and does not set. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 
@@ -11,8 +11,8 @@ JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_tape_blocks *blocks
     return with_hessian ? GALERKIN_HESSIAN_VALUES(blocks->hessian_block) : GALERKIN_VALUES(blocks->values_block);
 }
 
-/* The lengths of the local copies of the blocks. If the blocks are longer than GALERKIN_MAX_LOCAL, there are no local
- * copies, and the lengths are 1. */
+/* The lengths of the local copies of values_block, of hessian_block and of the rows of nodes->values. If the blocks are
+ * longer than GALERKIN_MAX_LOCAL, there are no local copies, and the lengths are 1. */
 enum {
     GALERKIN_IS_OWN = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MAX_LOCAL,
     GALERKIN_OF_VALUES = GALERKIN_IS_OWN ? tvi_values_slots * GALERKIN_LANES : 1,
@@ -23,22 +23,22 @@ typedef struct {
     _Alignas(64) double values[GALERKIN_OF_VALUES];
     _Alignas(64) double hessian[GALERKIN_OF_HESSIAN];
     _Alignas(64) double x[GALERKIN_OF_ROWS];
-} galerkin_local_blocks;
+} galerkin_block_copies;
 
-JET_INLINE galerkin_tape_blocks galerkin_use_local_blocks(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
-                                                          galerkin_local_blocks *memory)
+JET_INLINE galerkin_tape_blocks galerkin_use_block_copies(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
+                                                          galerkin_block_copies *copies)
 {
     galerkin_tape_blocks local_blocks = *blocks;
     local_blocks.n = GALERKIN_N;
-    local_blocks.lanes = GALERKIN_LANES;
-    local_blocks.inputs = GALERKIN_INPUTS;
+    local_blocks.lane_count = GALERKIN_LANES;
+    local_blocks.input_count = GALERKIN_INPUTS;
     if (!GALERKIN_IS_OWN) return local_blocks;
-    galerkin_copy_rows(memory->values, blocks->values_block, 2 * GALERKIN_N, GALERKIN_KEPT);
-    galerkin_copy_rows(memory->hessian, blocks->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
-    galerkin_copy_rows(memory->hessian, blocks->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
-    local_blocks.values_block = memory->values;
-    local_blocks.hessian_block = memory->hessian;
-    nodes->values = memory->x;
+    galerkin_copy_rows(copies->values, blocks->values_block, 2 * GALERKIN_N, GALERKIN_KEPT);
+    galerkin_copy_rows(copies->hessian, blocks->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
+    galerkin_copy_rows(copies->hessian, blocks->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
+    local_blocks.values_block = copies->values;
+    local_blocks.hessian_block = copies->hessian;
+    nodes->values = copies->x;
     return local_blocks;
 }
 

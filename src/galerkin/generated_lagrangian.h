@@ -13,16 +13,16 @@ JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_n
     (void)nodes;
     if (roundoff || lagrangian_make_pass(passes, galerkin_sweep_generated_tape) != LAGRANGIAN_PASSED)
         return TVI_ENOCONV;
-    *movement = passes->last_movement;
+    *movement = passes->last_movement_square;
     return TVI_OK;
 }
 
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
-                                          galerkin_outcome *outcome)
+                                          galerkin_steps_outcome *outcome)
 {
     enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };
-    galerkin_local_blocks own;
+    galerkin_block_copies own;
     _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], movement[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], x[ALL];
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
@@ -32,25 +32,25 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     local_data.tail_inputs = &inputs;
     passes.inversion_count = 0;
     passes.nodes = &nodes;
-    passes.tape_blocks = galerkin_use_local_blocks(&passes.tape_blocks, &nodes, &own);
+    passes.tape_blocks = galerkin_use_block_copies(&passes.tape_blocks, &nodes, &own);
     if (GALERKIN_IS_OWN)
         galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + 2 * N * GALERKIN_LANES;
-    passes.rate_row = galerkin_slot;
+    passes.rate_row_of_unknown = galerkin_slot;
     passes.gradient_slot[false] = galerkin_value_slot;
     passes.gradient_slot[true] = galerkin_hessian_slot;
     passes.gradient_expansion.n = passes.velocity_hessian_inverse.n = N;
-    passes.gradient_expansion.lanes = GALERKIN_LANES;
+    passes.gradient_expansion.lane_count = GALERKIN_LANES;
     passes.gradient_expansion.hessian_block = passes.tape_blocks.hessian_block;
     passes.gradient_expansion.hessian_element = galerkin_term;
     passes.gradient_expansion.row_end = galerkin_end;
     if (GALERKIN_IS_OWN) {
-        galerkin_copy_rows(displacements, passes.coordinate_displacement, 0, outcome->equal_step_count > 0 ? 0 : N);
-        passes.coordinate_displacement = displacements;
-        passes.centre_offset[0] = rise;
-        passes.centre_offset[1] = rise + ALL;
-        passes.gradient_expansion.centre_gradient = passes.centre_gradient = gradient;
+        galerkin_copy_rows(displacements, passes.coordinate_minus_drift, 0, outcome->equal_step_count > 0 ? 0 : N);
+        passes.coordinate_minus_drift = displacements;
+        passes.drift_minus_centre[0] = rise;
+        passes.drift_minus_centre[1] = rise + ALL;
+        passes.gradient_expansion.gradient_at_centre = passes.gradient_at_centre = gradient;
         passes.gradient_expansion.displacement = movement;
         passes.velocity_hessian_inverse.matrix = lu;
         passes.velocity_hessian_inverse.inverse = inverse;

@@ -56,8 +56,8 @@ JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_fixed_point(void *work, const galerkin_nodes *nodes,
-                                             const galerkin_extrapolation *extrapolation)
+JET_INLINE void galerkin_predict_fixed_point_unknowns(void *work, const galerkin_nodes *nodes,
+                                                      const galerkin_extrapolation *extrapolation)
 {
     (void)work;
     NAME(predict)(nodes, extrapolation);
@@ -65,15 +65,15 @@ JET_INLINE void galerkin_predict_fixed_point(void *work, const galerkin_nodes *n
 
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
-                                          galerkin_outcome *outcome)
+                                          galerkin_steps_outcome *outcome)
 {
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
     galerkin_step_data local_data = *step_data;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
     local_data.tail_inputs = &inputs;
     local_data.passes_rule = &galerkin_rule;
-    const galerkin_pass_functions pass_functions = {galerkin_make_fixed_point_pass, galerkin_predict_fixed_point, NULL,
-                                                    &local_data};
+    const galerkin_pass_functions pass_functions = {galerkin_make_fixed_point_pass,
+                                                    galerkin_predict_fixed_point_unknowns, NULL, &local_data};
     galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
 }
 

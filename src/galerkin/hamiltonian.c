@@ -2,53 +2,56 @@
  * derivatives, for Newton's method (docs/method.md section 5). The system has them if they take little time compared
  * with K, as those of a rescaled system do (system/hessian.c).
  *
- * A pass evaluates the gradient (K_q, K_p) at x = (Q, P), and its derivatives, too. The movement by this gradient is
- * d_0. If the gradient were its expansion to first order, the next movements of a fixed-point iteration would be
+ * A pass evaluates the gradient (K_q, K_p) at the unknowns x = (Q, P), and the matrix K'' of its derivatives, too. One
+ * fixed-point iteration with this gradient would move x by d_0. If the gradient were its expansion to first order, the
+ * next iterations would move x by
  *
- *    d_{k+1} = (step size) a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q).
+ *     d_{k+1} = (step size) a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q),
  *
- * Each of them is an inner round, which takes a small part of the time of an evaluation. The pass ends with a movement
- * by the gradient, expanded to first order, at x + sum_k d_k. */
+ * with the matrix a of Gauss collocation. The computation of one d_k is an inner iteration; it takes a small part of
+ * the time of an evaluation. The pass ends with a movement by the gradient, expanded to first order, at x + sum_k
+ * d_k. */
 #include "galerkin/hamiltonian_passes.h"
 #include "galerkin/model.h"
 
 typedef struct {
     hamiltonian_passes passes;
     galerkin_hessian_tables hessian_tables;
-    /* The arrays to which the members of `passes` with these names point. */
+    /* The memory of the fields of `passes` that have these names. */
     int *rate_slot[2], *unknown_of_row, *hessian_index;
 } hamiltonian_work;
 
-static void allocate_inner_rounds(lanes_inner_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
+static void allocate_inner_iterations(lanes_inner_iterations *inner, tvi_arena *arena, size_t rows, size_t lanes)
 {
-    rounds->impulse_matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *rounds->impulse_matrix);
-    rounds->packed_hessian = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *rounds->packed_hessian);
-    rounds->unknown_size = tvi_arena_allocate_doubles(arena, rows);
-    rounds->inverse_unknown_size = tvi_arena_allocate_doubles(arena, rows);
-    float **const vectors[] = {&rounds->round_change, &rounds->total_change, &rounds->round_impulse,
-                               &rounds->total_impulse};
+    inner->impulse_matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *inner->impulse_matrix);
+    inner->packed_hessian = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *inner->packed_hessian);
+    inner->unknown_size = tvi_arena_allocate_doubles(arena, rows);
+    inner->inverse_unknown_size = tvi_arena_allocate_doubles(arena, rows);
+    float **const vectors[] = {&inner->last_unknown_change, &inner->total_unknown_change, &inner->last_impulse_change,
+                               &inner->total_impulse_change};
     for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_allocate(arena, rows * lanes * sizeof(float));
 }
 
 static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
 {
-    const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
+    const size_t unknowns = (size_t)field->nodes.unknown_count, lanes = (size_t)field->nodes.lane_count;
     hamiltonian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
     hamiltonian_work work = {.passes = {.kernels = field->kernels}};
-    field->pass_input_row_count = field->nodes.unknowns;
+    field->pass_input_row_count = field->nodes.unknown_count;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
     tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
     field->tape_block = work.hessian_tables.blocks.values_block;
-    field->rate_to_unknown = tvi_arena_allocate_doubles(arena, lanes * lanes);
+    field->impulse_to_predicted = tvi_arena_allocate_doubles(arena, lanes * lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
     work.passes.rate_nodes.drift_values = work.passes.rate_nodes.drift_values_low =
         tvi_arena_allocate_doubles(arena, unknowns * lanes);
     work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
-    work.passes.rounds.unknown_of_row = work.unknown_of_row = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    work.passes.rounds.hessian_index = work.hessian_index =
+    work.passes.inner_iterations.unknown_of_row = work.unknown_of_row =
+        tvi_arena_allocate(arena, unknowns * sizeof(int));
+    work.passes.inner_iterations.hessian_index = work.hessian_index =
         tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
-    allocate_inner_rounds(&work.passes.rounds, arena, unknowns, lanes);
+    allocate_inner_iterations(&work.passes.inner_iterations, arena, unknowns, lanes);
     work.passes.impulse_changes = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++)
         work.passes.rate_slot[i] = work.rate_slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
@@ -62,22 +65,24 @@ static int find_gradient_component(const galerkin_field *field, int unknown)
     return unknown < n ? unknown + n : unknown - n;
 }
 
-static int find_row_begin(const galerkin_hessian_tables *tables, int row)
+static int find_hessian_row_begin(const galerkin_hessian_tables *tables, int row)
 {
     return row > 0 ? tables->row_end[row - 1] : 0;
 }
 
-static bool has_row_entries(const galerkin_hessian_tables *tables, int row)
+static bool has_hessian_row_entries(const galerkin_hessian_tables *tables, int row)
 {
-    return find_row_begin(tables, row) < tables->row_end[row];
+    return find_hessian_row_begin(tables, row) < tables->row_end[row];
 }
 
-/* Returns whether an unknown takes part in the inner rounds: its rate depends on unknowns, so that it moves, and
- * some rate depends on it. Two unknowns do not: a cyclic coordinate moves, but no rate depends on it, and its
- * momentum is constant. */
-static bool is_unknown_in_rounds(const galerkin_field *field, const galerkin_hessian_tables *tables, int unknown)
+/* Returns whether an unknown takes part in the inner iterations: its rate depends on unknowns, so that it moves, and
+ * some rate depends on it. Two unknowns do not: a cyclic coordinate moves, but no rate depends on it, and its momentum
+ * is constant. */
+static bool is_unknown_in_inner_iterations(const galerkin_field *field, const galerkin_hessian_tables *tables,
+                                           int unknown)
 {
-    return has_row_entries(tables, unknown) && has_row_entries(tables, find_gradient_component(field, unknown));
+    return has_hessian_row_entries(tables, unknown) &&
+           has_hessian_row_entries(tables, find_gradient_component(field, unknown));
 }
 
 /* Returns the index of a second derivative in hessian_block. If the derivative is 0 by construction, this is the
@@ -85,44 +90,48 @@ static bool is_unknown_in_rounds(const galerkin_field *field, const galerkin_hes
 static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_tables *tables, int row, int column)
 {
     int slot = field->system->hessian_values->slots;
-    for (int k = find_row_begin(tables, row); k < tables->row_end[row]; k++)
+    for (int k = find_hessian_row_begin(tables, row); k < tables->row_end[row]; k++)
         if (tables->hessian_element[k].column == column) slot = tables->hessian_element[k].slot;
-    return slot * field->nodes.lanes;
+    return slot * field->nodes.lane_count;
 }
 
-/* Appends to `list`, which has `count` elements, the unknowns whose rates depend on unknowns: those that take part
- * in the rounds if in_rounds is set, otherwise those that do not. Returns the new length of the list. */
-static int append_unknowns_with_row(const galerkin_field *field, const galerkin_hessian_tables *tables, bool in_rounds,
-                                    int count, int *list)
+/* Appends to `unknown_list`, which has `count` elements, the unknowns whose rates depend on unknowns: those that take
+ * part in the inner iterations if in_inner_iterations is set, otherwise those that do not. Returns the new length of
+ * the list. */
+static int append_unknowns_with_hessian_row(const galerkin_field *field, const galerkin_hessian_tables *tables,
+                                            bool in_inner_iterations, int count, int *unknown_list)
 {
-    for (int u = 0; u < field->nodes.unknowns; u++)
-        if (has_row_entries(tables, find_gradient_component(field, u)) &&
-            is_unknown_in_rounds(field, tables, u) == in_rounds)
-            list[count++] = u;
+    for (int u = 0; u < field->nodes.unknown_count; u++)
+        if (has_hessian_row_entries(tables, find_gradient_component(field, u)) &&
+            is_unknown_in_inner_iterations(field, tables, u) == in_inner_iterations)
+            unknown_list[count++] = u;
     return count;
 }
 
-/* Lists the indices of the matrix elements, one group of rows after the other. */
+/* Lists the index in hessian_block of each matrix element of the inner iterations, one group of rows after the
+ * other. */
 static void list_hessian_indices(const galerkin_field *field, const galerkin_hessian_tables *tables,
-                                 const lanes_inner_rounds *rounds, int *index)
+                                 const lanes_inner_iterations *inner, int *index)
 {
-    for (int first = 0; first < rounds->row_count; first += LANES_ROWS)
-        for (int column = 0; column < rounds->column_count; column++)
-            for (int i = first; i < first + lanes_row_group_size(rounds, first); i++)
-                *index++ = find_hessian_index(field, tables, find_gradient_component(field, rounds->unknown_of_row[i]),
-                                              rounds->unknown_of_row[column]);
+    for (int first = 0; first < inner->hessian_row_count; first += LANES_ROWS)
+        for (int column = 0; column < inner->hessian_column_count; column++)
+            for (int i = first; i < first + lanes_row_group_size(inner, first); i++)
+                *index++ = find_hessian_index(field, tables, find_gradient_component(field, inner->unknown_of_row[i]),
+                                              inner->unknown_of_row[column]);
 }
 
-static void prepare_inner_rounds(const galerkin_field *field, const hamiltonian_work *work, lanes_inner_rounds *rounds)
+static void prepare_inner_iterations(const galerkin_field *field, const hamiltonian_work *work,
+                                     lanes_inner_iterations *inner)
 {
     const galerkin_hessian_tables *tables = &work->hessian_tables;
     int *unknown = work->unknown_of_row;
-    rounds->column_count = append_unknowns_with_row(field, tables, true, 0, unknown);
-    rounds->row_count = append_unknowns_with_row(field, tables, false, rounds->column_count, unknown);
-    rounds->hessian_block = tables->blocks.hessian_block;
-    for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++)
-        rounds->impulse_matrix[i] = (float)field->impulse_matrix[i];
-    list_hessian_indices(field, tables, rounds, work->hessian_index);
+    inner->hessian_column_count = append_unknowns_with_hessian_row(field, tables, true, 0, unknown);
+    inner->hessian_row_count =
+        append_unknowns_with_hessian_row(field, tables, false, inner->hessian_column_count, unknown);
+    inner->hessian_block = tables->blocks.hessian_block;
+    for (int i = 0; i < field->nodes.lane_count * field->nodes.lane_count; i++)
+        inner->impulse_matrix[i] = (float)field->impulse_matrix[i];
+    list_hessian_indices(field, tables, inner, work->hessian_index);
 }
 
 static void prepare_hamiltonian_field(galerkin_field *field)
@@ -130,34 +139,35 @@ static void prepare_hamiltonian_field(galerkin_field *field)
     hamiltonian_work *work = field->form_work;
     hamiltonian_passes *passes = &work->passes;
     tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
-    prepare_inner_rounds(field, work, &passes->rounds);
-    for (int u = 0; u < field->nodes.unknowns; u++) {
-        field->rate_row[u] = field->nodes.unknowns + u;
+    prepare_inner_iterations(field, work, &passes->inner_iterations);
+    for (int u = 0; u < field->nodes.unknown_count; u++) {
+        field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
         work->rate_slot[false][u] = field->system->field_values->output_slot[find_gradient_component(field, u)];
         work->rate_slot[true][u] = field->system->hessian_values->output_slot[find_gradient_component(field, u)];
     }
     passes->nodes = &field->nodes;
     passes->impulse_matrix = field->impulse_matrix;
-    passes->rate_row = field->rate_row;
+    passes->rate_row_of_unknown = field->rate_row_of_unknown;
     passes->tape_blocks = work->hessian_tables.blocks;
 }
 
-static tvi_status predict_hamiltonian_from_start(galerkin_field *field, const tvi_step_origin *origin)
+static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     hamiltonian_work *work = field->form_work;
     const galerkin_nodes *nodes = &field->nodes;
-    const int lanes = nodes->lanes, *slot = work->rate_slot[false];
+    const int lanes = nodes->lane_count, *slot = work->rate_slot[false];
     (void)origin;
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         for (int i = 0; i < lanes; i++) nodes->values[u * lanes + i] = nodes->start_values[u];
-    work->passes.last_movement = INFINITY;
+    work->passes.last_movement_square = INFINITY;
     const double *momenta = nodes->values + field->system->n * lanes;
     const double *rates = galerkin_evaluate_gradient_at_nodes(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false,
                                                               nodes->values, momenta);
     if (!rates) return TVI_EDOMAIN;
-    for (int u = 0; u < nodes->unknowns; u++)
-        memcpy(nodes->values + field->rate_row[u] * lanes, rates + slot[u] * lanes, (size_t)lanes * sizeof *rates);
-    (void)galerkin_move_unknowns(field);
+    for (int u = 0; u < nodes->unknown_count; u++)
+        memcpy(nodes->values + field->rate_row_of_unknown[u] * lanes, rates + slot[u] * lanes,
+               (size_t)lanes * sizeof *rates);
+    (void)galerkin_move_unknowns_by_rates(field);
     return TVI_OK;
 }
 
@@ -172,26 +182,27 @@ static tvi_status make_hamiltonian_pass(galerkin_field *field, double *movement,
     hamiltonian_work *work = field->form_work;
     (void)stats;
     if (!hamiltonian_make_pass(&work->passes, tvi_galerkin_sweep_tape)) return TVI_EDOMAIN;
-    *movement = work->passes.last_movement;
+    *movement = work->passes.last_movement_square;
     return TVI_OK;
 }
 
 static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
 {
     const hamiltonian_work *work = field->form_work;
-    const lanes_inner_rounds *rounds = &work->passes.rounds;
-    const int unknowns = field->nodes.unknowns;
+    const lanes_inner_iterations *inner = &work->passes.inner_iterations;
+    const int unknowns = field->nodes.unknown_count;
     tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
-    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROWS = %d };\n", rounds->column_count,
-                    rounds->row_count);
+    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROWS = %d };\n", inner->hessian_column_count,
+                    inner->hessian_row_count);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->rate_slot[true]);
-    tvi_galerkin_emit_int_array(text, "unknown", rounds->row_count, rounds->unknown_of_row);
-    tvi_galerkin_emit_int_array(text, "index_of", rounds->row_count * rounds->column_count, rounds->hessian_index);
-    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
+    tvi_galerkin_emit_int_array(text, "unknown", inner->hessian_row_count, inner->unknown_of_row);
+    tvi_galerkin_emit_int_array(text, "index_of", inner->hessian_row_count * inner->hessian_column_count,
+                                inner->hessian_index);
+    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_hamiltonian = {
-    allocate_hamiltonian_field,       prepare_hamiltonian_field, predict_hamiltonian_from_start,
+    allocate_hamiltonian_field,       prepare_hamiltonian_field, predict_hamiltonian_unknowns_from_start,
     predict_hamiltonian_unknowns,     make_hamiltonian_pass,     emit_hamiltonian_field,
     tvi_embedded_galerkin_hamiltonian};

@@ -10,29 +10,30 @@
 
 #include <math.h>
 
-/* The data of the passes. The rows of nodes->values are Q and P, n each; during a prediction 2n rows of their rates
- * follow. */
+/* The data of the passes. The rows of nodes->values are the positions Q and the momenta P, n each; during a prediction
+ * 2n rows of their rates follow. */
 typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    /* the rates V and F as unknowns of the predictor, whose values at the start are 0 */
+    /* nodes whose unknowns are the rates V and F, which the kernel `predict` extrapolates; their values at the start
+     * are 0 */
     galerkin_nodes rate_nodes;
-    /* [j][i] the factors of impulses in unknowns (coefficients.h) */
+    /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
     const double *impulse_matrix;
     /* [unknowns] The row of nodes->values that contains each unknown's rate. */
-    const int *rate_row;
+    const int *rate_row_of_unknown;
     galerkin_tape_blocks tape_blocks;
-    /* [unknowns] The slot of each unknown's rate, in values_block for index false and in hessian_block for index
-     * true. */
+    /* [unknowns] The slot of each unknown's rate: rate_slot[false] is for values_block, rate_slot[true] for
+     * hessian_block. */
     const int *rate_slot[2];
-    lanes_inner_rounds rounds;
-    /* [unknowns][lanes] The changes of the impulses that the inner rounds make. */
+    lanes_inner_iterations inner_iterations;
+    /* [unknowns][lanes] The changes of the impulses that the inner iterations make. */
     double *impulse_changes;
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
-    double last_movement;
+    double last_movement_square;
 } hamiltonian_passes;
 
-/* In the first pass of a step the inner rounds end when the square of a relative movement is below this, since a
+/* In the first pass of a step the inner iterations end when the square of a relative movement is below this, since a
  * second pass follows in any case. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
 
@@ -45,17 +46,17 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
     double moved;
     const galerkin_nodes all = galerkin_nodes_with_all_moving(passes->nodes);
     galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);
-    GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values, passes->rate_row,
-                    &moved);
-    passes->last_movement = INFINITY;
+    GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values,
+                    passes->rate_row_of_unknown, &moved);
+    passes->last_movement_square = INFINITY;
 }
 
 static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passes)
 {
-    const lanes_inner_rounds *rounds = &passes->rounds;
-    for (int i = 0; i < rounds->row_count; i++) {
-        rounds->inverse_unknown_size[i] = passes->nodes->inverse_unknown_size[rounds->unknown_of_row[i]];
-        rounds->unknown_size[i] = 1 / rounds->inverse_unknown_size[i];
+    const lanes_inner_iterations *inner = &passes->inner_iterations;
+    for (int i = 0; i < inner->hessian_row_count; i++) {
+        inner->inverse_unknown_size[i] = passes->nodes->inverse_unknown_size[inner->unknown_of_row[i]];
+        inner->unknown_size[i] = 1 / inner->inverse_unknown_size[i];
     }
 }
 
@@ -63,19 +64,19 @@ static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passe
 static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sweep *sweep)
 {
     const galerkin_nodes *nodes = passes->nodes;
-    const int numbers = nodes->unknowns * nodes->lanes;
-    const bool is_first = isinf(passes->last_movement),
-               serves = passes->last_movement <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers;
+    const int numbers = nodes->unknown_count * nodes->lane_count;
+    const bool is_first = isinf(passes->last_movement_square),
+               serves = passes->last_movement_square <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers;
     const int *slot = passes->rate_slot[!serves];
     const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
     const double *rates = galerkin_evaluate_gradient_at_nodes(&passes->tape_blocks, sweep, !serves, nodes->values,
                                                               nodes->values + numbers / 2);
     if (!rates) return false;
     if (is_first) hamiltonian_set_unknown_sizes(passes);
-    GALERKIN_KERNEL(passes->kernels, run_rounds, nodes, &passes->rounds, rates, slot, !serves, passes->last_movement,
-                    least, passes->impulse_changes);
-    passes->last_movement = GALERKIN_KERNEL(passes->kernels, move_with_changes, nodes, passes->impulse_matrix, rates,
-                                            passes->impulse_changes, slot);
+    GALERKIN_KERNEL(passes->kernels, run_inner_iterations, nodes, &passes->inner_iterations, rates, slot, !serves,
+                    passes->last_movement_square, least, passes->impulse_changes);
+    passes->last_movement_square = GALERKIN_KERNEL(passes->kernels, move_with_changes, nodes, passes->impulse_matrix,
+                                                   rates, passes->impulse_changes, slot);
     return true;
 }
 

@@ -17,7 +17,7 @@
 #define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(shape.node_count * shape.member_count) + here)
 #define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)shape.member_count))
 #define OF_NODE(table, v)       ((table)[v] - (V){0})
-#define OF_TABLE(table, j, v)   OF_NODE((table)->number + (j)*shape.lanes, v)
+#define OF_TABLE(table, j, v)   OF_NODE((table)->number + (j)*shape.lane_count, v)
 #define NUMBER(row, j)          AT(row, j)
 #define MEMBER                  V
 #define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)shape.member_count + here))
@@ -36,7 +36,7 @@
         if (nodes->node_count == 8 && nodes->member_count == 8) EACH_VECTOR_OF(8, 8, 8, call);                         \
         else if (nodes->node_count == 8 && nodes->member_count == 16) EACH_VECTOR_OF(8, 8, 16, call);                  \
         else if (nodes->node_count == 8 && nodes->member_count == 32) EACH_VECTOR_OF(8, 8, 32, call);                  \
-        else EACH_VECTOR_OF(nodes->node_count, nodes->lanes, nodes->member_count, call);                               \
+        else EACH_VECTOR_OF(nodes->node_count, nodes->lane_count, nodes->member_count, call);                          \
     } while (0)
 #else
 #define NAME(f) KERNEL_NAME(f, LANES)
@@ -58,8 +58,8 @@
 #else
 #define COLUMN jet_v2
 #endif
-#define VECTORS           (shape.lanes / NUMBERS_OF(V))
-#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)shape.lanes + here)
+#define VECTORS           (shape.lane_count / NUMBERS_OF(V))
+#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)shape.lane_count + here)
 #define AT(row, v)        (*(V *)((row) + (size_t)(v)*NUMBERS_OF(V)))
 #define OF_NODE(table, v) AT(table, v)
 #if ONE_VECTOR
@@ -85,7 +85,7 @@
 #include "galerkin/kernel_nodes.h"
 #include "galerkin/kernel_ends.h"
 #if !MEMBERS
-#include "galerkin/kernel_rounds.h"
+#include "galerkin/kernel_inner.h"
 #include "galerkin/kernel_matrices.h"
 #endif
 #include "galerkin/kernel_loops.h"

@@ -11,11 +11,11 @@ typedef struct {
     COLUMN total[2], loss[2];
 } NAME(two_chains);
 
-/* Adds weight *term to *total, and the rounding error of this addition to *loss. */
-JET_INLINE void NAME(add_compensated)(COLUMN *total, COLUMN *loss, double weight, const COLUMN *term)
+/* Adds weight (*term) to *total, and the rounding error of this addition to *rounding_error. */
+JET_INLINE void NAME(add_compensated)(COLUMN *total, COLUMN *rounding_error, double weight, const COLUMN *term)
 {
     const COLUMN factor = weight - (COLUMN){0}, next = FUSED(COLUMN, factor, *term, *total), added = next - *total;
-    *loss += (*total - (next - added)) + FUSED(COLUMN, factor, *term, -added);
+    *rounding_error += (*total - (next - added)) + FUSED(COLUMN, factor, *term, -added);
     *total = next;
 }
 
@@ -34,7 +34,7 @@ JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double 
                                size_t here)
 {
     for (int k = 0; k < NAME(rows); k++)
-        row[k] = ROW(nodes->impulses, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
+        row[k] = ROW(nodes->impulses, u + k < nodes->unknown_count ? u + k : nodes->unknown_count - 1);
 }
 
 /* Returns the impulses of node j in these rows, as a vector. */
@@ -50,11 +50,11 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
+JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_end_sum_weights *weights,
                                     const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
 {
-    const int count = MEMBERS ? shape.node_count : shape.lanes;
-    for (int u = 0; u < nodes->unknowns; u += NAME(rows)) {
+    const int count = MEMBERS ? shape.node_count : shape.lane_count;
+    for (int u = 0; u < nodes->unknown_count; u += NAME(rows)) {
         const size_t at = (size_t)u * (size_t)shape.member_count + here;
         const COLUMN none = {0};
         const double *row[NAME(rows)];

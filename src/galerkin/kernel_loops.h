@@ -11,13 +11,13 @@ OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, cons
                               double *drift, double *drift_low)
 {
     const int width = MEMBERS ? nodes->member_count : 1;
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
             drift[at] = nodes->impulse_scale[u] * origin->p[at];
             drift_low[at] =
                 fma(nodes->impulse_scale[u], origin->p[at], -drift[at]) + nodes->impulse_scale[u] * origin->p_low[at];
         }
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         EACH_VECTOR(NAME(start_drift)(nodes, u, c, origin, drift, drift_low, shape, here));
 }
 
@@ -41,7 +41,7 @@ OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const dou
     EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, movement, shape, here));
 }
 
-OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
+OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_end_sum_weights *weights,
                          const galerkin_impulse_sums *sums)
 {
     EACH_VECTOR(NAME(integrate_all)(nodes, weights, sums, shape, here));
@@ -51,7 +51,7 @@ OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_
                             const double *drift_low, const tvi_increments *increments)
 {
     const int width = MEMBERS ? nodes->member_count : 1;
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
             increments->dq[at] = galerkin_coordinate_increment(drift[at], drift_low[at], nodes->impulse_scale[u],
                                                                sums->double_integral[at], sums->double_integral_low[at],
@@ -78,11 +78,11 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int member_count, d
 {
     const galerkin_tail_inputs inputs = *tail_inputs;
     const int width = MEMBERS ? member_count : 1;
-    double *restrict share = inputs.share, *restrict ratio = inputs.ratio;
+    double *restrict share = inputs.component_share, *restrict ratio = inputs.component_ratio;
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(inputs.is_separable ? at : at + inputs.n * width);
-            const tvi_tail_component component = galerkin_tail_part_of_component(&inputs, i, (size_t)at, momentum);
+            const tvi_tail_component component = galerkin_make_tail_component(&inputs, i, (size_t)at, momentum);
             share[at] = tvi_tail_component_share(&component, inputs.is_separable || inputs.has_masses);
             ratio[at] = tvi_tail_component_ratio(&component);
         }
@@ -96,7 +96,7 @@ OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *
     long long left = 0;
     for (int m = 0; m < width; m += NUMBERS_OF(V)) {
         const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(iteration->moving_mask + m);
-        const V movement = *(const V *)(iteration->movement + m), infinite = INFINITY - (V){0},
+        const V movement = *(const V *)(iteration->movement_square + m), infinite = INFINITY - (V){0},
                 slowest = *(V *)(iteration->largest_contraction_ratio + m);
         members_passes passes = {.count = count - 1,
                                  .size = *(V *)(iteration->correction + m),
@@ -114,8 +114,9 @@ OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *
         *(V *)(iteration->contraction_ratio + m) = passes.ratio;
         *(V *)(iteration->correction_without_roundoff + m) = passes.size_without_roundoff;
         *(V *)(iteration->largest_contraction_ratio + m) = JET_CHOOSE(V, moves, passes.slowest_ratio, slowest);
-        if (count == 1) *(V *)(iteration->first_movement + m) = movement;
-        *(V *)(iteration->pass_count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(iteration->pass_count + m));
+        if (count == 1) *(V *)(iteration->first_movement_square + m) = movement;
+        *(V *)(iteration->pass_count_as_double + m) =
+            JET_CHOOSE(V, moves, count - (V){0}, *(V *)(iteration->pass_count_as_double + m));
         *(JET_MASK(jet_widest) *)(iteration->converged_mask + m) |= moves & is_finite & may_end;
         *(JET_MASK(jet_widest) *)(iteration->moving_mask + m) = moves & is_finite & ~(may_end | is_stuck);
     }
@@ -135,7 +136,7 @@ OWN double NAME(move_in_parts)(const galerkin_nodes *nodes, const double *matrix
 OWN double NAME(move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
                                    const double *changes, const int slot[])
 {
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         set_impulses_with_changes(nodes->impulse_weight, rates + slot[u] * LANES, changes + u * LANES,
                                   nodes->impulses + u * LANES, LANES);
     return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);

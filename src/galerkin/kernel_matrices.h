@@ -83,7 +83,7 @@ OWN void NAME(linearise)(const lanes_gradient_expansion *m, double *out)
             if (i < m->n || m->hessian_element[k].column < m->n)
                 sum += BLOCK_OF(V, m->hessian_block + m->hessian_element[k].slot * LANES, v) *
                        LANE_AT(m->displacement, m->hessian_element[k].column, v);
-        if (i < m->n) sum += BLOCK_OF(V, m->centre_gradient + i * LANES, v);
+        if (i < m->n) sum += BLOCK_OF(V, m->gradient_at_centre + i * LANES, v);
         LANE_AT(out, i, v) = sum;
     }
 }

@@ -43,7 +43,8 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *nodes, int u, const doub
 
 /* ---- Sums over the nodes ----------------------------------------------------------------------------------------- */
 
-/* A table of factors in sums over the nodes. The compiler keeps it in registers if a row fits into one vector. */
+/* A table [j][lanes] of factors in sums over the nodes j. The compiler keeps it in registers if a row fits into one
+ * vector. */
 typedef struct {
 #if ONE_VECTOR
     V row[LANES];
@@ -67,7 +68,7 @@ JET_INLINE NAME(table) NAME(table_of)(const double *number)
 JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v,
                                   galerkin_array_shape shape)
 {
-    const int nodes = MEMBERS ? shape.node_count : shape.lanes;
+    const int nodes = MEMBERS ? shape.node_count : shape.lane_count;
     (void)v;
     for (int j = 0; j < nodes; j++) sum[j % CHAINS] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % CHAINS]);
 }
@@ -98,7 +99,7 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape shape)
     enum { GROUPS = 4 };
     V sum[GROUPS];
     NAME(clear)(sum, GROUPS);
-    for (int i = 0; i < shape.lanes; i++) sum[i % GROUPS] += x[i < shape.node_count ? i : shape.node_count - 1];
+    for (int i = 0; i < shape.lane_count; i++) sum[i % GROUPS] += x[i < shape.node_count ? i : shape.node_count - 1];
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 #else
     enum { GROUPS = NUMBERS_OF(V) < 4 && LANES >= 4 ? 4 / NUMBERS_OF(V) : 1 };
@@ -113,12 +114,13 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape shape)
 
 /* ---- Movements --------------------------------------------------------------------------------------------------- */
 
-/* Sets the impulses L_j = impulse_weight_j F_j. */
+/* Sets the impulses L_j = impulse_weight_j F_j from the rates F_j; row slot[u] of `rates` contains those of unknown
+ * u. */
 JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const double *rates, const int slot[],
                                    galerkin_array_shape shape, size_t here)
 {
     const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    for (int u = 0; u < nodes->unknowns; u++) {
+    for (int u = 0; u < nodes->unknown_count; u++) {
         const double *rate = ROW(rates, slot[u]);
         double *impulse = ROW(nodes->impulses, u);
         for (int v = 0; v < VECTORS; v++)
@@ -126,19 +128,20 @@ JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const dou
     }
 }
 
-/* Sets the unknowns x = high + way, way = base + scale sum_j matrix_ji L_j, from the impulses of all nodes. If
- * `displacements` [unknowns][lanes] is not NULL, it gets `way`. Returns the sum of the squares of (change of x)
- * inverse_unknown_size. */
+/* Moves the unknowns to x = drift_values + way, with way = drift_values_low + impulse_scale sum_j matrix_ji L_j, by the
+ * impulses L_j of all nodes. If `displacements` [unknowns][lanes] is not NULL, it gets `way`. Returns the sum of the
+ * squares of (change of x) inverse_unknown_size. */
 JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const double *matrix, double *displacements,
                                       galerkin_array_shape shape, size_t here)
 {
     const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
-    const int moving = nodes->moving_unknowns, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
+    const int moving = nodes->moving_unknown_count,
+              all = moving < nodes->unknown_count ? 2 * moving : nodes->unknown_count;
     const NAME(table) table = NAME(table_of)(matrix);
     V squares[LANES];
     NAME(clear)(squares, VECTORS);
     for (int k = 0; k < all; k++) {
-        const int u = k < moving ? k : k - moving + nodes->unknowns_per_half;
+        const int u = k < moving ? k : k - moving + nodes->unknown_count_per_half;
         const double *high = ROW(nodes->drift_values, u);
         const double *base = ROW(nodes->drift_values_low, u);
         const V scale = nodes->impulse_scale[u] - (V){0},
@@ -174,18 +177,19 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapo
 {
     const double *last = ROW(extrapolation->last_impulses, u);
     const double *before = ROW(extrapolation->impulses_before, u);
-    const double *of_before = extrapolation->two_step_table + shape.lanes * shape.lanes;
-    const JET_MASK(jet_widest) uses_last_step = *(const JET_MASK(jet_widest) *)(extrapolation->last_step_mask + here);
+    const double *of_before = extrapolation->two_step_extrapolation + shape.lane_count * shape.lane_count;
+    const JET_MASK(jet_widest) uses_last_step =
+        *(const JET_MASK(jet_widest) *)(extrapolation->last_step_only_mask + here);
     const V none = {0};
     for (int j = 0; j < shape.node_count; j++)
-        sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, uses_last_step, none, OF_NODE(of_before + j * shape.lanes, v)),
+        sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, uses_last_step, none, OF_NODE(of_before + j * shape.lane_count, v)),
                                 AT(before, j), sum[j % CHAINS]);
     for (int j = 0; j < shape.node_count; j++)
-        sum[j % CHAINS] =
-            FUSED(V,
-                  JET_CHOOSE(V, uses_last_step, OF_NODE(extrapolation->last_step_table + j * shape.lanes, v),
-                             OF_NODE(extrapolation->two_step_table + j * shape.lanes, v)),
-                  AT(last, j), sum[j % CHAINS]);
+        sum[j % CHAINS] = FUSED(V,
+                                JET_CHOOSE(V, uses_last_step,
+                                           OF_NODE(extrapolation->last_step_extrapolation + j * shape.lane_count, v),
+                                           OF_NODE(extrapolation->two_step_extrapolation + j * shape.lane_count, v)),
+                                AT(last, j), sum[j % CHAINS]);
 }
 #endif
 
@@ -198,13 +202,14 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
     const galerkin_nodes copy = *caller_nodes, *const nodes = &copy;
     const galerkin_extrapolation extrapolation = *caller_extrapolation;
 #if !MEMBERS
-    const bool uses_last_step = *extrapolation.last_step_mask;
+    const bool uses_last_step = *extrapolation.last_step_only_mask;
     const NAME(table) of_last =
-        NAME(table_of)(uses_last_step ? extrapolation.last_step_table : extrapolation.two_step_table);
+        NAME(table_of)(uses_last_step ? extrapolation.last_step_extrapolation : extrapolation.two_step_extrapolation);
     /* If the last step alone is used, of_before is not used, and any valid address will do. */
-    const NAME(table) of_before = NAME(table_of)(extrapolation.two_step_table + (uses_last_step ? 0 : LANES * LANES));
+    const NAME(table) of_before =
+        NAME(table_of)(extrapolation.two_step_extrapolation + (uses_last_step ? 0 : LANES * LANES));
 #endif
-    for (int u = 0; u < nodes->unknowns; u++) {
+    for (int u = 0; u < nodes->unknown_count; u++) {
         const double *high = ROW(nodes->drift_values, u);
         const double *base = ROW(nodes->drift_values_low, u);
         const V scale = nodes->impulse_scale[u] - (V){0};
@@ -227,7 +232,7 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
 JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_array_shape shape, size_t here)
 {
     const MEMBER start = MEMBER_AT(nodes->start_values, u);
-    const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? shape.node_count - 1 : shape.lanes - 1) - start;
+    const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? shape.node_count - 1 : shape.lane_count - 1) - start;
     return MAGNITUDE(start) + MAGNITUDE(way);
 }
 
@@ -244,7 +249,7 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
 JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first, int end, galerkin_array_shape shape,
                                    size_t here)
 {
-    const bool has_momenta = nodes->unknowns > n;
+    const bool has_momenta = nodes->unknown_count > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {
         const int i = tvi_subsystems_component(&nodes->subsystems, k);

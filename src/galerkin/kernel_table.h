@@ -14,7 +14,7 @@ static const galerkin_kernels NAME(kernels) = {
 #else
     .move_in_parts = NAME(move_in_parts),
     .move_with_changes = NAME(move_with_changes),
-    .run_rounds = NAME(run_rounds),
+    .run_inner_iterations = NAME(run_inner_iterations),
     .evaluate = NAME(evaluate),
     .invert = NAME(invert),
     .correct = NAME(correct),

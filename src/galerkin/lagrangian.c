@@ -1,10 +1,13 @@
-/* lagrangian.c - Evaluates the field of a Lagrangian L(q, v, t): the rate of Q is V, with L_v(Q, V) = P, and the rate
- * of P is F = L_q(Q, V) (docs/method.md sections 4 and 5).
+/* lagrangian.c - Evaluates the field of a Lagrangian L(q, v, t): the rate of the positions Q is V, with L_v(Q, V) = P,
+ * and the rate of the momenta P is F = L_q(Q, V) (docs/method.md sections 4 and 5).
  *
  * A pass evaluates the gradient (L_q, L_v) at points (Q*, V*) near the nodes, and its derivatives, too, if the last
- * ones were computed too far away. Then it iterates, with F to first order from there,
+ * ones were computed too far away. Then it iterates, with F expanded to first order about (Q*, V*),
  *
- *    P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V. */
+ *     P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V,
+ *
+ * where L_v and its derivatives are those at (Q*, V*), h is the step size, a the matrix of Gauss collocation and (q0,
+ * p0) the state at the start of the step. */
 #include "galerkin/lagrangian_passes.h"
 #include "galerkin/model.h"
 #include "system/legendre.h"
@@ -29,22 +32,22 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
 {
     const tvi_system *system = field->system;
     const int n = system->n, unknowns = 2 * n;
-    const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
+    const size_t lanes = (size_t)field->nodes.lane_count, half_size = (size_t)n * lanes;
     lagrangian_work *taken = field->form_work = tvi_arena_allocate(arena, sizeof *taken);
     lagrangian_work work = {.passes = {.kernels = field->kernels}};
     field->pass_input_row_count = 3 * n;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
     tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
     field->tape_block = work.hessian_tables.blocks.values_block;
-    field->rate_to_unknown = tvi_arena_allocate_doubles(arena, lanes * lanes);
-    double **const rows[] = {&work.passes.coordinate_displacement, &work.passes.centre_offset[0],
-                             &work.passes.centre_offset[1]};
+    field->impulse_to_predicted = tvi_arena_allocate_doubles(arena, lanes * lanes);
+    double **const rows[] = {&work.passes.coordinate_minus_drift, &work.passes.drift_minus_centre[0],
+                             &work.passes.drift_minus_centre[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half_size);
-    work.passes.centre_gradient = tvi_arena_allocate_doubles(arena, 2 * half_size);
+    work.passes.gradient_at_centre = tvi_arena_allocate_doubles(arena, 2 * half_size);
     work.passes.gradient_expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * half_size);
     work.start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
     tvi_legendre_allocate(&work.legendre_transform, arena, system);
-    allocate_velocity_hessian_inverse(&work.passes.velocity_hessian_inverse, arena, n, field->nodes.lanes);
+    allocate_velocity_hessian_inverse(&work.passes.velocity_hessian_inverse, arena, n, field->nodes.lane_count);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? lagrangian_values_row(&field->nodes, unknowns) : NULL;
     work.passes.rate_nodes.drift_values = tvi_arena_allocate_doubles(arena, (size_t)unknowns * lanes);
@@ -52,7 +55,7 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     if (taken) *taken = work;
 }
 
-bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor)
+bool tvi_galerkin_invert_with_row_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor)
 {
     tvi_lu_factor *factor = lu_factor;
     const int n = inverse->n;
@@ -69,23 +72,23 @@ bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int
     return true;
 }
 
-static void prepare_lagrangian_passes(lagrangian_passes *work, const galerkin_field *field,
+static void prepare_lagrangian_passes(lagrangian_passes *passes, const galerkin_field *field,
                                       const galerkin_hessian_tables *tables)
 {
     const tvi_system *system = field->system;
-    work->nodes = &field->nodes;
-    work->impulse_matrix = field->impulse_matrix;
-    work->rate_row = field->rate_row;
-    work->tape_blocks = tables->blocks;
-    work->gradient_slot[false] = system->field_values->output_slot;
-    work->gradient_slot[true] = system->hessian_values->output_slot;
-    work->gradient_expansion = (lanes_gradient_expansion){system->n,
-                                                          field->nodes.lanes,
-                                                          work->gradient_expansion.displacement,
-                                                          work->centre_gradient,
-                                                          tables->blocks.hessian_block,
-                                                          tables->hessian_element,
-                                                          tables->row_end};
+    passes->nodes = &field->nodes;
+    passes->impulse_matrix = field->impulse_matrix;
+    passes->rate_row_of_unknown = field->rate_row_of_unknown;
+    passes->tape_blocks = tables->blocks;
+    passes->gradient_slot[false] = system->field_values->output_slot;
+    passes->gradient_slot[true] = system->hessian_values->output_slot;
+    passes->gradient_expansion = (lanes_gradient_expansion){system->n,
+                                                            field->nodes.lane_count,
+                                                            passes->gradient_expansion.displacement,
+                                                            passes->gradient_at_centre,
+                                                            tables->blocks.hessian_block,
+                                                            tables->hessian_element,
+                                                            tables->row_end};
 }
 
 static void prepare_lagrangian_field(galerkin_field *field)
@@ -93,10 +96,10 @@ static void prepare_lagrangian_field(galerkin_field *field)
     lagrangian_work *work = field->form_work;
     tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
     prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
-    work->passes.invert_with_exchanges = tvi_galerkin_invert_with_exchanges;
-    work->passes.library_inverse = &work->passes.velocity_hessian_inverse;
+    work->passes.invert_with_row_exchanges = tvi_galerkin_invert_with_row_exchanges;
+    work->passes.inverse_in_library_arrays = &work->passes.velocity_hessian_inverse;
     work->passes.lu_factor = &work->legendre_transform.jacobian_factor;
-    for (int u = 0; u < field->nodes.unknowns; u++) field->rate_row[u] = field->nodes.unknowns + u;
+    for (int u = 0; u < field->nodes.unknown_count; u++) field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -104,17 +107,18 @@ static void prepare_lagrangian_field(galerkin_field *field)
 static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first_row, const double value[])
 {
     for (int i = 0; i < n; i++)
-        for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_values_row(nodes, first_row + i)[lane] = value[i];
+        for (int lane = 0; lane < nodes->lane_count; lane++)
+            lagrangian_values_row(nodes, first_row + i)[lane] = value[i];
 }
 
 /* Predicts that Q and P stay as they are at the start of the step, and computes V there by the Legendre transform,
  * whose iteration begins with V = 0. Then it moves Q and P by the rates at this point. */
-static tvi_status predict_lagrangian_from_start(galerkin_field *field, const tvi_step_origin *origin)
+static tvi_status predict_lagrangian_unknowns_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     lagrangian_work *work = field->form_work;
     const tvi_system *system = field->system;
     const galerkin_nodes *nodes = &field->nodes;
-    const int n = system->n, lanes = nodes->lanes, *output = work->passes.gradient_slot[false];
+    const int n = system->n, lanes = nodes->lane_count, *output = work->passes.gradient_slot[false];
     double *velocity = work->start_velocity;
     memset(velocity, 0, (size_t)n * sizeof *velocity);
     const tvi_status status = tvi_legendre_solve(&work->legendre_transform, origin->t, origin->q, origin->p, velocity);
@@ -149,20 +153,21 @@ static tvi_status make_lagrangian_pass(galerkin_field *field, double *movement, 
     const int factors = work->passes.inversion_count;
     const lagrangian_pass_result passed = lagrangian_make_pass(&work->passes, tvi_galerkin_sweep_tape);
     stats->factorisations += (work->passes.inversion_count - factors) * field->node_count;
-    *movement = work->passes.last_movement;
+    *movement = work->passes.last_movement_square;
     return status[passed];
 }
 
 static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
 {
     const lagrangian_work *work = field->form_work;
-    const int unknowns = field->nodes.unknowns;
+    const int unknowns = field->nodes.unknown_count;
     tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->passes.gradient_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->passes.gradient_slot[true]);
-    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row);
+    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_lagrangian = {
-    allocate_lagrangian_field, prepare_lagrangian_field, predict_lagrangian_from_start,   predict_lagrangian_unknowns,
-    make_lagrangian_pass,      emit_lagrangian_field,    tvi_embedded_galerkin_lagrangian};
+    allocate_lagrangian_field,       prepare_lagrangian_field, predict_lagrangian_unknowns_from_start,
+    predict_lagrangian_unknowns,     make_lagrangian_pass,     emit_lagrangian_field,
+    tvi_embedded_galerkin_lagrangian};

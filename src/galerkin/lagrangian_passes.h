@@ -11,34 +11,37 @@
 #include <math.h>
 #include <string.h>
 
-/* The data of the passes. The rows of nodes->values are Q, P, V, F and L_v, n rows each. */
+/* The data of the passes. The rows of nodes->values are positions Q, momenta P, velocities V, forces F = L_q, and the
+ * change of L_v that the kernel `linearise` computes, n rows each. */
 typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    /* V and F as unknowns of the predictor, whose values at the start are 0 */
+    /* nodes whose unknowns are the rates V and F, which the kernel `predict` extrapolates; their values at the start
+     * are 0 */
     galerkin_nodes rate_nodes;
-    /* [j][i] the factors of impulses in unknowns (coefficients.h) */
+    /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
     const double *impulse_matrix;
-    const int *rate_row;
+    const int *rate_row_of_unknown;
     galerkin_tape_blocks tape_blocks;
-    /* [2n] The slots of the gradient in values_block (index false) and in hessian_block (index true). */
+    /* [2n] The slots of the gradient: gradient_slot[false] is for values_block, gradient_slot[true] for
+     * hessian_block. */
     const int *gradient_slot[2];
-    double *coordinate_displacement; /* [n][lanes] Q minus drift_values of the nodes */
-    /* [n][lanes] The drift values minus the centres, which are the points where the gradient was evaluated: a number
-     * and its low-order part. */
-    double *centre_offset[2];
-    double *centre_gradient; /* [2n][lanes] the gradient at the centres */
+    double *coordinate_minus_drift; /* [n][lanes] Q minus drift_values of the nodes */
+    /* [n][lanes] drift_values of the nodes minus Q at the centres, the points where the gradient was evaluated: a
+     * number and its low-order part. */
+    double *drift_minus_centre[2];
+    double *gradient_at_centre; /* [2n][lanes] the gradient at the centres */
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    /* Inverts L_vv if the kernel `invert` cannot (tvi_galerkin_invert_with_exchanges), with the tvi_lu_factor and in
-     * the arrays of the library. */
-    bool (*invert_with_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
-    const lanes_matrix_inverse *library_inverse;
+    /* If the kernel `invert` fails, the library inverts L_vv by this function (tvi_galerkin_invert_with_row_exchanges),
+     * in its own arrays and with its own tvi_lu_factor. */
+    bool (*invert_with_row_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
+    const lanes_matrix_inverse *inverse_in_library_arrays;
     void *lu_factor;
     int inversion_count; /* the number of times that L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
-    double last_movement;
+    double last_movement_square;
 } lagrangian_passes;
 
 typedef enum {
@@ -51,17 +54,17 @@ typedef enum {
 /* The square of a relative movement that is only roundoff. After it a pass makes no further iteration. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
-static inline double *lagrangian_values_row(const galerkin_nodes *nodes, int i)
+static inline double *lagrangian_values_row(const galerkin_nodes *nodes, int row)
 {
-    return nodes->values + i * nodes->lanes;
+    return nodes->values + row * nodes->lane_count;
 }
 
-static inline galerkin_nodes lagrangian_nodes_of_half(const galerkin_nodes *all_nodes, int first_unknown)
+static inline galerkin_nodes lagrangian_select_half_of_unknowns(const galerkin_nodes *all_nodes, int first_unknown)
 {
     galerkin_nodes nodes = *all_nodes;
-    const int offset = first_unknown * nodes.lanes;
-    nodes.unknowns /= 2;
-    nodes.moving_unknowns = nodes.unknowns;
+    const int offset = first_unknown * nodes.lane_count;
+    nodes.unknown_count /= 2;
+    nodes.moving_unknown_count = nodes.unknown_count;
     nodes.values += offset;
     nodes.drift_values += offset;
     nodes.drift_values_low += offset;
@@ -74,19 +77,19 @@ static inline galerkin_nodes lagrangian_nodes_of_half(const galerkin_nodes *all_
 
 static inline double lagrangian_move_momenta(const lagrangian_passes *passes)
 {
-    const int n = passes->nodes->unknowns / 2;
-    const galerkin_nodes momenta = lagrangian_nodes_of_half(passes->nodes, n);
+    const int n = passes->nodes->unknown_count / 2;
+    const galerkin_nodes momenta = lagrangian_select_half_of_unknowns(passes->nodes, n);
     double moved;
     GALERKIN_KERNEL(passes->kernels, move, &momenta, passes->impulse_matrix, passes->nodes->values,
-                    passes->rate_row + n, &moved);
+                    passes->rate_row_of_unknown + n, &moved);
     return moved;
 }
 
 static inline double lagrangian_move_coordinates(const lagrangian_passes *passes)
 {
-    const galerkin_nodes positions = lagrangian_nodes_of_half(passes->nodes, 0);
+    const galerkin_nodes positions = lagrangian_select_half_of_unknowns(passes->nodes, 0);
     return GALERKIN_KERNEL(passes->kernels, move_in_parts, &positions, passes->impulse_matrix, passes->nodes->values,
-                           passes->rate_row, passes->coordinate_displacement);
+                           passes->rate_row_of_unknown, passes->coordinate_minus_drift);
 }
 
 /* Moves Q and P by the current rates V and F. */
@@ -94,7 +97,7 @@ static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
 {
     (void)lagrangian_move_momenta(passes);
     (void)lagrangian_move_coordinates(passes);
-    passes->last_movement = INFINITY;
+    passes->last_movement_square = INFINITY;
 }
 
 /* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a lagrangian_passes. */
@@ -111,11 +114,11 @@ static inline void lagrangian_predict_unknowns(void *work, const galerkin_nodes 
  * away, so that the last passes of a step use the same centres. If the gradient were evaluated at the nodes
  * themselves, its roundoff would change with their last bits. The iteration would stop where that roundoff happens
  * to be small, more often on the side from which the nodes come, and the energy would drift. */
-static inline void lagrangian_round_last_bits(int count, const double *nodes, double *rounded_values)
+static inline void lagrangian_round_last_bits(int count, const double *values, double *rounded_values)
 {
     const uint64_t unit = UINT64_C(1) << LAGRANGIAN_ROUNDED_BITS;
     for (int i = 0; i < count; i++) {
-        const uint64_t bits = (tvi_double_bits(nodes[i]) + unit / 2) & ~(unit - 1);
+        const uint64_t bits = (tvi_double_bits(values[i]) + unit / 2) & ~(unit - 1);
         memcpy(&rounded_values[i], &bits, sizeof bits);
     }
 }
@@ -123,14 +126,15 @@ static inline void lagrangian_round_last_bits(int count, const double *nodes, do
 static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galerkin_sweep *sweep, bool with_hessian)
 {
     const galerkin_nodes *nodes = passes->nodes;
-    const int lanes = nodes->lanes, half = nodes->unknowns / 2 * lanes, *output = passes->gradient_slot[with_hessian];
+    const int lanes = nodes->lane_count, half = nodes->unknown_count / 2 * lanes,
+              *output = passes->gradient_slot[with_hessian];
     lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.values_block);
-    lagrangian_round_last_bits(half, lagrangian_values_row(nodes, nodes->unknowns),
+    lagrangian_round_last_bits(half, lagrangian_values_row(nodes, nodes->unknown_count),
                                passes->tape_blocks.values_block + half);
     const double *x = galerkin_evaluate_gradient(&passes->tape_blocks, sweep, with_hessian);
     if (!x) return false;
-    for (int i = 0; i < nodes->unknowns; i++)
-        memcpy(passes->centre_gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
+    for (int i = 0; i < nodes->unknown_count; i++)
+        memcpy(passes->gradient_at_centre + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
 }
 
@@ -138,7 +142,7 @@ static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galer
 static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangian_passes *passes)
 {
     const lanes_gradient_expansion *expansion = &passes->gradient_expansion;
-    const int n = expansion->n, lanes = expansion->lanes;
+    const int n = expansion->n, lanes = expansion->lane_count;
     double *a = passes->velocity_hessian_inverse.matrix;
     const size_t bytes = (size_t)(n * n * lanes) * sizeof *a;
     memset(a, 0, bytes);
@@ -153,9 +157,9 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
     /* The called function gets no address of a local array of generated code: compilers would no longer know that other
      * pointers do not point to it. */
-    memmove(passes->library_inverse->matrix, a, bytes);
-    if (passes->invert_with_exchanges(passes->library_inverse, lanes, passes->lu_factor)) {
-        memmove(passes->velocity_hessian_inverse.inverse, passes->library_inverse->inverse, bytes);
+    memmove(passes->inverse_in_library_arrays->matrix, a, bytes);
+    if (passes->invert_with_row_exchanges(passes->inverse_in_library_arrays, lanes, passes->lu_factor)) {
+        memmove(passes->velocity_hessian_inverse.inverse, passes->inverse_in_library_arrays->inverse, bytes);
         return LAGRANGIAN_PASSED;
     }
     for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
@@ -164,40 +168,42 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     return LAGRANGIAN_SINGULAR;
 }
 
-/* Makes one iteration: it moves P, V and Q by the current gradient. Returns the movement of P and Q. */
-static inline double lagrangian_iterate_once(lagrangian_passes *passes)
+/* Makes one iteration within a pass: it moves P, V and Q by the current gradient. Returns the movement of P and Q, as
+ * the kernel `move` measures it. */
+static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;
-    const int n = nodes->unknowns / 2, half = n * nodes->lanes;
+    const int n = nodes->unknown_count / 2, half = n * nodes->lane_count;
     const double moved = lagrangian_move_momenta(passes);
     GALERKIN_KERNEL(passes->kernels, correct, &passes->velocity_hessian_inverse, lagrangian_values_row(nodes, n),
-                    passes->centre_gradient + half, lagrangian_values_row(nodes, 4 * n),
+                    passes->gradient_at_centre + half, lagrangian_values_row(nodes, 4 * n),
                     passes->tape_blocks.values_block + half, lagrangian_values_row(nodes, 2 * n));
     return moved + lagrangian_move_coordinates(passes);
 }
 
-/* Sets centre_offset to the drift values minus the centres, in two parts. */
-static inline void lagrangian_set_centre_offsets(lagrangian_passes *passes)
+/* Sets drift_minus_centre, in two parts. */
+static inline void lagrangian_set_drift_minus_centre(lagrangian_passes *passes)
 {
-    const int half = passes->nodes->unknowns / 2 * passes->nodes->lanes;
+    const int half = passes->nodes->unknown_count / 2 * passes->nodes->lane_count;
     const double *high = passes->nodes->drift_values, *from = passes->tape_blocks.values_block;
     for (int i = 0; i < half; i++) {
         const double rise = high[i] - from[i], less = high[i] - rise;
-        passes->centre_offset[0][i] = rise;
-        passes->centre_offset[1][i] = (high[i] - (rise + less)) + (less - from[i]);
+        passes->drift_minus_centre[0][i] = rise;
+        passes->drift_minus_centre[1][i] = (high[i] - (rise + less)) + (less - from[i]);
     }
 }
 
-/* Computes the gradient to first order at Q and V. The displacement of Q from the centre is computed from Q before
- * it was rounded. */
-static inline void lagrangian_expand_gradient(lagrangian_passes *passes)
+/* Sets the row F to L_q at Q and V, and the last row to the change of L_v by the displacement of Q, both to first order
+ * about the centres (kernel `linearise`). The displacement of Q is computed from Q before it was rounded. */
+static inline void lagrangian_evaluate_gradient_expansion(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;
-    const int half = nodes->unknowns / 2 * nodes->lanes;
+    const int half = nodes->unknown_count / 2 * nodes->lane_count;
     const double *V = nodes->values + 2 * half, *from = passes->tape_blocks.values_block;
     double *moved = passes->gradient_expansion.displacement;
     for (int i = 0; i < half; i++)
-        moved[i] = (passes->centre_offset[0][i] + passes->coordinate_displacement[i]) + passes->centre_offset[1][i];
+        moved[i] =
+            (passes->drift_minus_centre[0][i] + passes->coordinate_minus_drift[i]) + passes->drift_minus_centre[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
     GALERKIN_KERNEL(passes->kernels, linearise, &passes->gradient_expansion, nodes->values + 3 * half);
 }
@@ -206,20 +212,20 @@ static inline void lagrangian_expand_gradient(lagrangian_passes *passes)
 static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *passes, galerkin_sweep *sweep)
 {
     const galerkin_nodes *nodes = passes->nodes;
-    const int numbers = nodes->unknowns * nodes->lanes;
-    if (passes->last_movement <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
+    const int numbers = nodes->unknown_count * nodes->lane_count;
+    if (passes->last_movement_square <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
         if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE;
     } else {
         if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE;
         const lagrangian_pass_result inverted = lagrangian_invert_velocity_hessian(passes);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
-    double moved = passes->last_movement = 0;
-    lagrangian_set_centre_offsets(passes);
+    double moved = passes->last_movement_square = 0;
+    lagrangian_set_drift_minus_centre(passes);
     for (int i = 0; i < LAGRANGIAN_MAX_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
-        lagrangian_expand_gradient(passes);
-        passes->last_movement += moved = lagrangian_iterate_once(passes);
+        lagrangian_evaluate_gradient_expansion(passes);
+        passes->last_movement_square += moved = lagrangian_make_inner_iteration(passes);
     }
     return LAGRANGIAN_PASSED;
 }

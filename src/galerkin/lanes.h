@@ -1,6 +1,6 @@
-/* lanes.h - Defines vectors over the lanes of a block, whose number is a constant, and the loops and limits of a single
- * member that do not depend on the number of lanes. Files that are compiled once for each instruction set (ad/vector.h)
- * and generated code include it. */
+/* lanes.h - Defines vectors over the lanes of a block, the number of which is a constant. For a single member with any
+ * number of lanes it also defines how impulses are set, how the curve is evaluated, and the limits of the inner
+ * iterations. Files that are compiled once for each instruction set (ad/vector.h) and generated code include it. */
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 
@@ -89,11 +89,11 @@ JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evalua
     JET_BLOCKS(point_count, EVALUATE, );
 }
 
-/* ---- Inner rounds in single precision (kernel_rounds.h) --------------------------------------------------------- */
+/* ---- Inner iterations in single precision (kernel_inner.h) ------------------------------------------------------ */
 
-/* Relative movements are stored in this unit, so that the squares of movements down to 2^-72 do not underflow in
- * single precision. */
-#define ROUNDS_UNIT 0x1p-40
+/* Inner iterations store the relative changes of the unknowns in this unit. The square of the least change that
+ * matters, 2^-72 (GALERKIN_HESSIAN_GOAL), would underflow in single precision; in this unit it is 2^-64. */
+#define INNER_MOVEMENT_UNIT 0x1p-40
 
 typedef float single_jet_v8 JET_VECTOR(float, 8);
 typedef float single_jet_v4 JET_VECTOR(float, 4);

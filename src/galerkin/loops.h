@@ -1,6 +1,6 @@
-/* loops.h - Declares the loops of the Galerkin curve, which take all the time of a step except that of the field.
- * They are compiled once for each instruction set (ad/vector.h). Arrays of nodes have `lanes` elements. If there are
- * more lanes than nodes, the last node is repeated, with weight 0. */
+/* loops.h - Declares the kernels of the Galerkin curve: loops over unknowns and nodes, which take all the time of a
+ * step except that of the field. They are compiled once for each instruction set (ad/vector.h). Arrays of nodes have
+ * lane_count elements. If there are more lanes than nodes, the last node is repeated, with weight 0. */
 #ifndef TVI_SRC_GALERKIN_LOOPS_H
 #define TVI_SRC_GALERKIN_LOOPS_H
 
@@ -20,49 +20,53 @@ enum { GALERKIN_RING = 3 };
 /* The shape of arrays of unknowns. For one member, unknown u of node i is x[u][i]; lanes after the last node repeat
  * that node with weight 0. For several members, unknown u of node i of member m is x[u][i][m]. */
 typedef struct {
-    /* `lanes` is the length of a row of the coefficient tables. */
-    int node_count, lanes, member_count;
+    /* lane_count is the length of a row of the coefficient tables. */
+    int node_count, lane_count, member_count;
 } galerkin_array_shape;
 
-/* The convergence of the passes of a step, from which that of the next step is estimated. A movement is a sum of
- * squares, as the kernel `move` measures it. 0 means that a member is unknown. */
+/* The convergence of the passes of a step, from which that of the next step is estimated. The movement of a pass is the
+ * sum of the squares of the changes of the unknowns, relative to their sizes (kernel `move`). 0 means that a field is
+ * unknown. */
 typedef struct {
     /* the largest ratio of the movements of two successive passes */
     double largest_contraction_ratio;
     /* the movement of the first pass, which shows the error of the prediction */
-    double first_movement;
+    double first_movement_square;
 } galerkin_convergence;
 
-/* The state of the iteration of each member of a batch, as galerkin_member_iteration has it for one member. */
+/* The state of the iteration that solves the equations of a step, for each member of a batch; galerkin_member_iteration
+ * is that of one member. */
 typedef struct {
-    double movement[BATCH_MAX_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
-    /* The members of tvi_passes (algebra/passes.h). `correction` is the movement of the last pass that was judged. */
+    double movement_square[BATCH_MAX_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
+    /* The fields of tvi_passes (algebra/passes.h) of each member. `correction` is the movement of the last pass that
+     * was judged, contraction_ratio its ratio to previous_correction. */
     double correction[BATCH_MAX_WIDTH], previous_correction[BATCH_MAX_WIDTH], contraction_ratio[BATCH_MAX_WIDTH];
     double largest_contraction_ratio[BATCH_MAX_WIDTH], correction_without_roundoff[BATCH_MAX_WIDTH];
-    double first_movement[BATCH_MAX_WIDTH]; /* the movement of the first pass */
-    double pass_count[BATCH_MAX_WIDTH];     /* the number of passes that were made */
-    /* Masks. All bits of converged_mask are set if the member has converged, and all bits of moving_mask if it still
-     * makes passes. */
+    double first_movement_square[BATCH_MAX_WIDTH]; /* the movement of the first pass */
+    /* the number of passes that were made, in the number type of the other vectors */
+    double pass_count_as_double[BATCH_MAX_WIDTH];
+    /* All bits of converged_mask are set if the member has converged, and all bits of moving_mask if it still makes
+     * passes. */
     long long converged_mask[BATCH_MAX_WIDTH], moving_mask[BATCH_MAX_WIDTH];
 } galerkin_batch_iteration;
 
-/* The impulses from which a step is predicted. Usually both of the last two steps are used, with the factors of
- * two_step_table [2][j][i], whose second half belongs to the earlier step. Members that last_step_mask selects use
- * last_step_table [j][i] and the last step alone. */
+/* The impulses from which a step is predicted, and the tables of factors by which it is done. Usually both of the last
+ * two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step. Members
+ * that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
 typedef struct {
     double step_size;
-    const double *two_step_table, *last_step_table, *last_impulses, *impulses_before;
+    const double *two_step_extrapolation, *last_step_extrapolation, *last_impulses, *impulses_before;
     /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
      * same size, or the prediction of the last step was rough. */
-    const long long *last_step_mask;
+    const long long *last_step_only_mask;
 } galerkin_extrapolation;
 
-/* The weights of the impulses in the sums at the end of a step, [lanes] each: one_minus_abscissa is 1 - c_j, and
- * last_term_weight gives the last term of the rate's Legendre series. */
+/* The weights of the impulses in the sums from which the increments and the tail of a step are computed, [lanes] each:
+ * one_minus_abscissa is 1 - c_j, and last_term_weight gives the last term of the rate's Legendre series. */
 typedef struct {
     int node_count;
     double *one_minus_abscissa, *last_term_weight;
-} galerkin_end_weights;
+} galerkin_end_sum_weights;
 
 /* The sums of a step's impulses L_j, [unknowns][member_count] each. Each array has room for seven more numbers, so
  * that a vector can be stored at the last element. single_integral = sum_j L_j; double_integral = sum_j (1 - c_j)
@@ -73,37 +77,40 @@ typedef struct {
         *double_integral_low;
 } galerkin_impulse_sums;
 
-/* The quantities from which the tail of a step is computed (algebra/tail.h). */
+/* The quantities from which the tail of a step is computed: the last term of the rates' polynomial relative to the
+ * whole (algebra/tail.h). */
 typedef struct {
     int n;
-    /* has_masses: the tail compares movements (tvi_system.compares_movements) */
+    /* is_separable: the equations are Q'' = F. has_masses: how much a component counts in the tail is computed from its
+     * movement, not its momentum (tvi_system.compares_movements). */
     bool is_separable, has_masses;
     tvi_subsystems subsystems;
     galerkin_impulse_sums impulse_sums;
-    /* The reciprocal of the quadrature weight b of the first and the last node. */
-    double inverse_end_weight;
+    /* The reciprocal of the quadrature weight b_j of the first and the last node. */
+    double inverse_outermost_weight;
     /* [n] galerkin_nodes.impulse_scale, and the reciprocals of the magnitudes of these factors. */
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    double *share, *ratio; /* [n][member_count] scratch space: the share and the ratio of each component */
+    /* [n][member_count] Scratch space: how much each component counts, and its last term relative to the whole. */
+    double *component_share, *component_ratio;
 } galerkin_tail_inputs;
 
 /* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
  * of its coordinate and its momentum in the arrays. */
-static inline tvi_tail_component galerkin_tail_part_of_component(const galerkin_tail_inputs *inputs, int i,
-                                                                 size_t coordinate_index, size_t momentum_index)
+static inline tvi_tail_component galerkin_make_tail_component(const galerkin_tail_inputs *inputs, int i,
+                                                              size_t coordinate_index, size_t momentum_index)
 {
     const double *last = inputs->impulse_sums.last_term, *end_size = inputs->impulse_sums.end_impulse_size;
     tvi_tail_component component = {.momentum_size = fabs(inputs->start_p[coordinate_index]) +
                                                      (fabs(inputs->momentum_increment[coordinate_index]) +
-                                                      end_size[momentum_index] * inputs->inverse_end_weight),
+                                                      end_size[momentum_index] * inputs->inverse_outermost_weight),
                                     .last_term_p = last[momentum_index],
                                     .last_term_q = inputs->is_separable ? 0 : last[coordinate_index],
                                     .position_size = fabs(inputs->start_q[coordinate_index])};
     component.inverse_momentum = 1 / component.momentum_size;
     component.movement_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
-                                                   : end_size[coordinate_index] * inputs->inverse_end_weight;
+                                                   : end_size[coordinate_index] * inputs->inverse_outermost_weight;
     component.inverse_movement = inputs->is_separable ? inputs->inverse_impulse_scale[i] * component.inverse_momentum
                                                       : 1 / component.movement_size;
     return component;
@@ -126,11 +133,11 @@ static inline double galerkin_coordinate_increment(double drift, double drift_lo
  * conservation laws of these sums do not depend on the rounding. Unless noted otherwise, arrays have the shape of
  * galerkin_array_shape. */
 typedef struct {
-    int lanes, unknowns;
-    /* If moving_unknowns = unknowns, a pass moves all of them. Otherwise the unknowns are unknowns_per_half
-     * coordinates followed by as many momenta, and a pass moves only the first moving_unknowns coordinates and the
-     * first moving_unknowns momenta. */
-    int unknowns_per_half, moving_unknowns;
+    int lane_count, unknown_count;
+    /* If moving_unknown_count = unknowns, a pass moves all of them. Otherwise the unknowns are unknown_count_per_half
+     * coordinates followed by as many momenta, and a pass moves only the first moving_unknown_count coordinates and the
+     * first moving_unknown_count momenta. */
+    int unknown_count_per_half, moving_unknown_count;
     int node_count, member_count;
     double *values;
     double *start_values; /* [unknowns][member_count] the unknowns at the start of the step */
@@ -138,7 +145,7 @@ typedef struct {
     double *drift_values, *drift_values_low;
     double *impulse_weight; /* [lanes] the step times the quadrature weight, h b_j */
     double *impulses;       /* the impulses L_j of the last movement, stored in the history */
-    double *impulse_scale;  /* [unknowns] the factor of each unknown's sums of impulses */
+    double *impulse_scale;  /* [unknowns] the factor of an unknown's sums of impulses */
     /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
     double *inverse_unknown_size;
     /* [n] The momentum whose drift moves the coordinate by 1 in this step, or infinity if the mass is not known. */
@@ -153,7 +160,7 @@ typedef struct {
 static inline galerkin_nodes galerkin_nodes_with_all_moving(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
-    all.moving_unknowns = all.unknowns;
+    all.moving_unknown_count = all.unknown_count;
     return all;
 }
 
@@ -161,7 +168,7 @@ static inline galerkin_nodes galerkin_nodes_with_all_moving(const galerkin_nodes
  * start_values[u] + (theta[k] drift[u] + impulse_scale[u] sum_j table_jk impulses[u][j]) with u < component_count
  * and k < point_count. point_count is 1, the number of lanes or TVI_SAMPLES. */
 typedef struct {
-    int lanes, point_count, component_count;
+    int lane_count, point_count, component_count;
     const double *theta, *start_values, *drift, *impulse_scale;
 } galerkin_curve_evaluation;
 
@@ -180,61 +187,66 @@ typedef struct {
 /* The Taylor expansion to first order of the gradient of L(q, v), at each node, about the point where the gradient
  * was evaluated (the centre). */
 typedef struct {
-    int n, lanes;
-    double *displacement;          /* [2n][lanes] the displacement of (q, v) from the centre */
-    const double *centre_gradient; /* [2n][lanes] the gradient at the centre */
-    const double *hessian_block;   /* the tape's block that contains the second derivatives */
+    int n, lane_count;
+    double *displacement;             /* [2n][lanes] the displacement of (q, v) from the centre */
+    const double *gradient_at_centre; /* [2n][lanes] the gradient at the centre */
+    const double *hessian_block;      /* the tape's block that contains the second derivatives */
     /* The elements of the Hessian that are not 0, row after row. */
     const lanes_hessian_element *hessian_element;
     const int *row_end; /* [2n] the index in hessian_element at which each row ends */
 } lanes_gradient_expansion;
 
-/* The data of the inner rounds of a Newton pass (kernel_rounds.h), for a matrix of second derivatives at each node. Its
- * rows are the unknowns whose rates depend on others. Its columns are the unknowns that move and that enter some rate;
- * they are also the first rows. Rows are stored in groups of LANES_ROWS, whose sums are computed in parallel; the last
- * group may have fewer. */
+/* The data of the inner iterations of a Newton pass (hamiltonian.c, kernel_inner.h), for the matrix of second
+ * derivatives at each node. Its rows are the unknowns whose rates depend on others. Its columns are the unknowns that
+ * move and that enter some rate; they are also the first rows. Rows are stored in groups of LANES_ROWS, whose sums are
+ * computed in parallel; the last group may have fewer. */
 enum { LANES_ROWS = 4 };
 typedef struct {
-    int column_count, row_count;
-    const int *unknown_of_row; /* [row_count] */
-    /* For each group of rows, [column_count][rows of the group]: the index of each matrix element in hessian_block. */
+    int hessian_column_count, hessian_row_count;
+    const int *unknown_of_row; /* [hessian_row_count] */
+    /* [hessian_column_count][rows of the group] for each group of rows: the index of each matrix element in
+     * hessian_block. */
     const int *hessian_index;
     /* The block of the tape with second derivatives, followed by zeros for missing elements. */
     const double *hessian_block;
-    /* [lanes][lanes] The factors of impulses in unknowns, in single precision. */
+    /* [lanes][lanes] galerkin_coefficients.impulse_matrix, in single precision. */
     float *impulse_matrix;
-    /* The matrix elements in single precision; for each group of rows, [column_count][rows of the group][lanes]. */
+    /* [hessian_column_count][rows of the group][lanes] for each group of rows: the matrix elements, in single
+     * precision. */
     float *packed_hessian;
-    /* [row_count] The size of each unknown in this step, and its reciprocal. */
+    /* [hessian_row_count] The size of each unknown in this step, and its reciprocal. */
     double *unknown_size, *inverse_unknown_size;
-    /* [row_count][lanes] The change of the unknowns in the last round, and the sum of the changes of all rounds. */
-    float *round_change, *total_change;
-    /* [row_count][lanes] The impulses that follow from round_change, and those that follow from total_change. */
-    float *round_impulse, *total_impulse;
-} lanes_inner_rounds;
+    /* [hessian_row_count][lanes] The change of the unknowns in the last inner iteration, and the sum of all its
+     * changes. */
+    float *last_unknown_change, *total_unknown_change;
+    /* [hessian_row_count][lanes] The changes of the impulses that last_unknown_change and total_unknown_change
+     * cause. */
+    float *last_impulse_change, *total_impulse_change;
+} lanes_inner_iterations;
 
-/* Returns the number of rows in the group that begins with row `first`. */
-static inline int lanes_row_group_size(const lanes_inner_rounds *rounds, int first)
+/* Returns the number of rows in the group that begins with row `first_row`. */
+static inline int lanes_row_group_size(const lanes_inner_iterations *inner, int first_row)
 {
-    return rounds->row_count - first < LANES_ROWS ? rounds->row_count - first : LANES_ROWS;
+    return inner->hessian_row_count - first_row < LANES_ROWS ? inner->hessian_row_count - first_row : LANES_ROWS;
 }
 
 /* The kernels of a step, for one member or for several; kernel.h defines them. */
 typedef struct galerkin_kernels {
-    /* `start` sets the unknowns to the state at the start of the step, for equations of first order.
-     * `start_drifting` does so for a separable system, and also sets drift + drift_low = scale (p + p_low). */
+    /* `start` sets the drift values to the state at the start of the step, for equations of first order.
+     * `start_drifting` does so for a separable system, whose positions drift with the momentum, and also sets drift +
+     * drift_low = impulse_scale (p + p_low), the drift over the step in two parts. */
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin, double *drift,
                            double *drift_low);
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *increments);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
-    /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low + scale sum_j
-     * matrix_ji L_j), with the matrix of coefficients.h. moved [member_count] is the sum of the squares of (change
-     * of x) inverse_size; it is a NaN if any change is a NaN. */
+    /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low +
+     * impulse_scale sum_j matrix_ji L_j), with the impulse matrix. movement [member_count] is the sum of the squares of
+     * (change of x) inverse_unknown_size; it is a NaN if any change is a NaN. */
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                  double movement[]);
     /* Computes the sums of the impulses of the last movement that the end of the step needs. */
-    void (*integrate)(const galerkin_nodes *nodes, const galerkin_end_weights *weights,
+    void (*integrate)(const galerkin_nodes *nodes, const galerkin_end_sum_weights *weights,
                       const galerkin_impulse_sums *sums);
     /* `end_drifting` and `end` compute the increments of the state from the sums of `integrate`: dq = drift +
      * drift_low + scale double_integral and dp = single_integral for a separable system, and scale single_integral
@@ -258,20 +270,22 @@ typedef struct galerkin_kernels {
      * are rounded once. */
     double (*move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
                                 const double *changes, const int slot[]);
-    /* Computes the changes of the impulses, [unknowns][lanes], that a movement and the inner rounds after it make
-     * (kernel_rounds.h). The rounds end when the square of the next movement is expected to be at most the larger of
-     * `least` and the error of the expansion to first order. The changes are 0 if the movements of the rounds do not
-     * shrink. If the second derivatives are not new, `movement` is that of the last pass, in which they were used,
-     * too. */
-    void (*run_rounds)(const galerkin_nodes *nodes, const lanes_inner_rounds *rounds, const double *rates,
-                       const int slot[], bool is_new, double movement, double least, double *changes);
+    /* Makes the inner iterations of a pass (hamiltonian.c). Each computes, to first order, the changes of the impulses
+     * that the last changes of the unknowns cause, and the changes of the unknowns that these cause. `changes`
+     * [unknowns][lanes] is the sum of the changes of the impulses. The iterations end when the square of the next
+     * change is expected to be at most the larger of `least` and the error of the expansion to first order. `changes`
+     * is 0 if they do not shrink. If the second derivatives are reused (is_new is false), `movement` is that of the
+     * last pass, which shows how far they are from their point. */
+    void (*run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner, const double *rates,
+                                 const int slot[], bool is_new, double movement, double least, double *changes);
     void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);
 
     /* Inverts the matrix of each lane by elimination without row exchanges. Returns false, with `inverse` undefined, if
      * some pivot is much smaller or larger than the diagonal element in its place, or if there is a NaN. */
     bool (*invert)(const lanes_matrix_inverse *inverse);
-    /* Computes the corrected velocities V = from + A^-1 ((P - p) - change), [n][lanes] each. `inverse` contains
-     * A^-1, with A = L_vv. */
+    /* Computes the velocities V = from + A^-1 ((P - p) - change), [n][lanes] each, at which L_v is equal to the momenta
+     * P to first order: at the velocities `from` L_v is p, and `change` is its change by the displacement of q.
+     * `inverse` contains A^-1, with A = L_vv. */
     void (*correct)(const lanes_matrix_inverse *inverse, const double *P, const double *p, const double *change,
                     const double *from, double *V);
     /* Sets the first n rows of `out` [2n][lanes] to the expansion of L_q at the displaced point, and its last n rows

@@ -5,12 +5,12 @@ void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_a
                                           const galerkin_field *field)
 {
     const tvi_system *system = field->system;
-    const size_t lanes = (size_t)field->nodes.lanes;
-    tables->blocks =
-        (galerkin_tape_blocks){.n = system->n, .lanes = field->nodes.lanes, .inputs = system->hessian_values->inputs};
-    tables->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lanes, 0);
+    const size_t lanes = (size_t)field->nodes.lane_count;
+    tables->blocks = (galerkin_tape_blocks){
+        .n = system->n, .lane_count = field->nodes.lane_count, .input_count = system->hessian_values->inputs};
+    tables->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lane_count, 0);
     tables->blocks.hessian_block =
-        tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lanes, lanes);
+        tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lane_count, lanes);
     tables->hessian_element =
         tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *tables->hessian_element);
     tables->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *tables->row_end);
@@ -18,7 +18,7 @@ void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_a
 
 /* Lists the elements of each row of the symmetric Hessian. Columns of the second half come first, since V moves
  * before Q. */
-static void list_hessian_rows(const tvi_system *system, lanes_hessian_element *element, int *row_end)
+static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_element *element, int *row_end)
 {
     const int rows = 2 * system->n;
     for (int k = 0; k < system->hessian_entries; k++) {
@@ -43,28 +43,28 @@ static void list_hessian_rows(const tvi_system *system, lanes_hessian_element *e
 void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const galerkin_field *field)
 {
     const tvi_system *system = field->system;
-    const int lanes = field->nodes.lanes;
-    list_hessian_rows(system, tables->hessian_element, tables->row_end);
+    const int lanes = field->nodes.lane_count;
+    list_hessian_row_elements(system, tables->hessian_element, tables->row_end);
     for (int i = 0; i < lanes; i++) {
         const int node = i < field->node_count ? i : field->node_count - 1;
-        field->rate_to_unknown[node * lanes + i] = 1 / field->node_weight[node];
+        field->impulse_to_predicted[node * lanes + i] = 1 / field->node_weight[node];
     }
-    tables->blocks.sweep_data = field;
+    tables->blocks.sweep_argument = field;
 }
 
 bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
 {
-    const galerkin_field *field = blocks->sweep_data;
+    const galerkin_field *field = blocks->sweep_argument;
     const jet_tape *tape = with_hessian ? field->system->hessian_values : field->system->field_values;
     double *x = with_hessian ? blocks->hessian_block : blocks->values_block;
-    if (!jet_sweep_values(tape, x, blocks->lanes)) return false;
-    if (field->value_displacements) tvi_galerkin_add_value_displacements(field, tape, x);
+    if (!jet_sweep_values(tape, x, blocks->lane_count)) return false;
+    if (field->output_displacements) tvi_galerkin_displace_tape_outputs(field, tape, x);
     return true;
 }
 
 void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tables *tables)
 {
-    const galerkin_field *field = tables->blocks.sweep_data;
+    const galerkin_field *field = tables->blocks.sweep_argument;
     const jet_tape *hessian = field->system->hessian_values;
     const int rows = 2 * tables->blocks.n;
     tvi_galerkin_emit_int_array(text, "end", rows, tables->row_end);
@@ -74,5 +74,5 @@ void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tab
     jet_text_append(text,
                     "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                    hessian->inputs, galerkin_count_input_rows(hessian), tables->blocks.lanes);
+                    hessian->inputs, galerkin_count_input_rows(hessian), tables->blocks.lane_count);
 }

@@ -16,15 +16,15 @@ typedef struct {
 
 void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_arena *arena,
                                           const galerkin_field *field);
-/* Fills the tables of second derivatives, and the factors from impulses to rates that the predictor uses. */
+/* Fills the tables of second derivatives, and field->impulse_to_predicted. */
 void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const galerkin_field *field);
 
-/* Evaluates a tape of the field in its block, and adds the displacements of value_noise. */
+/* Evaluates a tape of the field in its block, and adds the field's output_displacements. */
 galerkin_sweep tvi_galerkin_sweep_tape;
 
 /* Inverts the matrix of each lane by elimination with row exchanges. `lu_factor` is a tvi_lu_factor. Returns false if a
  * matrix is singular or not finite. */
-bool tvi_galerkin_invert_with_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
+bool tvi_galerkin_invert_with_row_exchanges(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
 
 /* Writes the tables of second derivatives into generated code, as constants. */
 void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tables *tables);

@@ -4,13 +4,13 @@
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-/* Computes x [components][point_count]: the components of the curve at the parts theta of the step. integral_table
+/* Computes x [components][point_count]: the components of the curve at the fractions theta of the step. integral_table
  * [lanes][point_count] contains integrals of coefficients.h. */
 static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int point_count,
                                const double theta[], const double *integral_table, const double *impulses,
                                const double *start, const double *drift, const double *impulse_scale, double *x)
 {
-    const int lanes = stepper->field.nodes.lanes, from = range.first, count = range.end - from;
+    const int lanes = stepper->field.nodes.lane_count, from = range.first, count = range.end - from;
     const galerkin_curve_evaluation to = {lanes,        point_count,         count, theta, start + from,
                                           drift + from, impulse_scale + from};
     if (count > 0)
@@ -25,11 +25,11 @@ static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_
 {
     const double *impulses = galerkin_impulses_of_step(&stepper->predictor, 0), *of_p = impulses;
     const bool separable = galerkin_is_second_order(&stepper->field);
-    if (!separable) of_p += stepper->n * stepper->field.nodes.lanes;
+    if (!separable) of_p += stepper->n * stepper->field.nodes.lane_count;
     integrate_impulses(stepper, used_range[0], point_count, theta, separable ? double_integral : single_integral,
-                       impulses, q_start, stepper->step_data.drift, stepper->increment_scale, q);
+                       impulses, q_start, stepper->step_data.drift, stepper->increment_factor, q);
     integrate_impulses(stepper, used_range[1], point_count, theta, single_integral, of_p, p_start,
-                       stepper->predictor.zeros, stepper->increment_scale + stepper->n, p);
+                       stepper->predictor.zeros, stepper->increment_factor + stepper->n, p);
 }
 
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[])
@@ -42,8 +42,8 @@ void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], do
                    stepper->predictor.zeros, dq, dp);
 }
 
-void tvi_galerkin_compute_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
-                                  const double p_start[], double *q, double *p)
+void tvi_galerkin_compute_curve_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
+                                        const double p_start[], double *q, double *p)
 {
     const galerkin_stepper *stepper = work;
     evaluate_curve(stepper, used_range, TVI_SAMPLES, tvi_sample_theta, stepper->node_polynomials.single_integral,

@@ -7,15 +7,15 @@ enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
 void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena, const galerkin_field *field)
 {
-    const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
+    const int unknowns = field->nodes.unknown_count, lanes = field->nodes.lane_count;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     predictor->history = tvi_arena_allocate_in_history(arena, sizeof *predictor->history);
-    predictor->rough_movement_limit = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
+    predictor->rough_movement_square = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_in_rings(arena, count * width * sizeof(double));
-    predictor->two_step_table = tvi_arena_allocate_doubles(arena, 2 * width * width);
-    predictor->last_step_table = tvi_arena_allocate_doubles(arena, 2 * width * width);
-    predictor->resized_step_table = tvi_arena_allocate_doubles(arena, width * width);
+    predictor->two_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
+    predictor->last_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
+    predictor->resized_step_extrapolation = tvi_arena_allocate_doubles(arena, width * width);
     predictor->extrapolated_rates = tvi_arena_allocate_doubles(arena, count * width);
     predictor->zeros = tvi_arena_allocate_doubles(arena, count + width);
     predictor->ones = tvi_arena_allocate_doubles(arena, count + width);
@@ -32,7 +32,7 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
     for (int k = 0; k <= degree; k++) {
         long double *now = basis[k];
         for (int i = 0; i < 3 * m; i++) {
-            const long double s = coefficients->long_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
+            const long double s = coefficients->long_double_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
             now[i] = k > 0 ? s * basis[k - 1][i] : 1;
         }
         /* For before == k this is the square of the vector's norm. */
@@ -46,9 +46,10 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
     }
 }
 
-/* Computes factors[point][next]: the factor of the rate at `point` of the earlier steps in the predicted rate at
- * node `next` of the next step. The prediction is a least-squares fit by polynomials, so that the factor is sum_k
- * pi_k(1 + c_next) pi_k(s_point), with pi_k the orthonormal polynomials. */
+/* Computes factors[point][next]: the factor of the rate at `point` of the earlier steps in the predicted rate at node
+ * `next` of the next step. The prediction is a least-squares fit by polynomials, so that the factor is sum_k pi_k(1 +
+ * c_next) pi_k(s_point), with the polynomials pi_k of set_orthonormal_polynomials. s_point is the time of the point
+ * from the start of the last step, in units of the step. */
 static void fit_extrapolation_factors(const galerkin_coefficients *coefficients, int step_count, int degree,
                                       long double factors[][MAX_LANES])
 {
@@ -66,38 +67,41 @@ static void set_extrapolation_table(const galerkin_coefficients *coefficients, c
                                     int step_count, int degree, double *table)
 {
     long double factors[2 * MAX_LANES][MAX_LANES];
-    const int m = coefficients->node_count, lanes = coefficients->lanes;
+    const int m = coefficients->node_count, lanes = coefficients->lane_count;
     fit_extrapolation_factors(coefficients, step_count, degree, factors);
     for (int point = 0; point < step_count * m; point++)
         for (int next = 0; next < m; next++) {
             double *column = table + (point / m * lanes + point % m) * lanes;
-            const double elapsed_part =
-                (double)(factors[point][next] * coefficients->long_weight[next] / coefficients->long_weight[point % m]);
-            for (int i = 0; i < lanes; i++) column[i] += elapsed_part * field->rate_to_unknown[next * lanes + i];
+            const double impulse_factor = (double)(factors[point][next] * coefficients->long_double_weight[next] /
+                                                   coefficients->long_double_weight[point % m]);
+            for (int i = 0; i < lanes; i++) column[i] += impulse_factor * field->impulse_to_predicted[next * lanes + i];
         }
 }
 
-/* Computes the tables for two steps and for one. For two steps a polynomial of degree 3m/2 needs the fewest passes:
- * a higher degree raises the roundoff of the prediction more than it lowers its truncation error. */
+/* Computes the tables that extrapolate two steps and one. For two steps a polynomial of degree 3m/2 needs the fewest
+ * passes, with m nodes: a higher degree raises the roundoff of the prediction more than it lowers its truncation
+ * error. */
 void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                     const galerkin_field *field)
 {
     const int degree = coefficients->node_count > 1 ? 3 * coefficients->node_count / 2 : 1;
-    set_extrapolation_table(coefficients, field, 2, degree, predictor->two_step_table);
-    set_extrapolation_table(coefficients, field, 1, coefficients->node_count - 1, predictor->last_step_table);
-    for (int i = 0; i < field->nodes.unknowns + coefficients->lanes; i++) predictor->ones[i] = 1;
+    set_extrapolation_table(coefficients, field, 2, degree, predictor->two_step_extrapolation);
+    set_extrapolation_table(coefficients, field, 1, coefficients->node_count - 1, predictor->last_step_extrapolation);
+    for (int i = 0; i < field->nodes.unknown_count + coefficients->lane_count; i++) predictor->ones[i] = 1;
 }
 
-/* Computes resized_step_table for a step that is `ratio` times as large as the last one and begins at elapsed_part
- * of it. In units of the last step the nodes of the new step are at elapsed_part + ratio c_i. */
-static void set_resized_step_table(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                   const galerkin_node_polynomials *polynomials, const galerkin_kernels *kernels,
-                                   double ratio, double elapsed_part)
+/* Computes resized_step_extrapolation for a step that is step_ratio times as large as the last one and begins at
+ * elapsed_fraction of it. In units of the last step the nodes of the new step are at elapsed_fraction + step_ratio
+ * c_i. */
+static void set_resized_step_extrapolation(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                           const galerkin_node_polynomials *polynomials,
+                                           const galerkin_kernels *kernels, double step_ratio, double elapsed_fraction)
 {
-    if (ratio == predictor->table_step_ratio && elapsed_part == predictor->table_elapsed_part) return;
-    predictor->table_step_ratio = ratio;
-    predictor->table_elapsed_part = elapsed_part;
-    const int lanes = coefficients->lanes;
+    if (step_ratio == predictor->resized_step_ratio && elapsed_fraction == predictor->resized_step_elapsed_fraction)
+        return;
+    predictor->resized_step_ratio = step_ratio;
+    predictor->resized_step_elapsed_fraction = elapsed_fraction;
+    const int lanes = coefficients->lane_count;
     const galerkin_curve_evaluation at_nodes = {lanes,
                                                 lanes,
                                                 coefficients->node_count,
@@ -106,41 +110,46 @@ static void set_resized_step_table(galerkin_predictor *predictor, const galerkin
                                                 predictor->zeros,
                                                 predictor->ones};
     double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
-    for (int i = 0; i < lanes; i++) place[i] = elapsed_part + ratio * coefficients->node_abscissa[i];
+    for (int i = 0; i < lanes; i++) place[i] = elapsed_fraction + step_ratio * coefficients->node_abscissa[i];
     tvi_galerkin_evaluate_legendre_polynomials(polynomials, lanes, place, P);
-    kernels->evaluate(&at_nodes, P, polynomials->transposed_coefficient, predictor->resized_step_table);
+    kernels->evaluate(&at_nodes, P, polynomials->transposed_legendre_coefficient,
+                      predictor->resized_step_extrapolation);
     for (int j = 0; j < coefficients->node_count; j++)
         for (int i = 0; i < lanes; i++)
-            predictor->resized_step_table[j * lanes + i] *= ratio * coefficients->node_weight[i];
+            predictor->resized_step_extrapolation[j * lanes + i] *= step_ratio * coefficients->node_weight[i];
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
-                                             double *elapsed_part)
+                                             double *elapsed_fraction)
 {
     const galerkin_history *history = predictor->history;
     if (history->step_size == 0) return false;
     const double ratio = field->step_size == history->step_size ? 1 : field->step_size / history->step_size;
     const bool is_next = galerkin_follows_last_step(history, field->step_size, t);
-    *elapsed_part = is_next ? 1 : 0;
+    *elapsed_fraction = is_next ? 1 : 0;
     return ratio <= GALERKIN_PREDICTION_MAX_RATIO &&
            (is_next ? ratio >= GALERKIN_PREDICTION_BACK_RATIO : t == history->start_time && ratio > 0);
 }
 
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                          const galerkin_node_polynomials *polynomials, galerkin_field *field,
-                                         double elapsed_part)
+                                         double elapsed_fraction)
 {
-    const galerkin_curve_evaluation to = {
-        coefficients->lanes, coefficients->lanes, field->nodes.unknowns, coefficients->node_abscissa,
-        predictor->zeros,    predictor->zeros,    predictor->ones};
+    const galerkin_curve_evaluation to = {coefficients->lane_count,
+                                          coefficients->lane_count,
+                                          field->nodes.unknown_count,
+                                          coefficients->node_abscissa,
+                                          predictor->zeros,
+                                          predictor->zeros,
+                                          predictor->ones};
     const long long last_alone = -1;
-    set_resized_step_table(predictor, coefficients, polynomials, field->kernels,
-                           field->step_size / predictor->history->step_size, elapsed_part);
-    field->kernels->evaluate(&to, predictor->resized_step_table, galerkin_impulses_of_step(predictor, 0),
+    set_resized_step_extrapolation(predictor, coefficients, polynomials, field->kernels,
+                                   field->step_size / predictor->history->step_size, elapsed_fraction);
+    field->kernels->evaluate(&to, predictor->resized_step_extrapolation, galerkin_impulses_of_step(predictor, 0),
                              predictor->extrapolated_rates);
-    field->form->predict(field, &(galerkin_extrapolation){field->step_size, field->rate_to_unknown,
-                                                          field->rate_to_unknown, predictor->extrapolated_rates,
+    field->form->predict(field, &(galerkin_extrapolation){field->step_size, field->impulse_to_predicted,
+                                                          field->impulse_to_predicted, predictor->extrapolated_rates,
                                                           predictor->extrapolated_rates, &last_alone});
 }

@@ -29,10 +29,10 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_quadratic = true};
 
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int value_count,
                                                const tvi_options *options)
 {
-    tvi_passes_rule rule = *unknown_rule;
+    tvi_passes_rule rule = *rule_per_unknown;
     rule.correction_goal *= value_count;
     rule.roundoff_level *= value_count;
     rule = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
@@ -44,19 +44,19 @@ tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_ru
 
 static size_t count_doubles_in_rows(const galerkin_field *field, int row_count)
 {
-    return (size_t)row_count * (size_t)field->nodes.lanes;
+    return (size_t)row_count * (size_t)field->nodes.lane_count;
 }
 
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field)
 {
-    tvi_roundoff_allocate(&probe->value_displacements, arena, field->system);
+    tvi_roundoff_allocate(&probe->output_displacements, arena, field->system);
     probe->values_before_pass =
         tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->pass_input_row_count));
-    probe->values_of_displaced_pass =
+    probe->values_after_displaced_pass =
         tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->pass_input_row_count));
     probe->saved_drift_values_low =
-        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknowns));
-    probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknowns));
+        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknown_count));
+    probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknown_count));
 }
 
 /* Displaces the unknowns, and the drift values from which passes compute them, by GALERKIN_PROBE_UNITS units of
@@ -64,9 +64,9 @@ void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *aren
 static void displace_unknowns(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
-    for (int u = 0; u < nodes->unknowns; u++)
-        for (int k = u * nodes->lanes;
-             k < (u + 1) * nodes->lanes && u % nodes->unknowns_per_half < nodes->moving_unknowns; k++) {
+    for (int u = 0; u < nodes->unknown_count; u++)
+        for (int k = u * nodes->lane_count;
+             k < (u + 1) * nodes->lane_count && u % nodes->unknown_count_per_half < nodes->moving_unknown_count; k++) {
             const double size = GALERKIN_PROBE_UNITS * DBL_EPSILON *
                                 (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
@@ -79,8 +79,8 @@ static void displace_unknowns(galerkin_nodes *nodes)
 static double squared_distance_to_unknowns(const galerkin_nodes *nodes, const double *x)
 {
     double sum = 0;
-    for (int u = 0; u < nodes->unknowns; u++)
-        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes; k++) {
+    for (int u = 0; u < nodes->unknown_count; u++)
+        for (int k = u * nodes->lane_count; k < (u + 1) * nodes->lane_count; k++) {
             const double part = (nodes->values[k] - x[k]) * nodes->inverse_unknown_size[u];
             sum += part * part;
         }
@@ -88,19 +88,19 @@ static double squared_distance_to_unknowns(const galerkin_nodes *nodes, const do
 }
 
 /* Makes a pass from displaced unknowns, stores its result in the probe, and restores the nodes. */
-static tvi_status make_displaced_pass(galerkin_field *field, galerkin_roundoff_probe *probe, double *movement,
-                                      tvi_stats *stats)
+static tvi_status make_pass_from_displaced_unknowns(galerkin_field *field, galerkin_roundoff_probe *probe,
+                                                    double *movement, tvi_stats *stats)
 {
     galerkin_nodes *nodes = &field->nodes;
     const size_t bytes = count_doubles_in_rows(field, field->pass_input_row_count) * sizeof(double);
-    const size_t base_bytes = count_doubles_in_rows(field, nodes->unknowns) * sizeof(double);
+    const size_t base_bytes = count_doubles_in_rows(field, nodes->unknown_count) * sizeof(double);
     memcpy(probe->saved_drift_values_low, nodes->drift_values_low, base_bytes);
     memcpy(probe->saved_impulses, nodes->impulses, base_bytes);
     displace_unknowns(nodes);
-    field->value_displacements = &probe->value_displacements;
+    field->output_displacements = &probe->output_displacements;
     const tvi_status status = galerkin_make_pass(field, movement, stats);
-    field->value_displacements = NULL;
-    memcpy(probe->values_of_displaced_pass, nodes->values, bytes);
+    field->output_displacements = NULL;
+    memcpy(probe->values_after_displaced_pass, nodes->values, bytes);
     memcpy(nodes->values, probe->values_before_pass, bytes);
     memcpy(nodes->drift_values_low, probe->saved_drift_values_low, base_bytes);
     memcpy(nodes->impulses, probe->saved_impulses, base_bytes);
@@ -115,13 +115,13 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
     const galerkin_nodes *nodes = &field->nodes;
     memcpy(probe->values_before_pass, nodes->values,
            count_doubles_in_rows(field, field->pass_input_row_count) * sizeof(double));
-    stats->force_evaluations += tvi_roundoff_estimate_field(&probe->value_displacements, field->system,
-                                                            field->tape_block, nodes->lanes, field->node_count);
+    stats->force_evaluations += tvi_roundoff_estimate_field(&probe->output_displacements, field->system,
+                                                            field->tape_block, nodes->lane_count, field->node_count);
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
-        probe->value_displacements.field_change[i] *= GALERKIN_PROBE_UNITS;
-    tvi_status status = make_displaced_pass(field, probe, movement, stats);
+        probe->output_displacements.field_change[i] *= GALERKIN_PROBE_UNITS;
+    tvi_status status = make_pass_from_displaced_unknowns(field, probe, movement, stats);
     if (status == TVI_OK) status = galerkin_make_pass(field, movement, stats);
-    *roundoff = squared_distance_to_unknowns(nodes, probe->values_of_displaced_pass);
+    *roundoff = squared_distance_to_unknowns(nodes, probe->values_after_displaced_pass);
     *movement = squared_distance_to_unknowns(nodes, probe->values_before_pass);
     return status;
 }
@@ -130,6 +130,6 @@ bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_st
 {
     const galerkin_nodes *nodes = &field->nodes;
     return tvi_roundoff_is_motion_small(field->system, field->step_size, origin->q, origin->p, nodes->values,
-                                        nodes->values + field->system->n * nodes->lanes, nodes->lanes,
+                                        nodes->values + field->system->n * nodes->lane_count, nodes->lane_count,
                                         field->node_count);
 }

@@ -10,14 +10,15 @@
 
 /* ---- The prediction of the unknowns from earlier steps (predictor.c; docs/method.md section 5) ------------------ */
 
-/* The history of the last two steps. The integrator's history stores this structure and the impulses. */
+/* The history of the last two steps, from which the next one is predicted. The integrator's history stores this
+ * structure and the impulses. */
 typedef struct {
     /* The sizes of the last step and of the step before it; 0 if there is none. */
     double step_size, previous_step_size;
     double start_time; /* the time at which the last step began */
     /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
     galerkin_convergence convergence;
-    long last_ring_index; /* the index of the last step's impulses in the ring */
+    long last_ring_index; /* the index of the last step's impulses in impulse_ring */
 } galerkin_history;
 
 /* Returns whether the index of a loaded history is within the ring. */
@@ -31,15 +32,15 @@ typedef struct {
     /* The impulses of the last steps, [unknowns][lanes] each, stored in the history as a ring buffer. */
     double *impulse_ring[GALERKIN_RING];
     /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
-    double *two_step_table, *last_step_table;
-    /* If the first movement of a step is larger than this, its prediction had a relative error above 1/100. The next
-     * step is then predicted from the last step alone. */
-    double rough_movement_limit;
-    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is table_step_ratio times as
-     * large and begins at table_elapsed_part of the last step. */
-    double *resized_step_table;
-    /* For which step resized_step_table was computed. The ratio is 0 before the first computation. */
-    double table_step_ratio, table_elapsed_part;
+    double *two_step_extrapolation, *last_step_extrapolation;
+    /* If the movement of the first pass of a step, a sum of squares, is larger than this, its prediction had a relative
+     * error above 1/100. The next step is then predicted from the last step alone. */
+    double rough_movement_square;
+    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is resized_step_ratio times as
+     * large and begins at the fraction resized_step_elapsed_fraction of the last step. */
+    double *resized_step_extrapolation;
+    /* The step for which resized_step_extrapolation was computed. The ratio is 0 before the first computation. */
+    double resized_step_ratio, resized_step_elapsed_fraction;
     /* [unknowns][lanes] The rates that were extrapolated from the last step. */
     double *extrapolated_rates;
     double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */
@@ -54,15 +55,15 @@ static inline bool galerkin_follows_last_step(const galerkin_history *history, d
     return fabs(t - (history->start_time + history->step_size)) < GALERKIN_MAX_TIME_GAP * fabs(h);
 }
 
-/* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those
- * of the last step. *elapsed_part is the part of the last step at which the new step begins: 1 for its end, 0 for
+/* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those of
+ * the last step. *elapsed_fraction is the fraction of the last step at which the new step begins: 1 for its end, 0 for
  * its start. */
 bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
-                                             double *elapsed_part);
+                                             double *elapsed_fraction);
 /* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
                                          const galerkin_node_polynomials *polynomials, galerkin_field *field,
-                                         double elapsed_part);
+                                         double elapsed_fraction);
 /* Returns the impulses of the last step if steps_after_last is 0, of an earlier step if it is negative, and of the next
  * step if it is 1. */
 static inline double *galerkin_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
@@ -75,18 +76,18 @@ static inline double *galerkin_impulses_of_step(const galerkin_predictor *predic
 
 /* The memory for measuring the roundoff of a pass. */
 typedef struct {
-    tvi_roundoff value_displacements;
-    /* [pass_input_row_count][lanes] The values of the nodes before a pass, and after a pass from displaced values. */
-    double *values_before_pass, *values_of_displaced_pass;
+    tvi_roundoff output_displacements;
+    /* [pass_input_row_count][lanes] The rows of nodes.values before a pass, and after a pass from displaced values. */
+    double *values_before_pass, *values_after_displaced_pass;
     /* [unknowns][lanes] Copies of drift_values_low and of the impulses of the nodes. */
     double *saved_drift_values_low, *saved_impulses;
 } galerkin_roundoff_probe;
 
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
-/* Returns the rule for all value_count unknowns at all nodes of a step, from the rule for a single one and from the
- * user's options. */
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *unknown_rule, int value_count,
+/* Returns the rule that ends the passes of a step with value_count unknowns at all nodes, from the rule for a single
+ * unknown and from the user's options. */
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int value_count,
                                                const tvi_options *options);
 
 /* Returns whether the nodes are still near the start of the step (tvi_roundoff_is_motion_small of roundoff.h), and have
@@ -111,7 +112,7 @@ typedef struct {
     tvi_passes_rule passes_rule;
     galerkin_node_polynomials node_polynomials;
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
-    double *increment_scale;
+    double *increment_factor;
     galerkin_tail_inputs tail_inputs;
     galerkin_step_data step_data; /* points to the members above */
     /* The system's generated code, or NULL if there is none. */
@@ -123,7 +124,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 
 /* These functions are tvi_stepper.dense and tvi_stepper.sample of the Galerkin curve. */
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[]);
-void tvi_galerkin_compute_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
-                                  const double p_start[], double *q, double *p);
+void tvi_galerkin_compute_curve_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
+                                        const double p_start[], double *q, double *p);
 
 #endif

@@ -1,6 +1,6 @@
 /* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5). The library compiles this code for any
- * system and calls kernels through tables (galerkin.c); batch.c makes a step of several members of the same parts.
- * Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
+ * system and calls kernels through tables: galerkin.c makes steps of one member, batch.c makes a step of several
+ * members. Generated code compiles it for one system, whose sizes are constants (generated_*.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
@@ -14,12 +14,13 @@ typedef struct galerkin_step_data {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
     const galerkin_tail_inputs *tail_inputs;
-    const galerkin_end_weights *end_weights;
+    const galerkin_end_sum_weights *end_sum_weights;
     const tvi_passes_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
-    const double *two_step_table, *last_step_table; /* the tables of galerkin_extrapolation */
-    /* If the first movement of a step is larger than this, the next step is predicted from the last step alone. */
-    double rough_movement_limit;
+    const double *two_step_extrapolation, *last_step_extrapolation; /* the tables of galerkin_extrapolation */
+    /* If the movement of the first pass of a step is larger than this, the next step is predicted from the last step
+     * alone. */
+    double rough_movement_square;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
     /* [GALERKIN_RING] The impulses of the last steps, stored in the history. */
@@ -53,24 +54,24 @@ typedef struct {
 } galerkin_member_iteration;
 
 /* The results of several steps in a row, apart from the increments of the state. */
-typedef struct galerkin_outcome {
+typedef struct galerkin_steps_outcome {
     /* The status of the step that ended the run, if fewer steps were made than requested. */
     tvi_status status;
     /* The number of passes of the step that ended the run. The caller makes this step again in another way. */
-    int failed_pass_count;
+    int pass_count_of_failed_step;
     /* The number of steps that were made, and of all their passes. */
     long step_count, pass_count;
     /* The number of passes that evaluated second derivatives at the nodes; generated code alone sets it. */
     long hessian_pass_count;
-    /* The index in the ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
+    /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
      * size of the next step. */
     int last_ring_index, equal_step_count;
     galerkin_convergence convergence; /* the convergence of the last step */
-    double last_start_time;           /* the time at which the last step began */
+    double start_time_of_last_step;   /* the time at which the last step began */
     /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
-    double last_movement, last_tail;
+    double last_movement_square, last_tail;
     double largest_tail; /* the largest tail of these steps and of all earlier ones */
-} galerkin_outcome;
+} galerkin_steps_outcome;
 
 /* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
 
@@ -90,24 +91,24 @@ JET_INLINE double *galerkin_impulses_in_ring(const galerkin_step_data *step_data
                                                                 : ring_index - GALERKIN_RING];
 }
 
-/* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only
- * one earlier step has the same size, or the first movement of the last step exceeded rough_movement_limit.
- * Otherwise returns 0. */
-JET_INLINE long long galerkin_mask_rough_prediction(const galerkin_step_data *step_data, int equal_step_count,
-                                                    double first_movement)
+/* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only one
+ * earlier step has the same size, or the first movement of the last step exceeded rough_movement_square. Otherwise
+ * returns 0. */
+JET_INLINE long long galerkin_mask_last_step_only(const galerkin_step_data *step_data, int equal_step_count,
+                                                  double first_movement_square)
 {
-    return equal_step_count < 2 || first_movement > step_data->rough_movement_limit ? -1 : 0;
+    return equal_step_count < 2 || first_movement_square > step_data->rough_movement_square ? -1 : 0;
 }
 
 JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_data *step_data, int ring_index,
-                                                                const long long *last_step_mask)
+                                                                const long long *last_step_only_mask)
 {
     return (galerkin_extrapolation){*step_data->step_size,
-                                    step_data->two_step_table,
-                                    step_data->last_step_table,
+                                    step_data->two_step_extrapolation,
+                                    step_data->last_step_extrapolation,
                                     galerkin_impulses_in_ring(step_data, ring_index),
                                     galerkin_impulses_in_ring(step_data, ring_index - 1),
-                                    last_step_mask};
+                                    last_step_only_mask};
 }
 
 /* Records a pass of a member with this movement, and decides whether the iteration may end. */
@@ -115,7 +116,7 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, g
                                                   double movement)
 {
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&iteration->convergence_test, rule, movement);
-    if (iteration->pass_count++ == 0) iteration->convergence.first_movement = movement;
+    if (iteration->pass_count++ == 0) iteration->convergence.first_movement_square = movement;
     iteration->convergence.largest_contraction_ratio = iteration->convergence_test.slowest_ratio;
     iteration->status = !(movement < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
@@ -130,12 +131,13 @@ JET_INLINE void galerkin_iterate_members(const galerkin_step_data *step_data, co
     int left = 0;
     for (int m = 0; m < nodes->member_count; m++) {
         iteration->correction[m] = iteration->previous_correction[m] = INFINITY;
-        iteration->contraction_ratio[m] = iteration->correction_without_roundoff[m] = iteration->pass_count[m] = 0;
+        iteration->contraction_ratio[m] = iteration->correction_without_roundoff[m] =
+            iteration->pass_count_as_double[m] = 0;
         iteration->converged_mask[m] = 0;
         left -= (int)iteration->moving_mask[m];
     }
     for (int count = 1; left > 0 && count <= step_data->passes_rule->max_passes; count++) {
-        (void)pass_functions->make_pass(pass_functions->work, nodes, iteration->movement, NULL);
+        (void)pass_functions->make_pass(pass_functions->work, nodes, iteration->movement_square, NULL);
         left = step_data->kernels->judge(iteration, step_data->passes_rule, nodes->member_count, count);
     }
 }
@@ -175,7 +177,7 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data,
     inputs.start_q = origin->q;
     inputs.start_p = origin->p;
     inputs.momentum_increment = increments->dp;
-    GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->end_weights, &inputs.impulse_sums);
+    GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->end_sum_weights, &inputs.impulse_sums);
     if (inputs.is_separable)
         GALERKIN_KERNEL(step_data->kernels, end_drifting, nodes, &inputs.impulse_sums, step_data->drift,
                         step_data->drift_low, increments);
@@ -196,9 +198,9 @@ JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const doubl
 /* Adds the increments of a step to the state. Returns false, and adds nothing, if the energy has to be checked
  * first, or if the result would not be finite. */
 JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
-                                           int passes)
+                                           int pass_count)
 {
-    if (!(tail <= run->unchecked_limits.max_tail && passes <= run->unchecked_limits.max_passes)) return false;
+    if (!(tail <= run->unchecked_limits.max_tail && pass_count <= run->unchecked_limits.max_passes)) return false;
     if (!tvi_step_ends_before_t_end(run, state->q)) return false;
     if (!galerkin_are_sums_finite(n + 1, state->q, run->increments.dq)) return false;
     if (!galerkin_are_sums_finite(n, state->p, run->increments.dp)) return false;
@@ -213,7 +215,7 @@ JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, co
 JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerkin_nodes *nodes,
                                     const galerkin_pass_functions *pass_functions, const tvi_run_request *run,
                                     const tvi_step_origin *origin, const tvi_run_state *state,
-                                    galerkin_outcome *outcome)
+                                    galerkin_steps_outcome *outcome)
 {
     const int n = step_data->tail_inputs->n;
     while (outcome->step_count < run->max_steps) {
@@ -223,10 +225,10 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         nodes->impulses = galerkin_impulses_in_ring(step_data, outcome->last_ring_index + 1);
         galerkin_set_drift_values(step_data, nodes, origin);
         if (outcome->equal_step_count > 0) {
-            const long long last_step_mask = galerkin_mask_rough_prediction(step_data, outcome->equal_step_count,
-                                                                            outcome->convergence.first_movement);
+            const long long last_step_only_mask = galerkin_mask_last_step_only(
+                step_data, outcome->equal_step_count, outcome->convergence.first_movement_square);
             const galerkin_extrapolation extrapolation =
-                galerkin_select_extrapolation(step_data, outcome->last_ring_index, &last_step_mask);
+                galerkin_select_extrapolation(step_data, outcome->last_ring_index, &last_step_only_mask);
             pass_functions->predict(pass_functions->work, nodes, &extrapolation);
         }
         GALERKIN_KERNEL(step_data->kernels, set_sizes, nodes, n);
@@ -235,7 +237,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         if (iteration.status == TVI_OK) galerkin_compute_increments(step_data, nodes, origin, &run->increments, &tail);
         if (iteration.status != TVI_OK ||
             (state && !galerkin_add_step_to_state(n, run, state, tail, iteration.pass_count))) {
-            outcome->failed_pass_count = iteration.pass_count;
+            outcome->pass_count_of_failed_step = iteration.pass_count;
             return;
         }
         outcome->step_count++;
@@ -244,8 +246,8 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         outcome->last_ring_index = (outcome->last_ring_index + 1) % GALERKIN_RING;
         outcome->equal_step_count += outcome->equal_step_count < 2;
         outcome->convergence = iteration.convergence;
-        outcome->last_start_time = t;
-        outcome->last_movement = movement;
+        outcome->start_time_of_last_step = t;
+        outcome->last_movement_square = movement;
         outcome->last_tail = tail;
         outcome->largest_tail = tvi_larger(tail, outcome->largest_tail);
     }
@@ -254,7 +256,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
 /* The entry point of generated code: `steps` makes steps, as galerkin_make_steps does. */
 typedef struct galerkin_code {
     void (*steps)(const galerkin_step_data *step_data, const tvi_run_request *run, const tvi_step_origin *origin,
-                  const tvi_run_state *state, galerkin_outcome *outcome);
+                  const tvi_run_state *state, galerkin_steps_outcome *outcome);
 } galerkin_code;
 
 #endif

@@ -232,7 +232,7 @@ static void put_lane(const lanes_matrix_inverse *f, int lanes, int lane, const d
 static bool invert_lanes(const galerkin_kernels *loops, const lanes_matrix_inverse *f, int lanes)
 {
     open_factor x = open_of_size(f->n);
-    const bool is_regular = loops->invert(f) || tvi_galerkin_invert_with_exchanges(f, lanes, &x.factor);
+    const bool is_regular = loops->invert(f) || tvi_galerkin_invert_with_row_exchanges(f, lanes, &x.factor);
     free(x.memory);
     return is_regular;
 }

@@ -55,9 +55,9 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
                        const galerkin_impulse_sums *sums, int u)
 {
     long double twice = 0, last = 0, sizes = 0, sizes_of_last = 0;
-    for (int j = 0; j < a->lanes; j++) {
-        const long double of_last = (long double)a->end_weights.last_term_weight[j] * impulse[j];
-        twice += (long double)a->end_weights.one_minus_abscissa[j] * impulse[j];
+    for (int j = 0; j < a->lane_count; j++) {
+        const long double of_last = (long double)a->end_sum_weights.last_term_weight[j] * impulse[j];
+        twice += (long double)a->end_sum_weights.one_minus_abscissa[j] * impulse[j];
         last += of_last;
         sizes += fabs(impulse[j]);
         sizes_of_last += fabsl(of_last);
@@ -69,7 +69,7 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
     ck_assert_double_le(fabs(sums->single_integral_low[u]), fabs(sums->single_integral[u]) * DBL_EPSILON / 2);
     ck_assert_double_le(fabs(sums->double_integral_low[u]), fabs(sums->double_integral[u]) * DBL_EPSILON / 2);
     ck_assert_double_eq_tol(sums->last_term[u], (double)fabsl(last), (double)sizes_of_last * 4 * DBL_EPSILON);
-    ck_assert_double_eq(sums->end_impulse_size[u], fabs(impulse[0]) + fabs(impulse[a->lanes - 1]));
+    ck_assert_double_eq(sums->end_impulse_size[u], fabs(impulse[0]) + fabs(impulse[a->lane_count - 1]));
 }
 
 START_TEST(sums_are_compensated)
@@ -81,19 +81,22 @@ START_TEST(sums_are_compensated)
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (int j = 0; j < lanes; j++)
-        ck_assert_double_eq_tol(tables.of.end_weights.one_minus_abscissa[j], 1 - tables.of.node_abscissa[j],
+        ck_assert_double_eq_tol(tables.of.end_sum_weights.one_minus_abscissa[j], 1 - tables.of.node_abscissa[j],
                                 DBL_EPSILON / 2);
-    shorten(lanes, tables.of.end_weights.one_minus_abscissa);
+    shorten(lanes, tables.of.end_sum_weights.one_minus_abscissa);
     for (int round = 0; round < ROUNDS; round++)
         for (int unknowns = 1; unknowns <= SUMMED; unknowns++) {
             _Alignas(64) double impulse[SUMMED * MOST];
             const bool is_short = round % 2 > 0;
             double left[SUMMED], all[6][SUMMED + 7];
-            const galerkin_nodes nodes = {
-                .lanes = lanes, .unknowns = unknowns, .node_count = lanes, .member_count = 1, .impulses = impulse};
+            const galerkin_nodes nodes = {.lane_count = lanes,
+                                          .unknown_count = unknowns,
+                                          .node_count = lanes,
+                                          .member_count = 1,
+                                          .impulses = impulse};
             const galerkin_impulse_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
             for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, is_short, &bits);
-            loops_of[isa][size]->integrate(&nodes, &tables.of.end_weights, &sums);
+            loops_of[isa][size]->integrate(&nodes, &tables.of.end_sum_weights, &sums);
             for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], is_short, &sums, u);
         }
     galerkin_tables_close(&tables);
@@ -107,7 +110,7 @@ START_TEST(increments_have_two_parts)
     double of[6][UNKNOWNS], by[4][UNKNOWNS];
     double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
     const galerkin_nodes nodes = {
-        .lanes = lanes_of[_i % GALERKIN_KERNEL_TABLES], .unknowns = UNKNOWNS, .impulse_scale = scale};
+        .lane_count = lanes_of[_i % GALERKIN_KERNEL_TABLES], .unknown_count = UNKNOWNS, .impulse_scale = scale};
     const galerkin_impulse_sums sums = {.single_integral = once,
                                         .double_integral = twice,
                                         .single_integral_low = drift_low,
@@ -143,13 +146,13 @@ typedef struct {
 /* Adds the errors of the places, in units of roundoff. */
 static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nodes, const double *force, sample *errors)
 {
-    for (int u = 0; u < nodes->unknowns; u++)
+    for (int u = 0; u < nodes->unknown_count; u++)
         for (int i = 0; i < a->node_count; i++) {
-            const int at = u * a->lanes + i;
+            const int at = u * a->lane_count + i;
             long double of_impulses = 0;
             for (int j = 0; j < a->node_count; j++)
-                of_impulses += (long double)a->impulse_matrix[j * a->lanes + i] *
-                               (nodes->impulse_weight[j] * force[u * a->lanes + j]);
+                of_impulses += (long double)a->impulse_matrix[j * a->lane_count + i] *
+                               (nodes->impulse_weight[j] * force[u * a->lane_count + j]);
             const long double way = nodes->drift_values_low[at] + nodes->impulse_scale[u] * of_impulses;
             sample_add(errors, (double)((nodes->values[at] - nodes->drift_values[at]) - way) / DBL_EPSILON);
         }
@@ -160,12 +163,12 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
 {
     static blocks w;
     static const int slot[UNKNOWNS] = {0, 1, 2, 3, 4, 5, 6};
-    const galerkin_nodes nodes = {.lanes = a->lanes,
+    const galerkin_nodes nodes = {.lane_count = a->lane_count,
                                   .node_count = a->node_count,
                                   .member_count = 1,
-                                  .unknowns = unknowns,
-                                  .unknowns_per_half = unknowns,
-                                  .moving_unknowns = unknowns,
+                                  .unknown_count = unknowns,
+                                  .unknown_count_per_half = unknowns,
+                                  .moving_unknown_count = unknowns,
                                   .values = w.x,
                                   .start_values = w.start,
                                   .drift_values = w.high,
@@ -177,9 +180,9 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
     uint64_t bits = 1;
     sample errors = {0};
     for (int u = 0; u < unknowns; u++) w.scale[u] = scale, w.inverse_size[u] = 1;
-    for (int j = 0; j < a->lanes; j++) w.weight[j] = scale * a->node_weight[j];
+    for (int j = 0; j < a->lane_count; j++) w.weight[j] = scale * a->node_weight[j];
     for (int pass = 0; pass < PASSES; pass++) {
-        for (int k = 0; k < unknowns * a->lanes; k++) {
+        for (int k = 0; k < unknowns * a->lane_count; k++) {
             w.high[k] = (1 + number_of(&bits) / 8) / 4;
             w.base[k] = (number_of(&bits) - 0.5) * DBL_EPSILON;
             w.force[k] = 12 + number_of(&bits);
