@@ -36,13 +36,13 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
         z[s->n + i] = tau * s->p[i] / (s->mass ? s->mass[i] : 1);
     }
     curve_set_time_unit(&x.curve, tau);
-    curve_set_centre_data(&x.curve, z);
+    curve_set_centre_state(&x.curve, z);
     return x;
 }
 
 static void work(prolongation *x, bool jacobians)
 {
-    if (jacobians) tvi_curve_differentiate(&x->curve);
+    if (jacobians) tvi_curve_compute_jacobians(&x->curve);
     else if (tvi_curve_expand(&x->curve, 0) != TVI_OK) exit(EXIT_FAILURE);
 }
 

@@ -41,6 +41,6 @@ void curve_expand(void *opened)
 {
     open_curve *c = opened;
     curve_set_time_unit(&c->curve, c->tau);
-    curve_set_centre_data(&c->curve, c->z);
+    curve_set_centre_state(&c->curve, c->z);
     experiment_insist(tvi_curve_expand(&c->curve, 0), "an expansion");
 }

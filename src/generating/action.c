@@ -18,10 +18,11 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
     (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
         const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
-        action->momentum_correction[i] = tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[n + i] + of_v);
+        action->node_momentum_correction[i] =
+            tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[n + i] + of_v);
     }
-    tvi_factor_solve(&curve->velocity_hessian, action->momentum_correction);
-    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->momentum_correction, 1);
+    tvi_factor_solve(&curve->velocity_hessian, action->node_momentum_correction);
+    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->node_momentum_correction, 1);
 }
 
 int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
@@ -58,8 +59,9 @@ tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve
     return seeds_compute_lagrange_terms(action, curve);
 }
 
-/* Computes the gradient of the action at truncated nodes, where q'_i = H_p(q_i, p_i): gradient_by_q = tau (H_qp p -
- * H_q), gradient_by_p = tau H_pp p and gradient_by_v = -p. */
+/* Computes the derivatives of the action's terms at truncated nodes. There q_i lacks the highest term of the curve, and
+ * q'_i = H_p(q_i, p_i). The derivatives are gradient_by_q = tau (H_qp p - H_q), gradient_by_p = tau H_pp p and
+ * gradient_by_v = -p. */
 static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
@@ -67,9 +69,9 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
     const size_t panel = (size_t)(n * points) * sizeof(double);
     const bool separable = system->form == TVI_SEPARABLE;
     if (!separable) memcpy(action->field_block + n * points, action->node_momentum, panel);
-    const tvi_status status = seeds_evaluate_field(action);
+    const tvi_status status = seeds_evaluate_field_at_nodes(action);
     if (status != TVI_OK) return status;
-    seeds_copy_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
+    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
     if (!separable) {
         memcpy(action->second_derivative_block, action->field_block,
                (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
@@ -83,11 +85,11 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
                 action->gradient_by_p[place] = curve->tau * action->node_momentum[place] / system->mass[i];
             } else {
                 action->gradient_by_q[place] +=
-                    curve->tau *
-                    seeds_field_output_row(action, system->r_dot_Hp_values, action->second_derivative_block, i)[node];
+                    curve->tau * seeds_get_field_output_row(action, system->r_dot_Hp_values,
+                                                            action->second_derivative_block, i)[node];
                 action->gradient_by_p[place] =
-                    curve->tau * seeds_field_output_row(action, system->r_dot_Hp_values,
-                                                        action->second_derivative_block, n + i)[node];
+                    curve->tau * seeds_get_field_output_row(action, system->r_dot_Hp_values,
+                                                            action->second_derivative_block, n + i)[node];
             }
             action->gradient_by_v[place] = -action->node_momentum[place];
         }
@@ -96,9 +98,10 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+static tvi_status compute_possibly_nonfinite_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
+                                                   double seed_U[])
 {
-    if (seeds_need_only_field(action)) {
+    if (seeds_need_no_second_derivatives(action)) {
         if (!curve->generated_code || !curve->generated_code->compute_seeds)
             return tvi_choose_curve_variant(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         const tvi_status status = curve->generated_code->compute_seeds(action, curve, seed_Q, seed_U);
@@ -118,9 +121,9 @@ static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, 
 
 tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int seeds = (curve->top + 1) * curve->n;
+    const int seeds = (curve->highest_order + 1) * curve->n;
     const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const tvi_status status = compute_unchecked_seeds(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_possibly_nonfinite_seeds(action, curve, seed_Q, seed_U);
     if (status != TVI_OK) return status;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }

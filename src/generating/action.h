@@ -1,7 +1,8 @@
-/* action.h - declares the gradient of the discrete action of a curve, in defect form, which steppers compute in each
- * pass (docs/method.md section 4):
- *     S_z = G+^T p+ - G-^T p- + D_z,
- * where D_z is small on the curve, because there the equations of motion nearly hold. */
+/* action.h - declares the gradient of the discrete action S of a curve by the curve's centre state z, which steppers
+ * compute in each pass (docs/method.md section 4): S_z = G+^T p+ - G-^T p- + D_z. Here p- and p+ are the curve's
+ * momenta at the start and the end of the step, and G- and G+ are the Jacobians, by z, of its coordinates there. The
+ * defect form D_z of the gradient is small: it is a sum over the quadrature nodes in which the residuals of the
+ * equations of motion are factors, and these nearly vanish on the curve. */
 #ifndef TVI_SRC_GENERATING_ACTION_H
 #define TVI_SRC_GENERATING_ACTION_H
 
@@ -11,16 +12,17 @@
 
 /* Returns an action of `width` members in which only the sizes are set. They are those of the method that the options,
  * all of which are resolved, choose; generated code has them as constants. */
-tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options, int width);
+tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *options, int width);
 /* Returns the tape that evaluates the field at the nodes. */
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                          int width);
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span);
 
-/* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns
- * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong to a Hamiltonian's velocities
- * were not found. */
+/* Computes the seeds seed_Q and seed_U, [highest_order + 1][n], by which the action's gradient in defect form is D_z =
+ * sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], with the coefficients Q_k of the position and U_k of the scaled
+ * momentum. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, or TVI_ENOCONV if the momenta that belong to a
+ * Hamiltonian's velocities were not found. */
 TVI_NODISCARD tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
                                                   double seed_U[]);
 

@@ -6,7 +6,7 @@
 
 /* Returns the number of nodes in a mirrored half, padded to whole vectors, unless the tape would then process more
  * vectors. */
-static int choose_half_node_row_length(const tvi_system *system, int points, int width)
+static int choose_padded_half_node_count(const tvi_system *system, int points, int width)
 {
     if (width > 1) return (points + 1) / 2;
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2,
@@ -14,39 +14,41 @@ static int choose_half_node_row_length(const tvi_system *system, int points, int
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
-tvi_action tvi_get_action_sizes(const tvi_system *system, const tvi_options *options, int width)
+tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *options, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = definition->uses_top_momentum ? degree : degree - 1;
     const int points = options->quadrature_points;
-    const bool is_hamilton = definition->action == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
+    const bool uses_hamilton_principle = definition->action == TVI_ACTION_HAMILTON,
+               is_separable = system->form == TVI_SEPARABLE;
     const bool one_more = definition->uses_top_momentum && is_separable; /* p of degree N needs Q_{N+1} */
-    tvi_action sizes = {.is_hamilton = is_hamilton,
+    tvi_action sizes = {.uses_hamilton_principle = uses_hamilton_principle,
                         .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
-                        .has_velocity_defect = !is_hamilton && !is_separable,
-                        .has_momentum_defect = is_hamilton && (!is_separable || p_degree >= degree),
+                        .has_gradient_by_v = !uses_hamilton_principle && !is_separable,
+                        .has_gradient_by_p = uses_hamilton_principle && (!is_separable || p_degree >= degree),
                         .q_degree = degree,
                         .p_degree = p_degree,
                         .points = points,
                         .orders = degree + one_more + 1,
                         .width = width};
-    if (definition->span.from == -definition->span.to && seeds_need_only_field(&sizes) &&
+    if (definition->span.from == -definition->span.to && seeds_need_no_second_derivatives(&sizes) &&
         tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
-        sizes.half_points = choose_half_node_row_length(system, points, width);
-        sizes.points = 2 * sizes.half_points;
+        sizes.half_node_count = choose_padded_half_node_count(system, points, width);
+        sizes.points = 2 * sizes.half_node_count;
     }
     return sizes;
 }
 
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action)
 {
-    return system->form == TVI_HAMILTONIAN && !action->is_hamilton ? system->field_series : system->field_values;
+    return system->form == TVI_HAMILTONIAN && !action->uses_hamilton_principle ? system->field_series
+                                                                               : system->field_values;
 }
 
 static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const tvi_action *action)
 {
     const size_t half_rows = (size_t)seeds_round_up_to_vectors((action->orders + 1) / 2) *
-                             (size_t)seeds_round_up_to_vectors(action->half_points);
+                             (size_t)seeds_round_up_to_vectors(action->half_node_count);
     table->all_orders = tvi_arena_allocate_doubles(arena, (size_t)(action->orders * action->points));
     table->even_orders = tvi_arena_allocate_doubles(arena, half_rows);
     table->odd_orders = tvi_arena_allocate_doubles(arena, half_rows);
@@ -55,20 +57,20 @@ static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const t
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                          int width)
 {
-    *action = tvi_get_action_sizes(system, options, width);
+    *action = tvi_create_sized_action(system, options, width);
     const size_t orders = (size_t)action->orders, points = (size_t)action->points, n = (size_t)(system->n * width);
     action->field_tape = tvi_select_node_tape(system, action);
-    action->node_s = tvi_arena_allocate_doubles(arena, points);
+    action->node_scaled_time = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
-    tvi_node_table *const tables[] = {&action->power_table,          &action->slope_table,
-                                      &action->second_slope_table,   &action->node_rule_power_table,
-                                      &action->weighted_power_table, &action->weighted_slope_table};
+    tvi_node_table *const tables[] = {
+        &action->power_table,          &action->slope_table,          &action->second_derivative_table,
+        &action->position_power_table, &action->weighted_power_table, &action->weighted_slope_table};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) allocate_node_table(tables[i], arena, action);
-    action->order_row = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
+    action->order_sums = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
-        action->by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
+        action->summation_by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
-    if (system->form == TVI_HAMILTONIAN && action->is_hamilton && action->has_truncated_nodes)
+    if (system->form == TVI_HAMILTONIAN && action->uses_hamilton_principle && action->has_truncated_nodes)
         action->second_derivative_block =
             tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
     action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);
@@ -76,7 +78,7 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
                                &action->gradient_by_v, &action->gradient_by_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
         *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
-    action->momentum_correction = tvi_arena_allocate_doubles(arena, n * points);
+    action->node_momentum_correction = tvi_arena_allocate_doubles(arena, n * points);
     if (action->field_tape != system->field_values) {
         action->H_pp = tvi_arena_allocate_doubles(arena, n * n * points);
         action->field_tangent_block = tvi_arena_allocate_doubles(arena, (size_t)action->field_tape->slots * points);
@@ -84,7 +86,8 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     tvi_roundoff_allocate(&action->field_roundoff, arena, system);
 }
 
-/* Returns the error of the quadrature for s^power on the span; it is exactly 0 below the order of the quadrature. */
+/* Returns the quadrature of the function s^power over the span, less its integral; the result is exactly 0 if `power`
+ * is below the order of the quadrature. */
 static double compute_quadrature_error(int order, int points, const long double s[], const long double weight[],
                                        int power, tvi_scaled_span span)
 {
@@ -97,25 +100,26 @@ static double compute_quadrature_error(int order, int points, const long double 
 static void set_power_tables(tvi_action *action, int node, long double s, bool at_end)
 {
     for (int k = 2; k < action->orders; k++)
-        action->second_slope_table.all_orders[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
+        action->second_derivative_table.all_orders[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int place = k * action->points + node, weighted = node * action->orders + k;
         const bool left_out = action->has_truncated_nodes && k == action->q_degree && !at_end;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
         action->power_table.all_orders[place] = power;
         action->slope_table.all_orders[place] = slope;
-        action->node_rule_power_table.all_orders[place] = left_out ? 0 : power;
+        action->position_power_table.all_orders[place] = left_out ? 0 : power;
         action->weighted_power_table.all_orders[weighted] = action->node_weight[node] * power;
         action->weighted_slope_table.all_orders[weighted] = action->node_weight[node] * slope;
     }
 }
 
-/* Copies the rows of even and of odd orders at the first half of the nodes from all_orders to even_orders and
- * odd_orders. */
-static void set_even_and_odd_orders(const tvi_action *action, tvi_node_table *table, bool is_weighted,
-                                    double mirror_sign)
+/* Copies the rows of the table's even orders and of its odd orders, at the first half of the nodes, from all_orders to
+ * even_orders and odd_orders. */
+static void split_table_by_order_parity(const tvi_action *action, tvi_node_table *table, bool is_weighted,
+                                        double mirror_sign)
 {
-    const int half = action->half_points, orders = action->orders, width = seeds_round_up_to_vectors((orders + 1) / 2);
+    const int half = action->half_node_count, orders = action->orders,
+              width = seeds_round_up_to_vectors((orders + 1) / 2);
     table->mirror_sign = mirror_sign;
     for (int k = 0; k < orders; k++)
         for (int node = 0; node < half; node++) {
@@ -127,9 +131,9 @@ static void set_even_and_odd_orders(const tvi_action *action, tvi_node_table *ta
 
 /* Returns the node of the quadrature rule at which this point of the action lies, and sets *weight_fraction to the
  * point's fraction of the node's weight. */
-static int find_rule_node(const tvi_action *action, int rule_points, int point, double *weight_fraction)
+static int find_quadrature_node(const tvi_action *action, int rule_points, int point, double *weight_fraction)
 {
-    const int half = action->half_points, at = half > 0 ? point % half : point,
+    const int half = action->half_node_count, at = half > 0 ? point % half : point,
               node = at < (rule_points + 1) / 2 || half == 0 ? at : 0;
     *weight_fraction = node != at ? 0 : half > 0 && 2 * at + 1 == rule_points ? 0.5 : 1;
     return half > 0 && point >= half ? rule_points - 1 - node : node;
@@ -142,11 +146,11 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
     for (int point = 0; point < action->points; point++) {
         double weight_fraction;
-        const int i = find_rule_node(action, count, point, &weight_fraction);
+        const int i = find_quadrature_node(action, count, point, &weight_fraction);
         const bool at_end = s[i] == -1 || s[i] == 1;
         /* Maps [-1, 1] to the span. */
         const long double place = span.from + (span.to - span.from) * (1 + s[i]) / 2;
-        action->node_s[point] = (double)place;
+        action->node_scaled_time[point] = (double)place;
         action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.to - span.from) / 2);
         set_power_tables(action, point, place, at_end);
     }
@@ -154,15 +158,15 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
         s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
         weight[i] *= (span.to - span.from) / 2;
     }
-    set_even_and_odd_orders(action, &action->power_table, false, 1);
-    set_even_and_odd_orders(action, &action->slope_table, false, -1);
-    set_even_and_odd_orders(action, &action->second_slope_table, false, 1);
-    set_even_and_odd_orders(action, &action->node_rule_power_table, false, 1);
-    set_even_and_odd_orders(action, &action->weighted_power_table, true, 1);
-    set_even_and_odd_orders(action, &action->weighted_slope_table, true, -1);
-    if (!action->by_parts_error) return;
+    split_table_by_order_parity(action, &action->power_table, false, 1);
+    split_table_by_order_parity(action, &action->slope_table, false, -1);
+    split_table_by_order_parity(action, &action->second_derivative_table, false, 1);
+    split_table_by_order_parity(action, &action->position_power_table, false, 1);
+    split_table_by_order_parity(action, &action->weighted_power_table, true, 1);
+    split_table_by_order_parity(action, &action->weighted_slope_table, true, -1);
+    if (!action->summation_by_parts_error) return;
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)
-            action->by_parts_error[k * action->orders + j] =
+            action->summation_by_parts_error[k * action->orders + j] =
                 j + k == 0 ? 0 : (j + k) * compute_quadrature_error(order, count, s, weight, j + k - 1, span);
 }

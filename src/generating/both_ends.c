@@ -3,9 +3,11 @@
  * (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r, and each ends where the other
  * starts, a(1) = q1 and b(-1) = q0, with multipliers l, m. With w = 1 - s and a dot for d/ds
  *     y = w a + (1-w) b,     v = w a. + (1-w) b. (truncated)   or   v = y. = w a. + (1-w) b. - (a - b) (on-curve).
- * With pi = w p_a + (1-w) p_b, the momenta of the curves, the gradient of the action in defect form is
+ * Let p_a and p_b be the momenta of the curves, pi = w p_a + (1-w) p_b, w_i the quadrature weight of node i, tau = h,
+ * and dy_i, dv_i, da, db the Jacobians of y_i, v_i, a and b by (q0, v0, q1, v1). The gradient of the action in defect
+ * form (action.h) is
  *     R = sum_i w_i [ dy_i^T (tau L_q - pi.)_i + dv_i^T (L_v - pi)_i ]      truncated: + sum_i w_i (da - db)_i^T pi_i,
- * and with A0, B0 = da(1)/d(q0, v0), A1, B1 = db(-1)/d(q1, v1)
+ * and with R_q0 its part by q0 and so on, (A0, B0) = da(1)/d(q0, v0) and (A1, B1) = db(-1)/d(q1, v1),
  *     B0^T l = R_v0,   B1^T m = R_v1,   p0 = p_a(0) - R_q0 + A0^T l - m,   p1 = p_b(0) + R_q1 + l - A1^T m.
  * If the quadrature does not sum the derivative of dy^T pi exactly, the same formulas are used with pi = 0. */
 #include "generating/both_ends.h"
@@ -26,10 +28,10 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     plain.nodes = TVI_NODES_ON_CURVE;
     const int r = options->degree;
     const size_t n = (size_t)system->n;
-    x->sign = x->other_end_s = sign;
+    x->sign_in_difference = x->other_end_s = sign;
     tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
     tvi_allocate_action(&x->action, arena, system, &plain, 1);
-    tvi_combination *const combinations[] = {&x->q_rise, &x->u_at_own_end, &x->dense_q, &x->dense_u};
+    tvi_combination *const combinations[] = {&x->q_increment, &x->u_at_own_end, &x->dense_q, &x->dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&x->curve, arena);
     x->node_blend_weight = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
@@ -38,8 +40,8 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     x->action_gradient = tvi_arena_allocate_doubles(arena, 2 * n);
     x->other_end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     x->multiplier = tvi_arena_allocate_doubles(arena, n);
-    x->dz = tvi_arena_allocate_doubles(arena, 2 * n);
-    tvi_factor_allocate(&x->factor, arena, system->n, 1);
+    x->unapplied_dz = tvi_arena_allocate_doubles(arena, 2 * n);
+    tvi_factor_allocate(&x->velocity_jacobian_factor, arena, system->n, 1);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -65,8 +67,8 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
                                &w.gradient_by_q, &w.gradient_by_v, &w.gradient_by_difference};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
         *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
-    w.node_row = tvi_arena_allocate_doubles(arena, points);
-    double **const vectors[] = {&w.start_z, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.scratch};
+    w.node_series_sum = tvi_arena_allocate_doubles(arena, points);
+    double **const vectors[] = {&w.start_z, &w.start_correction_p, &w.increment_correction_p, &w.dq, &w.dp, &w.scratch};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_allocate_doubles(arena, 2 * n);
     if (workspace) *workspace = w;
@@ -78,12 +80,12 @@ static void prepare_end_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_s, k);
     tvi_curve_fill_constant_tables(&x->curve);
-    tvi_curve_prepare_tail(&x->curve, w->degree, w->degree - 1);
+    tvi_curve_set_tail_degrees(&x->curve, w->degree, w->degree - 1);
     tvi_prepare_action_tables(&x->action, w->options, span);
-    tvi_combination_set_weights(&x->q_rise, &x->curve, false, powers);
+    tvi_combination_set_weights(&x->q_increment, &x->curve, false, powers);
     tvi_combination_set_weights(&x->u_at_own_end, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++)
-        x->node_blend_weight[node] = 1 - x->other_end_s * x->action.node_s[node];
+        x->node_blend_weight[node] = 1 - x->other_end_s * x->action.node_scaled_time[node];
 }
 
 static void prepare_stepper(void *workspace)
@@ -91,7 +93,7 @@ static void prepare_stepper(void *workspace)
     tvi_both_ends_workspace *w = workspace;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
-    tvi_newton_set_rules(&w->newton, w->options, true);
+    tvi_newton_set_pass_rules(&w->newton, w->options, true);
     prepare_end_curve(w, &w->start_curve, (tvi_scaled_span){0, 1, 1});
     prepare_end_curve(w, &w->end_curve, (tvi_scaled_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
@@ -104,22 +106,24 @@ static void prepare_stepper(void *workspace)
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-/* Solves B^T multiplier = R_v. */
+/* Solves B^T multiplier = R_v. B is the Jacobian of the position at the curve's other end by the velocity at its own
+ * end, and R_v is the action's gradient by that velocity. */
 static tvi_status solve_for_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
-    tvi_curve_sum_jacobian(&x->curve, &x->q_rise, x->other_end_jacobian);
+    tvi_curve_sum_combination_jacobian(&x->curve, &x->q_increment, x->other_end_jacobian);
     for (size_t i = 0; i < n; i++)
-        memcpy(x->factor.lu + i * n, x->other_end_jacobian + i * 2 * n + n, n * sizeof(double));
+        memcpy(x->velocity_jacobian_factor.lu + i * n, x->other_end_jacobian + i * 2 * n + n, n * sizeof(double));
     memcpy(x->multiplier, x->action_gradient + n, n * sizeof(double));
     stats->factorisations++;
-    const tvi_status status = tvi_factor_compute(&x->factor);
-    if (status == TVI_OK) tvi_factor_solve_transposed(&x->factor, x->multiplier);
+    const tvi_status status = tvi_factor_compute(&x->velocity_jacobian_factor);
+    if (status == TVI_OK) tvi_factor_solve_transposed(&x->velocity_jacobian_factor, x->multiplier);
     return status;
 }
 
-/* Returns component j of (A - I)^T multiplier. */
-static double multiply_column_by_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
+/* Returns component j of (A - I)^T multiplier, with A the Jacobian of the position at the curve's other end by the
+ * position at its own end. */
+static double multiply_jacobian_column_by_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
 {
     double sum = 0;
     for (int i = 0; i < w->n; i++) sum += x->other_end_jacobian[i * 2 * w->n + j] * x->multiplier[i];
@@ -132,16 +136,17 @@ static tvi_status compute_momentum_corrections(tvi_both_ends_workspace *w, tvi_s
     if (status == TVI_OK) status = solve_for_multiplier(w, &w->end_curve, stats);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n; i++) {
-        const double at_a = multiply_column_by_multiplier(w, &w->start_curve, i),
-                     at_b = multiply_column_by_multiplier(w, &w->end_curve, i);
-        w->from_p[i] =
+        const double at_a = multiply_jacobian_column_by_multiplier(w, &w->start_curve, i),
+                     at_b = multiply_jacobian_column_by_multiplier(w, &w->end_curve, i);
+        w->start_correction_p[i] =
             -w->start_curve.action_gradient[i] + at_a + (w->start_curve.multiplier[i] - w->end_curve.multiplier[i]);
-        w->rise_p[i] = w->start_curve.action_gradient[i] + w->end_curve.action_gradient[i] - at_a - at_b;
+        w->increment_correction_p[i] =
+            w->start_curve.action_gradient[i] + w->end_curve.action_gradient[i] - at_a - at_b;
     }
     return TVI_OK;
 }
 
-/* The step that is being made; tvi_equations.self points to it. */
+/* The step that is being made; tvi_equations.self points to it, so that the functions of the residual know it. */
 typedef struct {
     tvi_both_ends_workspace *work;
     const tvi_step_origin *origin;
@@ -153,7 +158,7 @@ static tvi_status expand_end_curve(const step_attempt *attempt, tvi_end_curve *x
 {
     attempt->stats->expansions++;
     curve_set_time_unit(&x->curve, attempt->h);
-    curve_set_centre_data(&x->curve, z);
+    curve_set_centre_state(&x->curve, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 
@@ -161,34 +166,36 @@ static void compute_unknown_scales(void *self, double scale[])
 {
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const int n = w->n;
-    tvi_curve_compute_data_sizes(&w->start_curve.curve, scale);
+    tvi_curve_compute_centre_state_sizes(&w->start_curve.curve, scale);
     memcpy(scale, scale + n, (size_t)n * sizeof *scale);
-    tvi_curve_compute_data_sizes(&w->end_curve.curve, scale + n);
+    tvi_curve_compute_centre_state_sizes(&w->end_curve.curve, scale + n);
     if (w->degree > 1) return;
     /* A curve of degree 1 from a state of rest has size 0; then the corrections of the momenta are the only other
      * measure of an unknown. */
     for (int i = 0; i < n; i++) {
-        const double change = fabs(w->start_curve.curve.kappa[i]) * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
+        const double change =
+            fabs(w->start_curve.curve.kappa[i]) * (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;
     }
 }
 
-/* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
+/* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + start_correction_p - p0)). */
 static void compute_end_differences(const step_attempt *attempt, const double q1[], double r[])
 {
     tvi_both_ends_workspace *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     const int n = w->n;
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_rise, r);
-    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_rise, r + n);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment, r);
+    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_increment, r + n);
     tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end, r + 2 * n);
     const double pi = w->has_momentum_terms ? 1 : 0;
     for (int i = 0; i < n; i++) {
         const double kappa = w->start_curve.curve.kappa[i], change = q1[i] - origin->q[i];
         r[i] -= change - origin->q_low[i];
         r[n + i] += change - origin->q_low[i];
-        r[2 * n + i] = (pi * r[2 * n + i] - kappa * origin->p[i]) + kappa * (w->from_p[i] - origin->p_low[i]);
+        r[2 * n + i] =
+            (pi * r[2 * n + i] - kappa * origin->p[i]) + kappa * (w->start_correction_p[i] - origin->p_low[i]);
     }
 }
 
@@ -204,9 +211,9 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
     if (status == TVI_OK)
         status = expand_end_curve(attempt, &w->end_curve, x + n, origin->t + (origin->t_low + attempt->h));
     if (status != TVI_OK) return status;
-    tvi_curve_differentiate(&w->start_curve.curve);
-    tvi_curve_differentiate(&w->end_curve.curve);
-    status = tvi_both_ends_compute_gradient(w, attempt->stats);
+    tvi_curve_compute_jacobians(&w->start_curve.curve);
+    tvi_curve_compute_jacobians(&w->end_curve.curve);
+    status = tvi_both_ends_compute_action_gradient(w, attempt->stats);
     if (status == TVI_OK) status = compute_momentum_corrections(w, attempt->stats);
     if (status != TVI_OK) return status;
     compute_end_differences(attempt, x + n, r);
@@ -221,11 +228,12 @@ static bool compute_jacobian(void *self, double matrix[])
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_jacobian(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->end_curve.other_end_jacobian);
+    tvi_curve_sum_combination_jacobian(&w->start_curve.curve, &w->start_curve.u_at_own_end,
+                                       w->end_curve.other_end_jacobian);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
             matrix[(2 * n + i) * row + j] = w->end_curve.other_end_jacobian[i * 2 * n + n + j];
-    tvi_curve_sum_jacobian(&w->end_curve.curve, &w->end_curve.q_rise, w->end_curve.other_end_jacobian);
+    tvi_curve_sum_combination_jacobian(&w->end_curve.curve, &w->end_curve.q_increment, w->end_curve.other_end_jacobian);
     for (size_t i = 0; i < n; i++) {
         memcpy(matrix + i * row, w->start_curve.other_end_jacobian + i * 2 * n + n, n * sizeof *matrix);
         matrix[i * row + n + i] = -1;
@@ -250,7 +258,7 @@ static void estimate_residual_roundoff(void *self, double r[])
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Expands the start curve from (q0, p0), and predicts the centre data of the end curve as the end of the start curve.
+/* Expands the start curve from (q0, p0), and predicts the centre state of the end curve as the end of the start curve.
  * */
 static tvi_status predict_unknowns(const step_attempt *attempt)
 {
@@ -267,32 +275,34 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
     return status;
 }
 
-/* Stores in dz the correction of each curve's z that has not been applied: the low-order part of q0, and the last
- * correction of the passes. */
-static void store_last_correction(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
+/* Stores the correction of each curve's centre state that has not been applied: the low-order part of q0, and the
+ * corrections of v0, q1 and v1 by the last pass. */
+static void store_unapplied_correction(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
-    memcpy(w->start_curve.dz, origin->q_low, bytes);
-    memcpy(w->start_curve.dz + n, w->newton.correction, bytes);
-    memcpy(w->end_curve.dz, w->newton.correction + n, 2 * bytes);
-    tvi_curve_set_product_direction(&w->start_curve.curve, w->start_curve.dz);
-    tvi_curve_set_product_direction(&w->end_curve.curve, w->end_curve.dz);
+    memcpy(w->start_curve.unapplied_dz, origin->q_low, bytes);
+    memcpy(w->start_curve.unapplied_dz + n, w->newton.correction, bytes);
+    memcpy(w->end_curve.unapplied_dz, w->newton.correction + n, 2 * bytes);
+    tvi_curve_set_product_direction(&w->start_curve.curve, w->start_curve.unapplied_dz);
+    tvi_curve_set_product_direction(&w->end_curve.curve, w->end_curve.unapplied_dz);
 }
 
-/* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, to first order in the correction dz. */
+/* Computes the increments of the step, dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa increment_correction_p, with
+ * U_a and U_b the scaled momenta of the curves at their own ends. The unapplied correction is added to first order. */
 static void compute_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
 {
     const int n = w->n;
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_rise, dq);
-    tvi_curve_multiply_direction(&w->start_curve.curve, &w->start_curve.q_rise, w->scratch);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment, dq);
+    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.q_increment, w->scratch);
     for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
     tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.u_at_own_end, dp);
     tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
     for (int i = 0; i < n; i++) dp[i] = w->has_momentum_terms ? dp[i] - w->scratch[i] : 0;
-    tvi_curve_multiply_direction(&w->end_curve.curve, &w->end_curve.u_at_own_end, w->scratch);
+    tvi_curve_multiply_jacobian_by_direction(&w->end_curve.curve, &w->end_curve.u_at_own_end, w->scratch);
     for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
-    tvi_curve_multiply_direction(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
-    for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->scratch[i]) / w->start_curve.curve.kappa[i] + w->rise_p[i];
+    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
+    for (int i = 0; i < n; i++)
+        dp[i] = (dp[i] - w->scratch[i]) / w->start_curve.curve.kappa[i] + w->increment_correction_p[i];
 }
 
 static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origin *origin,
@@ -309,7 +319,7 @@ static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origi
     tvi_status status = predict_unknowns(&attempt);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;
-    store_last_correction(w, origin);
+    store_unapplied_correction(w, origin);
     compute_increments(w, increments->dq, increments->dp);
     memcpy(w->dq, increments->dq, bytes);
     memcpy(w->dp, increments->dp, bytes);
@@ -320,8 +330,8 @@ static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origi
 }
 
 /* Adds weight (q(s) - q(0)) of the curve to dq, and weight (p(s) - p(0)) to dp. */
-static void add_blended_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, double s, double weight, double dq[],
-                              double dp[])
+static void add_weighted_curve_increments(tvi_both_ends_workspace *w, tvi_end_curve *x, double s, double weight,
+                                          double dq[], double dp[])
 {
     tvi_combination_set_power_weights(&x->dense_q, &x->curve, false, w->degree, 1, s, -1, 0);
     tvi_combination_set_power_weights(&x->dense_u, &x->curve, true, w->degree - 1, 1, s, -1, 0);
@@ -331,8 +341,8 @@ static void add_blended_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, doub
     for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.kappa[i];
 }
 
-/* Evaluates the blend of the curves: the start curve has weight 1 - theta, and the end curve, which is measured from
- * the end of the step, has weight theta. */
+/* Computes the increments at the fraction theta of the step, by a blend of the curves: the start curve has weight 1 -
+ * theta, and the end curve, which is measured from the end of the step, has weight theta. */
 static void compute_dense_output(void *workspace, double theta, double dq[], double dp[])
 {
     tvi_both_ends_workspace *w = workspace;
@@ -340,8 +350,8 @@ static void compute_dense_output(void *workspace, double theta, double dq[], dou
         dq[i] = theta * w->dq[i];
         dp[i] = theta * w->dp[i];
     }
-    add_blended_curve(w, &w->start_curve, theta, 1 - theta, dq, dp);
-    add_blended_curve(w, &w->end_curve, theta - 1, theta, dq, dp);
+    add_weighted_curve_increments(w, &w->start_curve, theta, 1 - theta, dq, dp);
+    add_weighted_curve_increments(w, &w->end_curve, theta - 1, theta, dq, dp);
 }
 
 static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_options *options)

@@ -4,37 +4,40 @@
 
 #include <string.h>
 
-/* Computes node_row = sum of coefficient_k table_k, k = lowest_order .. degree; coefficient_k is at coefficients + k *
- * stride. */
+/* Sums a series of one component at the nodes: node_series_sum = sum of coefficient_k * table_k for the orders k =
+ * lowest_order .. degree. coefficient_k is at coefficients + k * stride, and table_k are the powers s^k at the nodes,
+ * or their derivatives. */
 static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int lowest_order, int degree,
                                      const double *coefficients, size_t stride, const double *table)
 {
-    for (int node = 0; node < w->points; node++) w->node_row[node] = 0;
+    for (int node = 0; node < w->points; node++) w->node_series_sum[node] = 0;
     for (int k = degree; k >= lowest_order; k--)
         for (int node = 0; node < w->points; node++)
-            w->node_row[node] += coefficients[(size_t)k * stride] * table[k * w->points + node];
+            w->node_series_sum[node] += coefficients[(size_t)k * stride] * table[k * w->points + node];
 }
 
-/* Adds node_blend_weight times the sum of one curve's series to out: w a, or (1 - w) b. */
+/* Adds the series of one curve at the nodes, times the curve's weight in the blend, to out: w a, or (1 - w) b. */
 static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
                                const double *coefficients, size_t stride, const double *table, double out[])
 {
     evaluate_series_at_nodes(w, 0, degree, coefficients, stride, table);
-    for (int node = 0; node < w->points; node++) out[node] += x->node_blend_weight[node] * w->node_row[node];
+    for (int node = 0; node < w->points; node++) out[node] += x->node_blend_weight[node] * w->node_series_sum[node];
 }
 
-/* Adds the part of one curve to out = b - a: it subtracts the series of a, or adds that of b, from order 1 on. `apart`
- * is the difference a_0 - b_0 of the coefficients of order 0, which nearly cancel; each of the two calls subtracts half
- * of it. */
-static void add_curve_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
-                                 const double *coefficients, size_t stride, double apart, double out[])
+/* Adds one curve's part to the difference out = b - a at the nodes: it subtracts the terms of a, or adds those of b,
+ * from order 1 on. `apart` is the difference a_0 - b_0 of the coefficients of order 0, which nearly cancel; the call
+ * for either curve subtracts half of it. */
+static void add_curve_to_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
+                                    const double *coefficients, size_t stride, double apart, double out[])
 {
     evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
-    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->node_row[node] + apart / 2;
+    for (int node = 0; node < w->points; node++)
+        out[node] -= x->sign_in_difference * w->node_series_sum[node] + apart / 2;
 }
 
-/* Adds the part of one curve to component i of y, v (in s), pi and dpi/ds. */
-static void add_side_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
+/* Adds one curve's part to component i of the blended position y, velocity v (dy/ds), momentum pi and its derivative
+ * dpi/ds at the nodes. */
+static void add_curve_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
     const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->momentum_coefficients + i;
@@ -45,13 +48,13 @@ static void add_side_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int 
     add_blended_series(w, x, w->degree, Q, stride, power, w->node_position + place);
     add_blended_series(w, x, w->degree, Q, stride, slope, w->node_velocity + place);
     if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_curve_difference(w, x, w->degree, Q, stride, q_apart, w->node_velocity + place);
+        add_curve_to_difference(w, x, w->degree, Q, stride, q_apart, w->node_velocity + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->node_momentum + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->node_force + place);
-    add_curve_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->node_force + place);
+    add_curve_to_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->node_force + place);
 }
 
-/* Computes y, v, pi and dpi/ds at the nodes. */
+/* Computes the blended position y, velocity v, momentum pi and its derivative dpi/ds at the nodes. */
 static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
@@ -60,13 +63,13 @@ static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
     curve_compute_momentum_coefficients(&w->start_curve.curve, w->degree - 1, w->start_curve.momentum_coefficients);
     curve_compute_momentum_coefficients(&w->end_curve.curve, w->degree - 1, w->end_curve.momentum_coefficients);
     for (int i = 0; i < w->n; i++) {
-        add_side_at_nodes(w, &w->start_curve, i);
-        add_side_at_nodes(w, &w->end_curve, i);
+        add_curve_at_nodes(w, &w->start_curve, i);
+        add_curve_at_nodes(w, &w->end_curve, i);
     }
     for (int i = 0; i < w->n * w->points; i++) w->node_velocity[i] /= w->start_curve.curve.tau;
 }
 
-/* Computes the seeds of one curve: the action's gradient by each coefficient Q_k. */
+/* Computes the seeds of one curve: the derivatives of the action by each coefficient Q_k of its position. */
 static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_curve *x)
 {
     for (int i = 0; i < w->n; i++)
@@ -79,13 +82,13 @@ static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_cu
                 const double blended = x->node_blend_weight[node] *
                                        (power[node] * w->gradient_by_q[place] + slope[node] * w->gradient_by_v[place]);
                 sum += w->start_curve.action.node_weight[node] *
-                       (blended + x->sign * power[node] * w->gradient_by_difference[place]);
+                       (blended + x->sign_in_difference * power[node] * w->gradient_by_difference[place]);
             }
             x->seed[k * w->n + i] = sum;
         }
 }
 
-tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *w, tvi_stats *stats)
+tvi_status tvi_both_ends_compute_action_gradient(tvi_both_ends_workspace *w, tvi_stats *stats)
 {
     const tvi_action *nodes = &w->start_curve.action;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
@@ -103,7 +106,9 @@ tvi_status tvi_both_ends_compute_gradient(tvi_both_ends_workspace *w, tvi_stats 
     }
     compute_end_curve_seeds(w, &w->start_curve);
     compute_end_curve_seeds(w, &w->end_curve);
-    tvi_curve_multiply_seeds(&w->start_curve.curve, w->start_curve.seed, NULL, w->start_curve.action_gradient);
-    tvi_curve_multiply_seeds(&w->end_curve.curve, w->end_curve.seed, NULL, w->end_curve.action_gradient);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&w->start_curve.curve, w->start_curve.seed, NULL,
+                                                     w->start_curve.action_gradient);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&w->end_curve.curve, w->end_curve.seed, NULL,
+                                                     w->end_curve.action_gradient);
     return TVI_OK;
 }

@@ -1,5 +1,6 @@
 /* choose.c - selects the functions of curves that are compiled for the instruction set of a system's tapes, and the
- * quick step. curve_stepper.c calls it when an integrator is made; action.c and curve.c call it in steps. */
+ * quick step (curve_step.h), which makes a whole step in the common case. curve_stepper.c calls it when an integrator
+ * is made; action.c and curve.c call it in steps. */
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
 #include "method/method.h"
@@ -16,9 +17,9 @@ const tvi_curve_variant *tvi_choose_curve_variant(const jet_tape *tape) { return
 
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_action action = tvi_get_action_sizes(system, options, 1);
+    const tvi_action action = tvi_create_sized_action(system, options, 1);
     return tvi_find_method(options)->curve.correct_ends == tvi_correct_ends_by_mean &&
-           options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action) &&
+           options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action) &&
            2 * system->n <= LINEAR_OWN_MAX_ROWS && tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
 }
 

@@ -1,18 +1,20 @@
-/* closure.c - computes the corrections of the curve's ends from the equations of the generating functions (closure.h).
- * The descriptors' `correct_ends` call these functions. */
+/* closure.c - solves the equations of the generating functions, and computes from their solution the small corrections
+ * by which the ends of the step differ from those of the Taylor curve (closure.h). The methods' functions
+ * `correct_ends` call it. */
 #include "generating/closure.h"
 
 static tvi_status correct_ends(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const tvi_status status = closure->solver->solve(closure, equations);
-    if (status == TVI_OK) closure_set_corrections(closure);
+    if (status == TVI_OK) closure_set_end_corrections(closure);
     return status;
 }
 
 tvi_status tvi_correct_ends_by_mean(tvi_closure *closure)
 {
     return correct_ends(
-        closure, &(tvi_transposed_equations){&closure->q_mean, closure_get_second_combination(closure), TVI_FIRST});
+        closure,
+        &(tvi_transposed_equations){&closure->q_mean, closure_get_combination_of_second_equations(closure), TVI_FIRST});
 }
 
 tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination, tvi_half half)

@@ -8,7 +8,8 @@
  *
  *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
  *
- * The field is evaluated as a power series along the curve, one order after the other. */
+ * Here [s^k] x is the coefficient of s^k in the series of x. The field is evaluated as a power series along the curve,
+ * one order after the other. */
 #include "generating/curve_stepper.h"
 #include "generating/orders.h"
 #include "generating/step_size.h"
@@ -17,36 +18,36 @@
 #include <string.h>
 
 /* Returns the system's generated code if it was made for this highest order, otherwise NULL. */
-static const tvi_curve_code *find_generated_code(const tvi_system *system, int top)
+static const tvi_curve_code *find_generated_code(const tvi_system *system, int highest_order)
 {
     const tvi_curve_code *code = system->code ? system->code->curve : NULL;
-    return code && code->top == top ? code : NULL;
+    return code && code->highest_order == highest_order ? code : NULL;
 }
 
-void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
-                        int width)
+void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
+                        tvi_jacobians jacobians, int width)
 {
-    const size_t orders = (size_t)top + 1, n = (size_t)system->n, numbers = n * (size_t)width,
+    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n, numbers = n * (size_t)width,
                  jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
     const size_t tangent_lanes = width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(system);
     memset(curve, 0, sizeof *curve);
     curve->system = system;
-    curve->generated_code = width > 1 ? NULL : find_generated_code(system, top);
+    curve->generated_code = width > 1 ? NULL : find_generated_code(system, highest_order);
     curve->jacobian_method = jacobians;
     curve->n = system->n;
     curve->width = width;
-    curve->top = top;
+    curve->highest_order = highest_order;
     curve->kappa = tvi_arena_allocate_doubles(arena, n);
     curve->movement_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->tail_share = tvi_arena_allocate_doubles(arena, numbers);
     curve->tail_ratio = tvi_arena_allocate_doubles(arena, numbers);
-    curve->is_due = tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->is_due : 0);
+    curve->due_mask = tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->due_mask : 0);
     curve->q_size_weights = tvi_combination_allocate(curve, arena);
     curve->u_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
-    curve->series_block = tvi_arena_allocate_block(arena, system->field_series, top + 1, width, 0);
+    curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, width, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
         curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
@@ -55,14 +56,14 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
         curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
         curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
-        curve->product_by_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->product_with_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
         curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
         curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
-        curve->velocity_residual = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
+        curve->velocity_right_sides = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
         curve->column = tvi_arena_allocate_doubles(arena, n);
     }
 }
@@ -70,7 +71,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
 void tvi_curve_fill_constant_tables(tvi_curve *curve)
 {
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
-    for (int k = 1; k <= curve->top + 1; k++) {
+    for (int k = 1; k <= curve->highest_order + 1; k++) {
         curve->reciprocal_integer[k] = 1.0 / k;
         curve->log_integer[k] = log(k);
     }
@@ -80,7 +81,7 @@ void tvi_curve_fill_constant_tables(tvi_curve *curve)
 
 tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena)
 {
-    return (tvi_combination){false, tvi_arena_allocate_doubles(arena, (size_t)curve->top + 1)};
+    return (tvi_combination){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
 }
 
 void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
@@ -89,7 +90,8 @@ void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *
     const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
     combination->is_of_momentum = of_momentum && !shifts;
     combination->order_weight[0] = shifts ? 0 : weight[0];
-    for (int k = 1; k <= curve->top; k++) combination->order_weight[k] = shifts ? k * weight[k - 1] : weight[k];
+    for (int k = 1; k <= curve->highest_order; k++)
+        combination->order_weight[k] = shifts ? k * weight[k - 1] : weight[k];
 }
 
 void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
@@ -104,7 +106,7 @@ void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_c
 
 tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve)
 {
-    orders_differentiate_by_velocity(curve);
+    orders_differentiate_slots_by_velocity(curve);
     orders_copy_velocity_hessian(curve);
     return tvi_factor_compute(&curve->velocity_hessian);
 }
@@ -124,10 +126,10 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
-void tvi_curve_compute_data_sizes(const tvi_curve *curve, double size[])
+void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
 {
-    if (curve->generated_code) curve->generated_code->data_sizes(curve, size);
-    else curve_compute_data_sizes(curve, size);
+    if (curve->generated_code) curve->generated_code->centre_state_sizes(curve, size);
+    else curve_compute_centre_state_sizes(curve, size);
 }
 
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
@@ -136,7 +138,7 @@ void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *co
     else curve_sum_combination(curve, combination, out);
 }
 
-void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
+void tvi_curve_set_tail_degrees(tvi_curve *curve, int q_degree, int p_degree)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     curve->q_degree = q_degree;

@@ -1,11 +1,11 @@
-/* curve.h - declares the Taylor curve at a centre and its Jacobians with respect to the centre data; steppers and
+/* curve.h - declares the Taylor curve at a centre and its Jacobians with respect to the centre state; steppers and
  * solvers call these functions.
  *
  * Time is scaled: t = centre + tau s, and
  *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
  * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all coefficients are
- * in the unit of q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v)
- * for a Lagrangian, otherwise (q, kappa p). */
+ * in the unit of q (kappa has the sign of tau); for the others kappa = 1. The centre state z (2n numbers) consists of
+ * the coordinates q at the centre, and of tau v for a Lagrangian, otherwise of kappa p. */
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 
@@ -13,8 +13,8 @@
 #include "generating/series.h"
 #include "method/stepper.h"
 
-void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
-                        int width);
+void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
+                        tvi_jacobians jacobians, int width);
 void tvi_curve_fill_constant_tables(tvi_curve *curve); /* called once, after allocation */
 
 tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
@@ -27,16 +27,16 @@ void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *
 void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
                                        int degree, double a, double s_a, double b, double s_b);
 
-/* Expands the curve from the centre data; `centre` is the time there. Returns TVI_EDOMAIN, TVI_ENONFINITE, or
- * TVI_ESINGULAR if L_vv is singular. */
+/* Computes the curve's coefficients from its centre state; `centre` is the time at the centre. Returns TVI_EDOMAIN,
+ * TVI_ENONFINITE, or TVI_ESINGULAR if L_vv is singular. */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
 
 /* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. Returns
  * TVI_ESINGULAR. */
 TVI_NODISCARD tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve);
 
-/* Computes the Jacobian matrices of the curve last expanded. */
-void tvi_curve_differentiate(tvi_curve *curve);
+/* Computes the Jacobian matrices, by the centre state, of the coefficients of the curve last expanded. */
+void tvi_curve_compute_jacobians(tvi_curve *curve);
 
 /* Returns how a stepper uses Jacobians: as products for separable systems of many coordinates, and as matrices for all
  * others. */
@@ -44,8 +44,8 @@ tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 
 /* Returns the sweeps of the tapes that a stepper needs if its curves have these Jacobians and its action has `points`
  * nodes. */
-tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
-                                         tvi_jacobians jacobians);
+tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
+                                         int points, tvi_jacobians jacobians);
 
 /* Emit the functions of a curve (tvi_curve_code, seeds.h) into generated code: without Jacobians, with products by
  * Jacobians, and with Jacobian matrices. tvi_used_tapes.emit_loops points to one of them. */
@@ -53,24 +53,28 @@ void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_o
 void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options);
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);
 
-/* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
-void tvi_curve_compute_data_sizes(const tvi_curve *curve, double size[]);
-/* Compute out[n], the sum of a combination, and matrix[n][2n], its Jacobian; small terms are added first. */
+/* Computes the natural sizes of the numbers of the centre state z [2n], relative to which their corrections are
+ * measured: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
+void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[]);
+/* Compute out[n], the sum of a combination of the curve's coefficients, and matrix[n][2n], the Jacobian of that sum by
+ * the centre state; small terms are added first. */
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
-/* Sets the direction dz for the calls of tvi_curve_multiply_direction that follow. They compute out[n], the Jacobian of
- * the combination times dz. */
+void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+/* Sets the direction dz for the calls of the next function. That one computes out[n], the Jacobian of the combination's
+ * sum by the centre state, times dz. */
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[]);
-void tvi_curve_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 
-/* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k] from seeds [top + 1][n]. seed_U may be NULL,
- * and is not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
-void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+/* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], the transposed Jacobians of the coefficients
+ * times seeds [highest_order + 1][n]. seed_U may be NULL, and is not read for a separable system, whose U_k = (k+1)
+ * Q_{k+1}. */
+void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],
+                                                      double out[]);
 
-/* tvi_curve_prepare_tail is called once, with the degrees to which Q and P are summed. tvi_curve_compute_movement_sizes
- * computes movement_size and momentum_size of each component. From these tvi_curve_compute_tail computes tvi_stats.tail
- * of a single member (tail.h); it is 0 if p' has one term only. */
-void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree);
+/* tvi_curve_set_tail_degrees is called once, with the degrees to which Q and P are summed.
+ * tvi_curve_compute_movement_sizes computes movement_size and momentum_size of each component. From these
+ * tvi_curve_compute_tail computes tvi_stats.tail of a single member (tail.h); it is 0 if p' has one term only. */
+void tvi_curve_set_tail_degrees(tvi_curve *curve, int q_degree, int p_degree);
 void tvi_curve_compute_movement_sizes(const tvi_curve *curve);
 double tvi_curve_compute_tail(const tvi_curve *curve);
 
@@ -80,8 +84,8 @@ double tvi_curve_bound_energy_change(const tvi_curve *curve);
 
 /* ---- Steps of adapted size (step_size.h) ------------------------------------------------------------------------- */
 
-/* Returns the largest s for which the curve, truncated to the degrees of tvi_curve_prepare_tail, meets the tolerance;
- * INFINITY if the curve is exact. */
+/* Returns the largest s for which the curve, truncated to the degrees of tvi_curve_set_tail_degrees, meets the
+ * tolerance; INFINITY if the curve is exact. */
 double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance);
 
 /* Rescales tau and the coefficients of q and p to the time unit factor * tau. In the same sweep it computes the

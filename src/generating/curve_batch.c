@@ -10,10 +10,10 @@
 typedef struct {
     tvi_member_stepper single_stepper;
     tvi_curve_workspace *lane_work;
-    long long *is_iterating; /* [width] */
-    double *dq, *dp;         /* [n][width] */
-    double *tail, *residual; /* [width] */
-    int *passes;             /* [width] */
+    long long *iterating_mask; /* [width] */
+    double *dq, *dp;           /* [n][width] the increments of the step */
+    double *tail, *residual;   /* [width] */
+    int *pass_counts;          /* [width] */
 } batch;
 
 static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.correct_ends; }
@@ -22,8 +22,9 @@ static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_fin
  * unknowns of an iteration. */
 static bool can_batch_corrected_steps(const tvi_system *system, const tvi_options *options)
 {
-    const bool is_hamilton = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
-    const bool has_field = system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && is_hamilton);
+    const bool uses_hamilton_principle = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
+    const bool has_field =
+        system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && uses_hamilton_principle);
     return tvi_has_quick_step(system, options) && has_field && options->nodes == TVI_NODES_ON_CURVE &&
            options->degree > 1;
 }
@@ -32,7 +33,7 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 {
     if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN : !can_batch_corrected_steps(system, options))
         return 1;
-    const int orders = tvi_get_action_sizes(system, options, 1).orders,
+    const int orders = tvi_create_sized_action(system, options, 1).orders,
               blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
     int width = BATCH_MIN_WIDTH;
@@ -49,12 +50,12 @@ static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tv
     tvi_member_stepper_allocate(&members.single_stepper, arena, stepper, system, options, width,
                                 options->quadrature_points + 1);
     members.lane_work = tvi_curve_workspace_allocate(arena, system, options, width);
-    members.is_iterating = tvi_arena_allocate(arena, count * sizeof *members.is_iterating);
+    members.iterating_mask = tvi_arena_allocate(arena, count * sizeof *members.iterating_mask);
     members.dq = tvi_arena_allocate_doubles(arena, numbers);
     members.dp = tvi_arena_allocate_doubles(arena, numbers);
     members.residual = tvi_arena_allocate_doubles(arena, count);
     members.tail = tvi_arena_allocate_doubles(arena, count);
-    members.passes = tvi_arena_allocate(arena, count * sizeof *members.passes);
+    members.pass_counts = tvi_arena_allocate(arena, count * sizeof *members.pass_counts);
     if (!allocated) return NULL;
     *allocated = members;
     members.lane_work->single_stepper = &allocated->single_stepper;
@@ -68,11 +69,12 @@ static void prepare_batch(void *work)
     tvi_curve_workspace_fill_tables(members->lane_work);
 }
 
-/* Returns the history of each member, [width]. Plain Taylor steps of a given size have none. A step to a tolerance
- * leaves its size, from which the member continues in later runs. */
+/* Returns the number that each member keeps from step to step, [width]: the measured contraction loss of its passes, or
+ * the size of its last step to a tolerance, from which it continues in later runs. Plain Taylor steps of a given size
+ * keep none. */
 static double *get_history(const tvi_curve_workspace *work)
 {
-    return work->has_corrections ? work->newton.measured_loss : work->last_adapted_step;
+    return work->has_corrections ? work->newton.measured_contraction_loss : work->last_adapted_step_size;
 }
 
 static void copy_lane_to_member(const void *work, int lane, void *member_work)
@@ -102,14 +104,14 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
 {
     batch *members = work;
     const int n = members->single_stepper.system->n, width = members->single_stepper.width;
-    for (int m = 0; m < width; m++) members->is_iterating[m] = results->status[m] == TVI_OK ? -1 : 0;
-    const tvi_quick_step_results quick = {members->dq,       members->dp,     members->tail,
-                                          members->residual, members->passes, members->is_iterating};
+    for (int m = 0; m < width; m++) members->iterating_mask[m] = results->status[m] == TVI_OK ? -1 : 0;
+    const tvi_quick_step_results quick = {members->dq,       members->dp,          members->tail,
+                                          members->residual, members->pass_counts, members->iterating_mask};
     (void)members->lane_work->quick_step(members->lane_work, members->lane_work->closure.span.tau * h, origin, &quick,
                                          stats);
     for (int m = 0; m < width; m++) {
         if (results->status[m] != TVI_OK) continue;
-        if (members->passes[m] == TVI_NOT_MADE) {
+        if (members->pass_counts[m] == TVI_NOT_MADE) {
             step_single_member(members, h, origin, results, m, stats);
             continue;
         }
@@ -118,8 +120,8 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
             results->increments.dp[at] = members->dp[at];
         }
         results->tail[m] = stats->tail = members->tail[m];
-        results->passes[m] = members->passes[m];
-        if (members->passes[m] > 0) stats->residual = members->residual[m];
+        results->passes[m] = members->pass_counts[m];
+        if (members->pass_counts[m] > 0) stats->residual = members->residual[m];
     }
 }
 

@@ -1,6 +1,8 @@
-/* curve_step.h - makes the parts of a step of a method that expands one Taylor curve, and whole steps whose passes
- * converge as usual. curve_stepper.c, quick.c, quick_members.c and generated code (generated_curve.h) call it;
- * generated code has every size as a constant. */
+/* curve_step.h - makes the parts of a step of a method that expands one Taylor curve, and the quick step: the common
+ * case of a whole step, whose passes converge as usual. It has no fallbacks, such as row exchanges or Jacobians by
+ * differences; if one is needed, it reports failure, and curve_stepper.c makes the step. curve_stepper.c, quick.c,
+ * quick_members.c and generated code (generated_curve.h) call this file; generated code has every size as a constant.
+ */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 
@@ -9,8 +11,8 @@
 #include "generating/orders.h"
 #include "generating/matrices.h"
 
-/* Moves z to the centre, along the curve that starts at the start of the step. */
-static inline void step_move_to_centre(const tvi_curve_workspace *work, double z[])
+/* Computes z, the state at the centre, as the value of the curve that was expanded at the start of the step. */
+static inline void step_move_state_to_centre(const tvi_curve_workspace *work, double z[])
 {
     const tvi_closure *closure = &work->closure;
     CURVE_CALL(sum_combination, &closure->curve, &work->q_at_centre, z);
@@ -24,30 +26,31 @@ static inline void step_compute_unknown_scales(const tvi_closure *closure, doubl
 {
     const tvi_curve *curve = &closure->curve;
     const int numbers = curve_vector_length(curve);
-    CURVE_CALL(compute_data_sizes, curve, scale);
+    CURVE_CALL(compute_centre_state_sizes, curve, scale);
     if (curve_highest_order(curve) > 1 || curve_form(&closure->curve) == TVI_LAGRANGIAN) return;
     for (int i = 0; i < numbers; i++) {
         const double kappa = fabs(closure->curve.kappa[i / curve_width(curve)]);
-        scale[i] += fabs(closure->from_q[i]) + fabs(closure->rise_q[i]);
-        scale[numbers + i] += kappa * (fabs(closure->from_p[i]) + fabs(closure->rise_p[i]));
+        scale[i] += fabs(closure->start_correction_q[i]) + fabs(closure->increment_correction_q[i]);
+        scale[numbers + i] += kappa * (fabs(closure->start_correction_p[i]) + fabs(closure->increment_correction_p[i]));
     }
 }
 
-/* Computes r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
+/* Computes the residual r = (q- + start_correction_q - q0, kappa (p- + start_correction_p - p0)) of the corrector, the
+ * difference between the corrected start of the curve and the state (q0, p0). Small differences are added first. */
 static inline void step_compute_residual(const tvi_curve_workspace *work, const tvi_batch_origin *origin,
                                          double *restrict r)
 {
     const tvi_closure *closure = &work->closure;
     const int numbers = curve_vector_length(&closure->curve), width = curve_width(&closure->curve);
     const double *Q0 = tvi_curve_position_coefficients(&closure->curve, 0);
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_centre_to_start, r);
-    CURVE_CALL(sum_combination, &closure->curve, &closure->u_from, r + numbers);
+    CURVE_CALL(sum_combination, &closure->curve, &work->q_start_minus_centre, r);
+    CURVE_CALL(sum_combination, &closure->curve, &closure->u_at_start, r + numbers);
     for (int i = 0; i < curve_dimension(&closure->curve); i++) {
         const double kappa = closure->curve.kappa[i];
         for (int at = i * width; at < (i + 1) * width; at++) {
-            r[at] += (Q0[at] - origin->q[at]) + (closure->from_q[at] - origin->q_low[at]);
-            r[numbers + at] =
-                (r[numbers + at] - kappa * origin->p[at]) + kappa * (closure->from_p[at] - origin->p_low[at]);
+            r[at] += (Q0[at] - origin->q[at]) + (closure->start_correction_q[at] - origin->q_low[at]);
+            r[numbers + at] = (r[numbers + at] - kappa * origin->p[at]) +
+                              kappa * (closure->start_correction_p[at] - origin->p_low[at]);
         }
     }
 }
@@ -58,31 +61,33 @@ static inline bool step_has_corrections(const tvi_curve_workspace *work)
     return CURVE_SIZE(true, work->has_corrections);
 }
 
-/* Computes out, the sum of the combination at z + dz to first order in dz, the last correction of the passes. */
-static inline void step_sum_with_correction(const tvi_curve_workspace *work, const tvi_combination *combination,
-                                            double out[])
+/* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
+ * of the passes, which has not been added to z. */
+static inline void step_sum_combination_with_correction(const tvi_curve_workspace *work,
+                                                        const tvi_combination *combination, double out[])
 {
     CURVE_CALL(sum_combination, &work->closure.curve, combination, out);
     if (!step_has_corrections(work)) return;
-    CURVE_CALL(multiply_direction, &work->closure.curve, combination, work->scratch);
+    CURVE_CALL(multiply_jacobian_by_direction, &work->closure.curve, combination, work->scratch);
     for (int i = 0; i < curve_vector_length(&work->closure.curve); i++) out[i] += work->scratch[i];
 }
 
-/* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p. For increments to a point within the step (dense
- * output), q_rise and u_rise end there, and correction_fraction of the corrections is added. */
-static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_rise,
-                                           const tvi_combination *u_rise, double correction_fraction, double dq[],
+/* Computes the increments dq = (q+ - q-) + increment_correction_q and dp = (p+ - p-) + increment_correction_p. For
+ * increments to a point within the step (dense output), q_increment and u_increment end there, and correction_fraction
+ * of the corrections is added. */
+static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_increment,
+                                           const tvi_combination *u_increment, double correction_fraction, double dq[],
                                            double dp[])
 {
     const tvi_closure *closure = &work->closure;
     const int width = curve_width(&closure->curve);
-    step_sum_with_correction(work, q_rise, dq);
-    step_sum_with_correction(work, u_rise, dp);
+    step_sum_combination_with_correction(work, q_increment, dq);
+    step_sum_combination_with_correction(work, u_increment, dp);
     for (int i = 0; i < curve_vector_length(&closure->curve); i++) {
         dp[i] /= closure->curve.kappa[i / width];
         if (!step_has_corrections(work)) continue;
-        dq[i] += correction_fraction * closure->rise_q[i];
-        dp[i] += correction_fraction * closure->rise_p[i];
+        dq[i] += correction_fraction * closure->increment_correction_q[i];
+        dp[i] += correction_fraction * closure->increment_correction_p[i];
     }
 }
 
@@ -102,10 +107,11 @@ static inline void step_compute_tails(const tvi_curve *curve, double tail[])
 }
 
 /* Computes the increments that the step returns from the curve, and the tails of the members. */
-static inline void step_compute_results(const tvi_curve_workspace *work, double dq[], double dp[], double tail[])
+static inline void step_compute_increments_and_tails(const tvi_curve_workspace *work, double dq[], double dp[],
+                                                     double tail[])
 {
     const tvi_curve *curve = &work->closure.curve;
-    step_compute_increments(work, &work->closure.q_rise, &work->closure.u_rise, 1, dq, dp);
+    step_compute_increments(work, &work->closure.q_increment, &work->closure.u_increment, 1, dq, dp);
     step_store_end_velocity(work);
     CURVE_CALL(compute_movement_sizes, curve);
     step_compute_tails(curve, tail);
@@ -113,23 +119,23 @@ static inline void step_compute_results(const tvi_curve_workspace *work, double 
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* The functions that a quick step calls: they expand the curve, without and with its Jacobians, and compute the seeds,
- * which need not be finite. */
+/* The functions that a quick step calls: they expand the curve, without and with its Jacobians, and compute the seeds
+ * of the action's gradient. The seeds are not checked to be finite. */
 typedef struct {
     tvi_status (*expand)(tvi_curve *curve), (*expand_with_tangents)(tvi_curve *curve);
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* of several members: clears is_iterating of those for which a tape has no values, in the block of the series or of
-     * the nodes */
-    void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long is_iterating[]);
+    /* of several members: clears iterating_mask of those for which a tape has no values, in the block of the series or
+     * of the nodes */
+    void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long iterating_mask[]);
 } step_curve_functions;
 
-/* The state of a quick step while its passes run. The mask is_iterating has all bits set for a member whose passes have
- * not ended, and is 0 for the others. */
+/* The state of a quick step while its passes run. iterating_mask [width] has all bits set for a member whose passes
+ * have not ended, and is 0 for the others. */
 typedef struct {
     tvi_curve_workspace *work;
     const step_curve_functions *functions;
     const tvi_batch_origin *origin;
-    long long *is_iterating;
+    long long *iterating_mask;
     long factorisations;
 } step_state;
 
@@ -137,7 +143,7 @@ typedef struct {
 static inline int step_count_iterating_members(const step_state *state)
 {
     int count = 0;
-    for (int m = 0; m < curve_width(&state->work->closure.curve); m++) count += state->is_iterating[m] != 0;
+    for (int m = 0; m < curve_width(&state->work->closure.curve); m++) count += state->iterating_mask[m] != 0;
     return count;
 }
 
@@ -147,19 +153,19 @@ static inline bool step_drop_failed_members(const step_state *state, tvi_status 
 {
     if (status == TVI_OK) return true;
     if (curve_width(&state->work->closure.curve) == 1) return false;
-    state->functions->drop_members_outside_domain(state->work, at_nodes, state->is_iterating);
+    state->functions->drop_members_outside_domain(state->work, at_nodes, state->iterating_mask);
     return true;
 }
 
 /* Finds the members whose Jacobians must be computed anew at z, and returns their number. */
-static inline int step_find_due_jacobians(const step_state *state, const double z[])
+static inline int step_find_members_with_due_jacobians(const step_state *state, const double z[])
 {
     tvi_closure *closure = &state->work->closure;
     const int width = curve_width(&closure->curve);
-    long long is_one_due, *is_due = width > 1 ? closure->curve.is_due : &is_one_due;
+    long long is_one_due, *due_mask = width > 1 ? closure->curve.due_mask : &is_one_due;
     int count = 0;
-    matrices_find_due_members(closure, z, state->work->newton.scale, state->is_iterating, is_due);
-    for (int m = 0; m < width; m++) count += (is_due[m] & state->is_iterating[m]) != 0;
+    matrices_find_members_with_due_jacobians(closure, z, state->work->newton.scale, state->iterating_mask, due_mask);
+    for (int m = 0; m < width; m++) count += (due_mask[m] & state->iterating_mask[m]) != 0;
     if (width > 1)
         closure->curve.keeps_old_jacobians = count < width && matrices_get_factors(closure)->jacobian_count > 0;
     return count;
@@ -174,18 +180,21 @@ static inline void step_factor_jacobians(step_state *state, int due_count, const
     const tvi_closure *closure = &state->work->closure;
     const tvi_form form = curve_form(&closure->curve);
     const int n = curve_dimension(&closure->curve), size = 2 * n, width = curve_width(&closure->curve);
-    const bool uses_momenta = closure->mean_factors->uses_mean_momentum;
+    const bool uses_momenta = closure->end_factors->uses_mean_momentum;
     tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
-    matrices_record_jacobians(closure, z);
-    matrices_stack_jacobians(closure, &closure->q_mean, closure_get_second_combination(closure), full->lu);
-    const int renewed = matrices_renew_corrector_jacobian(closure, state->is_iterating, back->lu);
-    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full, state->is_iterating);
-    if (renewed > 0) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->is_iterating);
+    matrices_record_jacobian_state(closure, z);
+    matrices_stack_combination_jacobians(closure, &closure->q_mean,
+                                         closure_get_combination_of_second_equations(closure), full->lu);
+    const int renewed = matrices_renew_corrector_jacobian(closure, state->iterating_mask, back->lu);
+    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
+                            state->iterating_mask);
+    if (renewed > 0)
+        linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->iterating_mask);
     state->factorisations += due_count + renewed;
 }
 
 /* Makes one pass up to the corrections of the unknowns. Returns false if no member continues. */
-static inline bool step_run_pass(step_state *state, bool is_first)
+static inline bool step_run_corrector_pass(step_state *state, bool is_first)
 {
     tvi_curve_workspace *work = state->work;
     const step_curve_functions *functions = state->functions;
@@ -193,17 +202,19 @@ static inline bool step_run_pass(step_state *state, bool is_first)
     tvi_newton *newton = &work->newton;
     const int size = 2 * curve_dimension(&closure->curve), width = curve_width(&closure->curve);
     double *x = newton->x, *r = newton->correction;
-    const int due_count = step_find_due_jacobians(state, x);
-    curve_set_centre_data(&closure->curve, x);
+    const int due_count = step_find_members_with_due_jacobians(state, x);
+    curve_set_centre_state(&closure->curve, x);
     tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&closure->curve);
     if (!step_drop_failed_members(state, status, false)) return false;
     status = functions->compute_seeds(&work->action, &closure->curve, closure->seed_Q, closure->seed_U);
     if (!step_drop_failed_members(state, status, true)) return false;
     if (due_count > 0) step_factor_jacobians(state, due_count, x);
     if (step_count_iterating_members(state) == 0) return false;
-    CURVE_CALL(multiply_seeds, &closure->curve, closure->seed_Q, closure->seed_U, closure->D);
-    linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_factor, closure->D);
-    closure_set_corrections(closure);
+    CURVE_CALL(multiply_transposed_jacobians_by_seeds, &closure->curve, closure->seed_Q, closure->seed_U,
+               closure->gradient_then_solution);
+    linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_factor,
+                                      closure->gradient_then_solution);
+    closure_set_end_corrections(closure);
     step_compute_residual(work, state->origin, r);
     if (is_first) {
         step_compute_unknown_scales(closure, newton->scale);
@@ -222,12 +233,13 @@ static inline void step_judge_correction(const step_state *state, tvi_newton_pas
 {
     const tvi_newton *newton = &state->work->newton;
     tvi_passes_verdict verdict = TVI_PASSES_STUCK;
-    if (isfinite(sizes->largest_relative[m])) verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
-    if (verdict != TVI_PASSES_GO_ON) state->is_iterating[m] = 0;
+    if (isfinite(sizes->largest_relative_correction[m]))
+        verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
+    if (verdict != TVI_PASSES_GO_ON) state->iterating_mask[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
-    newton->measured_loss[m] = tvi_larger(newton->measured_loss[m], passes->contraction_loss);
-    results->residual[m] = sizes->largest_relative[m];
-    results->passes[m] = passes->by_unknown.count;
+    newton->measured_contraction_loss[m] = tvi_larger(newton->measured_contraction_loss[m], passes->contraction_loss);
+    results->residual[m] = sizes->largest_relative_correction[m];
+    results->pass_counts[m] = passes->by_unknown.count;
 }
 
 /* Adds the corrections to the unknowns of the members whose passes continue. */
@@ -238,24 +250,25 @@ static inline void step_apply_corrections(const step_state *state)
     const double *correction = newton->correction;
     double *restrict x = newton->x;
     for (int i = 0; i < newton_count_unknowns(newton); i++, x += width, correction += width)
-        for (int m = 0; m < width; m++) x[m] = state->is_iterating[m] ? x[m] + correction[m] : x[m];
+        for (int m = 0; m < width; m++) x[m] = state->iterating_mask[m] ? x[m] + correction[m] : x[m];
 }
 
 /* Runs passes of the corrector until the passes of every member may end. */
-static inline void step_run_passes(step_state *state, const tvi_quick_step_results *results)
+static inline void step_run_corrector_passes(step_state *state, const tvi_quick_step_results *results)
 {
     const tvi_newton *newton = &state->work->newton;
     const int width = curve_width(&state->work->closure.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
-        tvi_newton_begin_passes(&passes[m], newton->measured_loss[m], &newton->rules, newton->needs_extra_pass);
+        tvi_newton_begin_passes(&passes[m], newton->measured_contraction_loss[m], &newton->rules,
+                                newton->needs_extra_pass);
     matrices_discard_factors(&state->work->closure);
     for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {
         tvi_correction_sizes sizes;
-        if (!step_run_pass(state, count == 1)) return;
+        if (!step_run_corrector_pass(state, count == 1)) return;
         newton_measure_corrections(newton, newton->scale, &sizes);
         for (int m = 0; m < width; m++)
-            if (state->is_iterating[m]) step_judge_correction(state, &passes[m], &sizes, m, results);
+            if (state->iterating_mask[m]) step_judge_correction(state, &passes[m], &sizes, m, results);
         if (step_count_iterating_members(state) == 0) return;
         step_apply_corrections(state);
     }
@@ -272,8 +285,8 @@ static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[
     for (int i = 0; i < n; i++) v[i] = work->velocity_guess[i];
     for (int count = 0; count < VELOCITY_MAX_CORRECTIONS && !(largest <= VELOCITY_MAX_CORRECTION * size); count++) {
         if (orders_expand_lagrangian_order(curve, 0) != TVI_OK) return false;
-        for (int i = 0; i < n; i++) curve->velocity_residual[i] = p[i] - tvi_curve_field_output(curve, 0, n + i);
-        orders_solve_for_velocity(curve, 1, curve->velocity_residual, work->scratch);
+        for (int i = 0; i < n; i++) curve->velocity_right_sides[i] = p[i] - tvi_curve_field_output(curve, 0, n + i);
+        orders_solve_with_velocity_hessian(curve, 1, curve->velocity_right_sides, work->scratch);
         largest = size = 0;
         for (int i = 0; i < n; i++) {
             v[i] += work->scratch[i];
@@ -284,9 +297,9 @@ static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[
     return largest <= VELOCITY_MAX_CORRECTION * size;
 }
 
-/* Sets the centre data of the curve to the start of the step. Returns false if a Lagrangian's velocity was not found
+/* Sets the centre state of the curve to the start of the step. Returns false if a Lagrangian's velocity was not found
  * from its momentum. */
-static inline bool step_set_start_data(tvi_curve_workspace *work, const tvi_batch_origin *origin, double z[])
+static inline bool step_set_centre_state_to_start(tvi_curve_workspace *work, const tvi_batch_origin *origin, double z[])
 {
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve), width = curve_width(curve);
@@ -295,7 +308,7 @@ static inline bool step_set_start_data(tvi_curve_workspace *work, const tvi_batc
             z[at] = origin->q[at];
             z[n * width + at] = curve->kappa[i] * origin->p[at];
         }
-    curve_set_centre_data(curve, z);
+    curve_set_centre_state(curve, z);
     curve_set_centre_time(curve, origin->t, origin->t_low, 0);
     if (curve_form(curve) != TVI_LAGRANGIAN) return true;
     return step_find_velocity(work, origin->p, tvi_curve_inputs_of_order(curve, 0) + n);
@@ -309,24 +322,24 @@ static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_cu
                                         tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
-    step_state state = {work, functions, origin, results->is_iterating, 0};
+    step_state state = {work, functions, origin, results->iterating_mask, 0};
     int steps = 0, passes = 0;
     curve_set_time_unit(curve, tau);
-    for (int m = 0; m < curve_width(curve); m++) results->passes[m] = TVI_NOT_MADE;
-    if (!step_set_start_data(work, origin, work->newton.x) ||
+    for (int m = 0; m < curve_width(curve); m++) results->pass_counts[m] = TVI_NOT_MADE;
+    if (!step_set_centre_state_to_start(work, origin, work->newton.x) ||
         !step_drop_failed_members(&state, functions->expand(curve), false))
         return false;
-    step_move_to_centre(work, work->newton.x);
+    step_move_state_to_centre(work, work->newton.x);
     curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.from * tau);
-    step_run_passes(&state, results);
+    step_run_corrector_passes(&state, results);
     for (int m = 0; m < curve_width(curve); m++) {
-        if (results->passes[m] == TVI_NOT_MADE) continue;
+        if (results->pass_counts[m] == TVI_NOT_MADE) continue;
         steps++;
-        passes += results->passes[m];
+        passes += results->pass_counts[m];
     }
     if (steps == 0) return false;
     for (int i = 0; i < 2 * curve_vector_length(curve); i++) curve->product_direction[i] = work->newton.correction[i];
-    step_compute_results(work, results->dq, results->dp, results->tail);
+    step_compute_increments_and_tails(work, results->dq, results->dp, results->tail);
     stats->passes += passes;
     stats->expansions += steps + passes;
     stats->factorisations += state.factorisations;

@@ -22,7 +22,7 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
                              bool has_corrections, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action sizes = tvi_get_action_sizes(system, options, 1);
+    const tvi_action sizes = tvi_create_sized_action(system, options, 1);
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
@@ -30,24 +30,25 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     c->span = definition->span;
     c->p_degree = sizes.p_degree;
     c->correct_ends = definition->correct_ends;
-    c->mean_factors = &definition->mean_factors;
+    c->end_factors = &definition->end_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_closure_solver *solver =
         has_products ? tvi_choose_curve_variant(system->field_series)->product_solver : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, sizes.orders - 1, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
-    tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise,
-                                             &c->q_mean, &c->u_from, &c->u_to,
-                                             &c->u_rise, &c->u_mean, &c->momentum_size_weights};
+    tvi_combination *const combinations[] = {&c->q_at_start,  &c->q_at_end,   &c->q_increment,
+                                             &c->q_mean,      &c->u_at_start, &c->u_at_end,
+                                             &c->u_increment, &c->u_mean,     &c->momentum_size_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&c->curve, arena);
-    double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
+    double **const corrections[] = {&c->start_correction_q, &c->start_correction_p, &c->increment_correction_q,
+                                    &c->increment_correction_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
         *corrections[i] = tvi_arena_allocate_doubles(arena, n);
     if (!has_corrections) return;
-    const size_t seeds = ((size_t)c->curve.top + 1) * n;
+    const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
     c->momentum_size = tvi_arena_allocate_doubles(arena, n);
-    c->D = tvi_arena_allocate_doubles(arena, 2 * n);
+    c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
     solver->take(c, arena);
     c->seed_Q = tvi_arena_allocate_doubles(arena, seeds);
     c->seed_U = tvi_arena_allocate_doubles(arena, seeds);
@@ -65,8 +66,8 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
               .q_degree = options->degree};
     allocate_closure(&w.closure, arena, system, options, has_corrections, width);
     const tvi_curve *curve = &w.closure.curve;
-    tvi_combination *const combinations[] = {&w.q_centre_to_start,   &w.q_at_centre, &w.velocity_at_centre,
-                                             &w.scaled_end_velocity, &w.dense_q,     &w.dense_u};
+    tvi_combination *const combinations[] = {&w.q_start_minus_centre, &w.q_at_centre, &w.velocity_at_centre,
+                                             &w.scaled_end_velocity,  &w.dense_q,     &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
@@ -74,16 +75,16 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         w.velocity_guess = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity_guess);
     }
     if (!definition->correct_ends) {
-        w.last_adapted_step = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *w.last_adapted_step);
+        w.last_adapted_step_size = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof(double));
         if (width > 1) w.quick_step = tvi_choose_curve_variant(system->field_series)->taylor_step_of_members;
-        else tvi_allocate_refinement(&w.refinement, arena, curve);
+        else tvi_allocate_increment_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
-            w.end_field = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+            w.end_field_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
             tvi_roundoff_allocate(&w.end_field_roundoff, arena, system);
         }
     }
     w.scratch = tvi_arena_allocate_doubles(arena, n);
-    w.predicted_z = tvi_arena_allocate_doubles(arena, 2 * n);
+    w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_corrections) {
         tvi_allocate_action(&w.action, arena, system, options, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
@@ -100,17 +101,17 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
-/* Sets the combinations of velocities, tau v = sum k Q_k s^(k-1), or of a Hamiltonian's momentum. */
+/* Sets the combinations of position and velocity (or momentum) at the centre, and of the velocity at the end. */
 static void set_centre_weights(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
     const double s = -w->closure.span.from;
     double weight[TVI_MAX_DEGREE + 2];
-    for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
+    for (int k = 0; k <= curve->highest_order; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
     tvi_combination_set_weights(&w->velocity_at_centre, curve, hamiltonian, weight);
-    tvi_combination_set_power_weights(&w->q_at_centre, curve, false, curve->top, 1, s, 0, 0);
-    for (int k = 0; k <= curve->top; k++) weight[k] = k > 0 ? k * pow(w->closure.span.to, k - 1) : 0;
+    tvi_combination_set_power_weights(&w->q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
+    for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.to, k - 1) : 0;
     tvi_combination_set_weights(&w->scaled_end_velocity, curve, false, weight);
 }
 
@@ -118,25 +119,25 @@ void tvi_curve_workspace_fill_tables(void *workspace)
 {
     work *w = workspace;
     tvi_closure *c = &w->closure;
-    tvi_combination *const ends[2][4] = {{&c->q_from, &c->q_to, &c->q_rise, &c->q_mean},
-                                         {&c->u_from, &c->u_to, &c->u_rise, &c->u_mean}};
+    tvi_combination *const ends[2][4] = {{&c->q_at_start, &c->q_at_end, &c->q_increment, &c->q_mean},
+                                         {&c->u_at_start, &c->u_at_end, &c->u_increment, &c->u_mean}};
     const double from = c->span.from, to = c->span.to;
     const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
     tvi_curve_fill_constant_tables(&c->curve);
-    tvi_curve_prepare_tail(&c->curve, w->q_degree, c->p_degree);
-    if (w->refinement.high_order_weight) tvi_prepare_refinement(&w->refinement, &c->curve);
+    tvi_curve_set_tail_degrees(&c->curve, w->q_degree, c->p_degree);
+    if (w->refinement.high_order_weight) tvi_prepare_increment_refinement(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++)
         for (int i = 0; i < 4; i++)
             tvi_combination_set_power_weights(ends[of_momentum][i], &c->curve, of_momentum,
                                               of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
                                               from);
     tvi_combination_set_power_weights(&c->momentum_size_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
-    tvi_combination_set_power_weights(&w->q_centre_to_start, &c->curve, false, w->q_degree, 1, from, -1, 0);
+    tvi_combination_set_power_weights(&w->q_start_minus_centre, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre_weights(w);
     if (!w->has_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant: passes correct q and p alternately, and the first contraction is no measure. */
-    tvi_newton_set_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
+    tvi_newton_set_pass_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -146,20 +147,20 @@ static tvi_status expand_curve(const step_attempt *attempt, const double z[], do
     tvi_curve *curve = &attempt->work->closure.curve;
     attempt->stats->expansions++;
     curve_set_time_unit(curve, attempt->tau);
-    curve_set_centre_data(curve, z);
+    curve_set_centre_state(curve, z);
     return tvi_curve_expand(curve, centre);
 }
 
 /* Predicts z at the centre, by the curve that starts at (q0, p0). */
-static tvi_status predict_centre_data(const step_attempt *attempt)
+static tvi_status predict_centre_state(const step_attempt *attempt)
 {
     work *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->closure.system, attempt->tau, origin->t,
-                                                        origin->q, origin->p, w->velocity_guess, w->predicted_z);
+                                                        origin->q, origin->p, w->velocity_guess, w->predicted_state);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
-    status = expand_curve(attempt, w->predicted_z, origin->t + origin->t_low);
-    step_move_to_centre(w, w->predicted_z);
+    status = expand_curve(attempt, w->predicted_state, origin->t + origin->t_low);
+    step_move_state_to_centre(w, w->predicted_state);
     return status;
 }
 
@@ -191,7 +192,7 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
     return status;
 }
 
-/* Computes d(q-, kappa p-)/dz, the residual's Jacobian without the change of the small corrections. */
+/* Computes d(q-, kappa p-)/dz, the Jacobian of the residual without the derivatives of the small corrections. */
 static bool compute_jacobian(void *self, double matrix[])
 {
     tvi_closure *c = &((step_attempt *)self)->work->closure;
@@ -231,7 +232,7 @@ static tvi_status run_corrector(step_attempt *attempt)
                                      .solve = is_identity || !solver->correct ? NULL : apply_inverse_jacobian,
                                      .roundoff = estimate_residual_roundoff};
     solver->begin(&w->closure);
-    memcpy(w->newton.x, w->predicted_z, 2 * (size_t)w->closure.n * sizeof *w->predicted_z);
+    memcpy(w->newton.x, w->predicted_state, 2 * (size_t)w->closure.n * sizeof *w->predicted_state);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, attempt->stats);
     if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->newton.correction);
     return status;
@@ -243,14 +244,14 @@ static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[]
     work *w = attempt->work;
     tvi_stats *stats = attempt->stats;
     int passes;
-    long long is_iterating = -1;
-    const tvi_quick_step_results out = {dq, dp, &stats->tail, &stats->residual, &passes, &is_iterating};
+    long long iterating_mask = -1;
+    const tvi_quick_step_results out = {dq, dp, &stats->tail, &stats->residual, &passes, &iterating_mask};
     const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
     return w->quick_step && w->quick_step(w, attempt->tau, &origin, &out, attempt->stats);
 }
 
 /* Rescales the curve of the plain Taylor method to tau = h, and computes the increments of its step. */
-static void compute_plain_increments(work *w, double h, const tvi_increments *increments)
+static void compute_plain_taylor_increments(work *w, double h, const tvi_increments *increments)
 {
     tvi_curve *curve = &w->closure.curve;
     tvi_curve_rescale_and_sum(curve, h / curve->tau, increments->dq, increments->dp);
@@ -258,9 +259,10 @@ static void compute_plain_increments(work *w, double h, const tvi_increments *in
 }
 
 /* Returns whether the step is the curve itself: it begins at the start, and all of its orders are summed. */
-static bool is_plain_taylor_step(const work *w)
+static bool is_step_plain_taylor_curve(const work *w)
 {
-    return !w->has_corrections && w->closure.span.from == 0 && w->q_degree > 1 && w->closure.curve.top == w->q_degree;
+    return !w->has_corrections && w->closure.span.from == 0 && w->q_degree > 1 &&
+           w->closure.curve.highest_order == w->q_degree;
 }
 
 static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *origin, const tvi_increments *increments,
@@ -269,22 +271,22 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
     work *w = workspace;
     step_attempt attempt = {w, origin, w->closure.span.tau * h, stats};
     if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
-    tvi_status status = predict_centre_data(&attempt);
+    tvi_status status = predict_centre_state(&attempt);
     if (status == TVI_OK && w->has_corrections) status = run_corrector(&attempt);
-    else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_z, compute_centre_time(&attempt));
+    else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_state, compute_centre_time(&attempt));
     if (status != TVI_OK) return status;
-    if (is_plain_taylor_step(w)) {
-        compute_plain_increments(w, h, increments);
+    if (is_step_plain_taylor_curve(w)) {
+        compute_plain_taylor_increments(w, h, increments);
         step_store_end_velocity(w);
         stats->tail = tvi_curve_compute_tail(&w->closure.curve);
-    } else step_compute_results(w, increments->dq, increments->dp, &stats->tail);
+    } else step_compute_increments_and_tails(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
 
 /* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
 
-/* Expands the curve with a tau that is a power of 2 near the usable step, or near the largest step if that is less. A
- * good guess costs one expansion. *usable_step becomes the size of the step that meets the tolerance. */
+/* Expands the curve with a time unit tau that is a power of 2 near the usable step, or near the largest step if that is
+ * less. A good guess of it costs one expansion. *usable_step becomes the size of the step that meets the tolerance. */
 static tvi_status expand_within_domain(step_attempt *attempt, double guess, double largest_step, double *usable_step)
 {
     const work *w = attempt->work;
@@ -296,8 +298,8 @@ static tvi_status expand_within_domain(step_attempt *attempt, double guess, doub
     (void)frexp(largest_step, &highest);
     for (int count = 0; count < REACH_MAX_EXPANSIONS; count++) {
         attempt->tau = copysign(ldexp(1, exponent), largest_step);
-        tvi_status status = predict_centre_data(attempt);
-        if (status == TVI_OK) status = expand_curve(attempt, w->predicted_z, compute_centre_time(attempt));
+        tvi_status status = predict_centre_state(attempt);
+        if (status == TVI_OK) status = expand_curve(attempt, w->predicted_state, compute_centre_time(attempt));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
         if (status == TVI_OK) usable_s = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
@@ -322,14 +324,14 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
     work *w = workspace;
     tvi_curve *curve = &w->closure.curve;
     step_attempt attempt = {w, origin, 0, stats};
-    const double before = *w->last_adapted_step;
+    const double before = *w->last_adapted_step_size;
     double usable_step;
     if (tolerance != w->tolerance) {
         w->tolerance = tolerance;
         w->log_tolerance = log(tolerance);
     }
     const tvi_status status = expand_within_domain(&attempt, before != 0 ? before : *h, *h, &usable_step);
-    if (status != TVI_OK) { /* the curve with this tau could not be definition */
+    if (status != TVI_OK) { /* the curve could not be expanded with this tau */
         *h = attempt.tau;
         return status;
     }
@@ -337,17 +339,17 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
     if (before != 0) usable_step = fmin(usable_step, REACH_MAX_GROWTH * before);
     bool is_chosen = usable_step < fabs(*h);
     if (is_chosen) *h = copysign(usable_step, *h);
-    compute_plain_increments(w, *h, increments);
+    compute_plain_taylor_increments(w, *h, increments);
     while (must_check_end && !tvi_curve_satisfies_force_at_end(w, *h, origin, increments) &&
            origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
-        compute_plain_increments(w, *h, increments);
+        compute_plain_taylor_increments(w, *h, increments);
     }
-    if (is_chosen) *w->last_adapted_step = fabs(*h);
+    if (is_chosen) *w->last_adapted_step_size = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_compute_tail(curve);
-    if (tvi_needs_refinement(w->closure.system, tolerance))
+    if (tvi_needs_refined_increments(w->closure.system, tolerance))
         tvi_compute_refined_increments(&w->refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
@@ -372,7 +374,7 @@ static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_option
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
-    const tvi_action shape = tvi_get_action_sizes(system, options, 1);
+    const tvi_action shape = tvi_create_sized_action(system, options, 1);
     return tvi_curve_find_used_tapes(system, options, shape.orders - 1, shape.points,
                                      has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }

@@ -24,27 +24,27 @@ const tvi_curve_variant *tvi_choose_curve_variant(const jet_tape *tape);
 typedef struct tvi_curve_workspace {
     tvi_closure closure;
     bool has_corrections;
-    bool needs_extra_pass;
+    bool needs_extra_pass; /* of each solution of the corrector (newton.h) */
     const tvi_options *options;
     int q_degree;
     tvi_action action;
     tvi_newton newton;
     tvi_legendre legendre;
-    tvi_combination q_centre_to_start; /* the difference q- - Q_0 */
-    /* The centre data q and tau v, or p of a Hamiltonian, as values of the curve that starts at (q0, p0). */
+    tvi_combination q_start_minus_centre; /* the difference q- - Q_0 of the positions at the start and at the centre */
+    /* The centre state q and tau v, or p of a Hamiltonian, as values of the curve that starts at (q0, p0). */
     tvi_combination q_at_centre, velocity_at_centre;
     tvi_combination scaled_end_velocity; /* of a Lagrangian: tau v at the end of the step */
     tvi_combination dense_q, dense_u;    /* the increments to one point of dense output */
-    double *predicted_z;                 /* [2n] the predicted centre data */
+    double *predicted_state;             /* [2n] the predicted centre state */
     /* [n] of a Lagrangian: the first guess of the velocity in the next predictor; part of the history. */
     double *velocity_guess;
-    double *last_adapted_step; /* [width] the size of each member's last adapted step, or 0; part of the history */
-    double *end_field;         /* of separable systems: the block of the field at the end of an adapted step */
+    double *last_adapted_step_size; /* [width] the size of each member's last adapted step, or 0; part of the history */
+    double *end_field_block;        /* of separable systems: the block of the field at the end of an adapted step */
     tvi_roundoff end_field_roundoff; /* the roundoff of the field there */
     double tolerance, log_tolerance; /* the tolerance of the last adapted step, and its logarithm */
     double *scratch;                 /* [n] */
-    tvi_refinement refinement;
-    tvi_quick_step_fn *quick_step;                   /* the quick step, or NULL */
+    tvi_increment_refinement refinement;
+    tvi_quick_step_fn *quick_step;                   /* the quick step (curve_step.h), or NULL */
     const struct tvi_member_stepper *single_stepper; /* only in batches: makes the step of a single member */
 } tvi_curve_workspace;
 
@@ -53,8 +53,8 @@ typedef struct tvi_curve_workspace {
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
 void tvi_curve_workspace_fill_tables(void *work);
 
-/* Returns whether the method has a quick step: its ends are corrected by the mean, its matrices are small, and its
- * seeds need no second derivatives. */
+/* Returns whether the method has a quick step (curve_step.h): its ends are corrected by tvi_correct_ends_by_mean, its
+ * matrices are small, and its seeds need no second derivatives. */
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options);
 /* Returns the quick step, or NULL if there is none. */
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options);

@@ -13,8 +13,8 @@ static void emit_text_lines(jet_text *text, const char *const lines[])
     for (; *lines; lines++) jet_text_append(text, "%s", *lines);
 }
 
-/* Defines `macro` as the table of the slots of the tape's outputs. */
-static void emit_output_slots(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
+/* Emits a table of the slots of the tape's outputs, and defines `macro` as that table. */
+static void emit_output_slot_table(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
 {
     jet_text_append(text, "static const int %s[] = {", table);
     for (int i = 0; i < tape->outputs; i++) jet_text_append(text, "%d, ", tape->output_slot[i]);
@@ -34,8 +34,8 @@ static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi
                     lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
 }
 
-/* Defines CURVE_FOLLOWS(slot), which says whether a slot depends on the velocity, the second input of a Lagrangian. */
-static void emit_velocity_dependence(jet_text *text, const tvi_system *system)
+/* Emits CURVE_FOLLOWS(slot), which says whether a slot depends on the velocity, the second input of a Lagrangian. */
+static void emit_velocity_dependence_macro(jet_text *text, const tvi_system *system)
 {
     const jet_tape *tape = system->field_series;
     bool *follows = calloc((size_t)tape->slots, sizeof *follows);
@@ -52,12 +52,12 @@ static void emit_velocity_dependence(jet_text *text, const tvi_system *system)
 /* Emits the macros by which the seeds evaluate the field and its tangents at the nodes; code without seeds gets macros
  * that do nothing. Only momenta that belong to given velocities need tangents, of H_p by p, which the tape of the
  * series computes. */
-static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seed)
+static void emit_node_field_macros(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seed)
 {
     const jet_tape *field = tvi_select_node_tape(system, action);
     const bool has_velocities = has_seed && field == system->field_series;
     const int points = action->points;
-    emit_output_slots(text, field, "code_values", "CURVE_VALUES_SLOT");
+    emit_output_slot_table(text, field, "code_values", "CURVE_VALUES_SLOT");
     if (has_velocities)
         jet_text_append(
             text,
@@ -71,15 +71,16 @@ static void emit_node_field(jet_text *text, const tvi_system *system, const tvi_
     else jet_text_append(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
 }
 
-/* Defines CURVE_ACTION as the initial values of a tvi_action with these sizes. */
+/* Emits CURVE_ACTION, the initial values of a tvi_action with these sizes. */
 static void emit_action_sizes(jet_text *text, const tvi_action *action)
 {
     jet_text_append(
         text,
-        "#define CURVE_ACTION {.is_hamilton = %d, .has_truncated_nodes = %d, .has_velocity_defect = %d, "
-        ".has_momentum_defect = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half_points = %d}\n",
-        action->is_hamilton, action->has_truncated_nodes, action->has_velocity_defect, action->has_momentum_defect,
-        action->q_degree, action->p_degree, action->points, action->orders, action->half_points);
+        "#define CURVE_ACTION {.uses_hamilton_principle = %d, .has_truncated_nodes = %d, .has_gradient_by_v = %d, "
+        ".has_gradient_by_p = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half_node_count = %d}\n",
+        action->uses_hamilton_principle, action->has_truncated_nodes, action->has_gradient_by_v,
+        action->has_gradient_by_p, action->q_degree, action->p_degree, action->points, action->orders,
+        action->half_node_count);
 }
 
 /* Emits the functions of a curve with Jacobian matrices, by tangents in `lanes` directions; with lanes = 0 it emits
@@ -88,15 +89,15 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
                                  bool has_products)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action action = tvi_get_action_sizes(system, options, 1);
+    const tvi_action action = tvi_create_sized_action(system, options, 1);
     const bool has_seed =
-        definition->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_only_field(&action);
+        definition->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action);
     const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
-    emit_output_slots(text, system->field_series, "code_output", "CURVE_SLOT");
-    if (system->form == TVI_LAGRANGIAN) emit_velocity_dependence(text, system);
-    emit_node_field(text, system, &action, has_seed);
+    emit_output_slot_table(text, system->field_series, "code_output", "CURVE_SLOT");
+    if (system->form == TVI_LAGRANGIAN) emit_velocity_dependence_macro(text, system);
+    emit_node_field_macros(text, system, &action, has_seed);
     emit_action_sizes(text, &action);
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"

@@ -43,7 +43,7 @@ static inline tvi_status code_expand(tvi_curve *curve)
 
 #define EXPAND_WITH_TANGENTS(k)                                                                                        \
     curve_expand_order(curve, k, &status);                                                                             \
-    if (CURVE_FORM != TVI_LAGRANGIAN || status == TVI_OK) curve_differentiate_order(curve, &block, k);
+    if (CURVE_FORM != TVI_LAGRANGIAN || status == TVI_OK) curve_compute_tangents_of_order(curve, &block, k);
 /* Expands the whole series, and after each order computes its tangents in all directions, which the processor can do at
  * the same time as the next order. */
 JET_APART tvi_status code_expand_with_tangents(tvi_curve *curve)
@@ -51,33 +51,33 @@ JET_APART tvi_status code_expand_with_tangents(tvi_curve *curve)
     const curve_tangent_block block = {CURVE_LANES, tvi_curve_slot_count(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
     curve_clear_tangent_block(curve, &block);
-    FOR_ALL_ORDERS(EXPAND_WITH_TANGENTS) curve_store_tangent_block(curve, &block);
+    FOR_ALL_ORDERS(EXPAND_WITH_TANGENTS) curve_store_jacobians_from_tangents(curve, &block);
     return status;
 }
 #undef EXPAND_WITH_TANGENTS
 
-static inline void code_differentiate(tvi_curve *curve) { (void)code_expand_with_tangents(curve); }
+static inline void code_compute_jacobians(tvi_curve *curve) { (void)code_expand_with_tangents(curve); }
 
 #else
 
-#define DIFFERENTIATE(k) curve_differentiate_order(curve, &block, k);
-/* Computes the tangents of the curve last expanded in `lanes` directions, which is a constant; `first` is the first of
- * them. */
-static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first_direction)
+#define DIFFERENTIATE(k) curve_compute_tangents_of_order(curve, &block, k);
+/* Computes the tangents of the curve last expanded in `lanes` directions, which is a constant; first_direction is the
+ * number of the first of them. */
+static inline void code_compute_tangent_block(tvi_curve *curve, int lanes, int first_direction)
 {
     const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first_direction};
     curve_clear_tangent_block(curve, &block);
-    FOR_ALL_ORDERS(DIFFERENTIATE) curve_store_tangent_block(curve, &block);
+    FOR_ALL_ORDERS(DIFFERENTIATE) curve_store_jacobians_from_tangents(curve, &block);
 }
 #undef DIFFERENTIATE
 
 /* Computes the tangents of the curve last expanded in all directions, block after block. */
-static inline void code_differentiate(tvi_curve *curve)
+static inline void code_compute_jacobians(tvi_curve *curve)
 {
     int first = 0;
     for (; first == 0 || first + CURVE_LANES <= 2 * CURVE_N; first += CURVE_LANES)
-        code_differentiate_block(curve, CURVE_LANES, first);
-    if (CURVE_REST > 0) code_differentiate_block(curve, CURVE_REST, first);
+        code_compute_tangent_block(curve, CURVE_LANES, first);
+    if (CURVE_REST > 0) code_compute_tangent_block(curve, CURVE_REST, first);
 }
 
 #endif
@@ -92,16 +92,16 @@ static const tvi_action code_action = CURVE_ACTION;
 JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     tvi_action sized_action = *action;
-    sized_action.is_hamilton = code_action.is_hamilton;
+    sized_action.uses_hamilton_principle = code_action.uses_hamilton_principle;
     sized_action.has_truncated_nodes = code_action.has_truncated_nodes;
-    sized_action.has_velocity_defect = code_action.has_velocity_defect;
-    sized_action.has_momentum_defect = code_action.has_momentum_defect;
+    sized_action.has_gradient_by_v = code_action.has_gradient_by_v;
+    sized_action.has_gradient_by_p = code_action.has_gradient_by_p;
     sized_action.q_degree = code_action.q_degree;
     sized_action.p_degree = code_action.p_degree;
     sized_action.points = code_action.points;
     sized_action.orders = code_action.orders;
-    sized_action.half_points = code_action.half_points;
-    return seeds_compute_from_field(&sized_action, curve, seed_Q, seed_U);
+    sized_action.half_node_count = code_action.half_node_count;
+    return seeds_compute_without_second_derivatives(&sized_action, curve, seed_Q, seed_U);
 }
 
 #endif
@@ -126,22 +126,22 @@ static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
 #endif
 
 static const tvi_curve_code tvi_loops = {
-    .top = CURVE_TOP,
+    .highest_order = CURVE_TOP,
     .expand = code_expand,
     .sum_combination = curve_sum_combination,
-    .data_sizes = curve_compute_data_sizes,
+    .centre_state_sizes = curve_compute_centre_state_sizes,
     .movement_sizes = curve_compute_movement_sizes,
     .tail = curve_compute_tail,
 #if CURVE_HAS_MATRICES
-    .differentiate = code_differentiate,
-    .sum_jacobian = curve_sum_jacobian,
-    .multiply_direction = curve_multiply_direction,
-    .multiply_seeds = curve_multiply_seeds,
+    .differentiate = code_compute_jacobians,
+    .sum_combination_jacobian = curve_sum_combination_jacobian,
+    .multiply_jacobian_by_direction = curve_multiply_jacobian_by_direction,
+    .multiply_transposed_jacobians_by_seeds = curve_multiply_transposed_jacobians_by_seeds,
 #endif
 #if CURVE_HAS_PRODUCTS
     .solver = &code_solver,
     .set_direction = products_compute_tangents,
-    .multiply_direction = products_multiply_direction,
+    .multiply_jacobian_by_direction = products_multiply_jacobian_by_direction,
 #endif
 #if CURVE_HAS_SEED
     .compute_seeds = code_compute_seeds,

@@ -1,4 +1,4 @@
-/* jacobian.c - computes the Jacobians of a Taylor curve with respect to its centre data as matrices, from tangents
+/* jacobian.c - computes the Jacobians of a Taylor curve with respect to its centre state as matrices, from tangents
  * in all directions. It sums them, and multiplies vectors by them or by the matrix-free products of products.h.
  * Steppers and solvers call it through curve.h. */
 #include "algebra/linear_small.h"
@@ -18,27 +18,27 @@ tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system)
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_differentiate(tvi_curve *curve)
+void tvi_curve_compute_jacobians(tvi_curve *curve)
 {
     if (curve->generated_code && curve->generated_code->differentiate) curve->generated_code->differentiate(curve);
-    else curve_differentiate(curve);
+    else curve_compute_jacobians(curve);
 }
 
-void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
+void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
-    if (curve->generated_code) curve->generated_code->sum_jacobian(curve, combination, matrix);
-    else curve_sum_jacobian(curve, combination, matrix);
+    if (curve->generated_code) curve->generated_code->sum_combination_jacobian(curve, combination, matrix);
+    else curve_sum_combination_jacobian(curve, combination, matrix);
 }
 
 /* The tangents of Jacobian matrices are computed in blocks of CURVE_TANGENT_DIRECTIONS directions, and a last block of
  * those that are left. */
-tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
-                                         tvi_jacobians jacobians)
+tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
+                                         int points, tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % CURVE_TANGENT_DIRECTIONS;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_OWN_MAX_ROWS;
     tvi_used_tapes used = {
-        .series = {.name = "tvi_series", .lane_counts = {1}, .top_order = top, .has_series = !is_whole},
+        .series = {.name = "tvi_series", .lane_counts = {1}, .top_order = highest_order, .has_series = !is_whole},
         .loops_field = "curve",
         .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
@@ -65,18 +65,22 @@ void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
     else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
-void tvi_curve_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
+void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    if (curve->generated_code && curve->generated_code->multiply_direction)
-        curve->generated_code->multiply_direction(curve, combination, out);
-    else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) products_multiply_direction(curve, combination, out);
-    else curve_multiply_direction(curve, combination, out);
+    if (curve->generated_code && curve->generated_code->multiply_jacobian_by_direction)
+        curve->generated_code->multiply_jacobian_by_direction(curve, combination, out);
+    else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
+        products_multiply_jacobian_by_direction(curve, combination, out);
+    else curve_multiply_jacobian_by_direction(curve, combination, out);
 }
 
-void tvi_curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],
+                                                      double out[])
 {
     if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
-        products_multiply_by_transpose(curve, curve->top, &(tvi_transpose_terms){.seed_Q = seed_Q}, out);
-    else if (curve->generated_code) curve->generated_code->multiply_seeds(curve, seed_Q, seed_U, out);
-    else curve_multiply_seeds(curve, seed_Q, seed_U, out);
+        products_multiply_by_transposed_jacobians(curve, curve->highest_order,
+                                                  &(tvi_transposed_product_terms){.seed_Q = seed_Q}, out);
+    else if (curve->generated_code)
+        curve->generated_code->multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);
+    else curve_multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);
 }

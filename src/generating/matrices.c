@@ -1,5 +1,6 @@
-/* matrices.c - solves A^T x = D_z with the Jacobians A of the curve's ends as matrices. It factors them, and reuses
- * the factors as long as the resulting error is below roundoff. closure.c calls it through tvi_solver_by_matrices. */
+/* matrices.c - solves A^T x = D_z for the corrections of the curve's ends, with D_z the gradient of the discrete action
+ * in defect form (action.h) and A made of Jacobian matrices of the ends. It factors them, and reuses the factors as
+ * long as the resulting error is below roundoff. closure.c calls it through tvi_solver_by_matrices. */
 #include "generating/curve.h"
 #include "generating/matrices.h"
 #include "algebra/sizes.h"
@@ -7,14 +8,14 @@
 #include <string.h>
 
 /* The mask of a single member, whose passes have not ended. */
-static const long long is_single_iterating = -1;
+static const long long single_iterating_mask = -1;
 
 static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
     tvi_jacobian_factors *allocated = tvi_arena_allocate(arena, sizeof *allocated), m = {0};
-    m.jacobian_z = tvi_arena_allocate_doubles(arena, 2 * n * width);
-    m.distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
+    m.state_of_jacobians = tvi_arena_allocate_doubles(arena, 2 * n * width);
+    m.relative_distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
     if (width > 1) m.corrector_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
     m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     tvi_factor_allocate(&m.half_factor, arena, closure->n, 1);
@@ -25,68 +26,72 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_half(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status factor_half_block(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const size_t n = (size_t)closure->n, first = equations->half == TVI_FIRST ? 0 : n;
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_sum_jacobian(&closure->curve, equations->first_combination, factors->end_jacobian);
+    tvi_curve_sum_combination_jacobian(&closure->curve, equations->first_combination, factors->end_jacobian);
     for (size_t i = 0; i < n; i++)
         memcpy(factors->half_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first, n * sizeof(double));
     return tvi_factor_compute(&factors->half_factor);
 }
 
-static tvi_status factor_full(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    matrices_stack_jacobians(closure, equations->first_combination, equations->second_combination,
-                             factors->full_factor.lu);
+    matrices_stack_combination_jacobians(closure, equations->first_combination, equations->second_combination,
+                                         factors->full_factor.lu);
     return tvi_factor_compute(&factors->full_factor);
 }
 
-/* Computes D_other -= J_other^T x. */
-static void subtract_other_half(tvi_closure *closure, const tvi_transposed_equations *equations)
+/* Subtracts J^T x from the other half of gradient_then_solution, with the solution x in the half that was solved for,
+ * and J the other n x n block of the Jacobian. */
+static void compute_residual_of_other_half(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const size_t n = (size_t)closure->n, solved = equations->half == TVI_FIRST ? 0 : n, other = n - solved;
     double *G = matrices_get_factors(closure)->end_jacobian;
-    tvi_curve_sum_jacobian(&closure->curve, equations->first_combination, G);
+    tvi_curve_sum_combination_jacobian(&closure->curve, equations->first_combination, G);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) closure->D[other + j] -= closure->D[solved + i] * G[i * 2 * n + other + j];
+        for (size_t j = 0; j < n; j++)
+            closure->gradient_then_solution[other + j] -=
+                closure->gradient_then_solution[solved + i] * G[i * 2 * n + other + j];
 }
 
 static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_multiply_seeds(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
-    if (factors->factored_jacobian_count != factors->jacobian_count) {
-        factors->factored_jacobian_count = factors->jacobian_count;
-        const tvi_status status =
-            equations->second_combination ? factor_full(closure, equations) : factor_half(closure, equations);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&closure->curve, closure->seed_Q, closure->seed_U,
+                                                     closure->gradient_then_solution);
+    if (factors->jacobian_count_at_factorisation != factors->jacobian_count) {
+        factors->jacobian_count_at_factorisation = factors->jacobian_count;
+        const tvi_status status = equations->second_combination ? factor_full_matrix(closure, equations)
+                                                                : factor_half_block(closure, equations);
         if (status != TVI_OK) return status;
     }
     if (equations->second_combination) {
-        tvi_factor_solve_transposed(&factors->full_factor, closure->D);
+        tvi_factor_solve_transposed(&factors->full_factor, closure->gradient_then_solution);
     } else {
         tvi_factor_solve_transposed(&factors->half_factor,
-                                    closure->D + (equations->half == TVI_FIRST ? 0 : closure->n));
-        subtract_other_half(closure, equations);
+                                    closure->gradient_then_solution + (equations->half == TVI_FIRST ? 0 : closure->n));
+        compute_residual_of_other_half(closure, equations);
     }
     return TVI_OK;
 }
 
 static bool renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
 {
-    return matrices_renew_corrector_jacobian(closure, &is_single_iterating, matrix) > 0;
+    return matrices_renew_corrector_jacobian(closure, &single_iterating_mask, matrix) > 0;
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
 {
-    long long is_due;
-    matrices_find_due_members(closure, z, scale, &is_single_iterating, &is_due);
-    if (is_due) {
-        tvi_curve_differentiate(&closure->curve);
-        matrices_record_jacobians(closure, z);
+    long long due_mask;
+    matrices_find_members_with_due_jacobians(closure, z, scale, &single_iterating_mask, &due_mask);
+    if (due_mask) {
+        tvi_curve_compute_jacobians(&closure->curve);
+        matrices_record_jacobian_state(closure, z);
         stats->factorisations++;
     }
     return closure->correct_ends(closure);

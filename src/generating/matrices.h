@@ -9,12 +9,13 @@
 /* The Jacobians of the curve's ends and their factors. jacobian_count counts how often Jacobians are computed, from 0
  * in each step; a factor is valid if it belongs to the last count. */
 typedef struct {
-    double *jacobian_z;          /* [2n] the z at which the last Jacobians were computed */
-    int jacobian_count;          /* how many times Jacobians were computed in this step */
-    int factored_jacobian_count; /* jacobian_count when the factor was computed */
-    bool has_corrector_jacobian; /* whether the corrector's Jacobian was computed in this step */
-    /* [width] the sum of the distances that z has moved since the corrector's Jacobian, relative to its size. */
-    double *distance_since_jacobian;
+    double *state_of_jacobians;          /* [2n] the centre state z at which the last Jacobians were computed */
+    int jacobian_count;                  /* how many times Jacobians were computed in this step */
+    int jacobian_count_at_factorisation; /* jacobian_count when the factor was computed */
+    bool has_corrector_jacobian;         /* whether the corrector's Jacobian was computed in this step */
+    /* [width] the sum of the distances that z has moved since the corrector's Jacobian was computed, relative to the
+     * size of z. */
+    double *relative_distance_since_jacobian;
     double *end_jacobian; /* [n][2n] scratch for Jacobians of the ends */
     /* [2n][2n] for several members: the corrector's Jacobian of each, which may be older for some than for others. */
     double *corrector_jacobian;
@@ -27,33 +28,35 @@ static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *clos
 static inline void matrices_discard_factors(tvi_closure *closure)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    factors->jacobian_count = factors->factored_jacobian_count = 0;
+    factors->jacobian_count = factors->jacobian_count_at_factorisation = 0;
     factors->has_corrector_jacobian = false;
 }
 
-/* Records that the Jacobians of the curve were computed at z. */
-static inline void matrices_record_jacobians(const tvi_closure *closure, const double z[])
+/* Records that the Jacobians of the curve were computed at the centre state z. */
+static inline void matrices_record_jacobian_state(const tvi_closure *closure, const double z[])
 {
     const tvi_curve *curve = &closure->curve;
-    double *jacobian_z = matrices_get_factors(closure)->jacobian_z;
+    double *state_of_jacobians = matrices_get_factors(closure)->state_of_jacobians;
     const int numbers = 2 * curve_vector_length(curve), width = curve_width(curve);
-    for (int at = 0; at < numbers; at += width) curve_store_due_values(curve, z + at, jacobian_z + at);
+    for (int at = 0; at < numbers; at += width)
+        curve_store_values_of_due_members(curve, z + at, state_of_jacobians + at);
     matrices_get_factors(closure)->jacobian_count++;
 }
 
 /* Writes the Jacobians of two combinations, one above the other: [2n][2n]. */
-static inline void matrices_stack_jacobians(const tvi_closure *closure, const tvi_combination *first,
-                                            const tvi_combination *second, double matrix[])
+static inline void matrices_stack_combination_jacobians(const tvi_closure *closure, const tvi_combination *first,
+                                                        const tvi_combination *second, double matrix[])
 {
-    CURVE_CALL(sum_jacobian, &closure->curve, first, matrix);
-    CURVE_CALL(sum_jacobian, &closure->curve, second,
+    CURVE_CALL(sum_combination_jacobian, &closure->curve, first, matrix);
+    CURVE_CALL(sum_combination_jacobian, &closure->curve, second,
                matrix + 2 * curve_dimension(&closure->curve) * curve_vector_length(&closure->curve));
 }
 
 /* Returns whether the corrector's Jacobian of member m must be renewed. */
 static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
-    return !matrices->has_corrector_jacobian || matrices->distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
+    return !matrices->has_corrector_jacobian ||
+           matrices->relative_distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
 }
 
 /* Merges the corrector's new Jacobian of member m with the stored one: an outdated stored Jacobian is replaced by the
@@ -70,19 +73,19 @@ static inline void matrices_merge_member_jacobian(const tvi_closure *closure, in
 
 /* Computes J = d(q-, u-)/dz for the corrector. Returns the number of members, among those that iterate, whose Jacobians
  * it renewed. It computes nothing if all of these can reuse theirs. */
-static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long is_iterating[],
+static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long iterating_mask[],
                                                     double matrix[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     const int width = curve_width(&closure->curve);
     int count = 0;
-    for (int m = 0; m < width; m++) count += is_iterating[m] && matrices_is_jacobian_outdated(matrices, m);
+    for (int m = 0; m < width; m++) count += iterating_mask[m] && matrices_is_jacobian_outdated(matrices, m);
     if (count == 0) return 0;
-    matrices_stack_jacobians(closure, &closure->q_from, &closure->u_from, matrix);
+    matrices_stack_combination_jacobians(closure, &closure->q_at_start, &closure->u_at_start, matrix);
     if (width > 1)
         for (int m = 0; m < width; m++) matrices_merge_member_jacobian(closure, m, matrix);
     for (int m = 0; m < width; m++)
-        if (matrices_is_jacobian_outdated(matrices, m)) matrices->distance_since_jacobian[m] = 0;
+        if (matrices_is_jacobian_outdated(matrices, m)) matrices->relative_distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;
     return count;
 }
@@ -91,26 +94,27 @@ static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, 
 static inline void matrices_compute_jacobian_distance(const tvi_closure *closure, const double z[],
                                                       const double scale[], double distance[])
 {
-    const double *jacobian_z = matrices_get_factors(closure)->jacobian_z;
+    const double *state_of_jacobians = matrices_get_factors(closure)->state_of_jacobians;
     const int width = curve_width(&closure->curve);
     for (int m = 0; m < width; m++) distance[m] = 0;
     for (int i = 0; i < 2 * curve_vector_length(&closure->curve); i += width)
         for (int m = 0; m < width; m++)
-            distance[m] = tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - jacobian_z[i + m]), scale[i + m]), distance[m]);
+            distance[m] =
+                tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - state_of_jacobians[i + m]), scale[i + m]), distance[m]);
 }
 
-/* Raises largest [width] to the relative size of component i where that is larger: |from| + |rise| + seed_factor sum_k
- * |seed_k|, divided by unit. */
-static inline void matrices_raise_relative_size(const tvi_curve *curve, int i, const double from[], const double rise[],
-                                                double seed_factor, const double seed[], const double unit[],
-                                                double largest[])
+/* Raises largest [width] to the relative size of component i where that is larger: (|start_correction| +
+ * |increment_correction| + seed_factor sum_k |seed_k|) / unit. */
+static inline void matrices_raise_largest_relative_size(const tvi_curve *curve, int i, const double start_correction[],
+                                                        const double increment_correction[], double seed_factor,
+                                                        const double seed[], const double unit[], double largest[])
 {
     const int width = curve_width(curve), at = i * width;
     double size[CURVE_MOST_WIDTH] = {0};
     for (int k = 0; seed && k <= curve_highest_order(curve); k++)
         for (int m = 0; m < width; m++) size[m] += fabs(seed[k * curve_vector_length(curve) + at + m]);
     for (int m = 0; m < width; m++) {
-        const double all = fabs(from[at + m]) + fabs(rise[at + m]) + seed_factor * size[m];
+        const double all = fabs(start_correction[at + m]) + fabs(increment_correction[at + m]) + seed_factor * size[m];
         largest[m] = tvi_larger(tvi_ratio_or_zero(all, unit[at + m]), largest[m]);
     }
 }
@@ -118,36 +122,37 @@ static inline void matrices_raise_relative_size(const tvi_curve *curve, int i, c
 /* Computes for each member a bound of the relative error of the state by old Jacobians, divided by the distance to the
  * point where these were computed. The error of an old Jacobian is about the relative distance. It multiplies the
  * corrections of the ends, and the seeds, which may be much larger than the D_z that they add up to. */
-static inline void matrices_bound_stale_error(const tvi_closure *closure, const double scale[],
-                                              double error_per_distance[])
+static inline void matrices_bound_stale_jacobian_error(const tvi_closure *closure, const double scale[],
+                                                       double error_per_distance[])
 {
     const tvi_curve *curve = &closure->curve;
     const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? closure->seed_U : NULL;
     for (int m = 0; m < curve_width(curve); m++) error_per_distance[m] = 0;
     closure_compute_momentum_sizes(closure);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        matrices_raise_relative_size(curve, i, closure->from_q, closure->rise_q, fabs(curve->kappa[i]), seed_U, scale,
-                                     error_per_distance);
-        matrices_raise_relative_size(curve, i, closure->from_p, closure->rise_p, 1, closure->seed_Q,
-                                     closure->momentum_size, error_per_distance);
+        matrices_raise_largest_relative_size(curve, i, closure->start_correction_q, closure->increment_correction_q,
+                                             fabs(curve->kappa[i]), seed_U, scale, error_per_distance);
+        matrices_raise_largest_relative_size(curve, i, closure->start_correction_p, closure->increment_correction_p, 1,
+                                             closure->seed_Q, closure->momentum_size, error_per_distance);
     }
 }
 
 /* Finds the members whose Jacobians must be computed anew at z, among those that iterate. The first pass computes those
  * of all members. Later passes reuse them as long as the bound of the resulting error, estimated from the corrections
  * of the last pass, is below roundoff. */
-static inline void matrices_find_due_members(const tvi_closure *closure, const double z[], const double scale[],
-                                             const long long is_iterating[], long long is_due[])
+static inline void matrices_find_members_with_due_jacobians(const tvi_closure *closure, const double z[],
+                                                            const double scale[], const long long iterating_mask[],
+                                                            long long due_mask[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     double distance[CURVE_MOST_WIDTH], error_per_distance[CURVE_MOST_WIDTH];
     const bool is_first = matrices->jacobian_count == 0;
     if (!is_first) matrices_compute_jacobian_distance(closure, z, scale, distance);
-    if (!is_first) matrices_bound_stale_error(closure, scale, error_per_distance);
+    if (!is_first) matrices_bound_stale_jacobian_error(closure, scale, error_per_distance);
     for (int m = 0; m < curve_width(&closure->curve); m++) {
-        is_due[m] =
-            is_first || (is_iterating[m] && !(distance[m] * error_per_distance[m] <= CURVE_NEGLIGIBLE_ERROR)) ? -1 : 0;
-        if (is_due[m] && !is_first) matrices->distance_since_jacobian[m] += distance[m];
+        due_mask[m] =
+            is_first || (iterating_mask[m] && !(distance[m] * error_per_distance[m] <= CURVE_NEGLIGIBLE_ERROR)) ? -1 : 0;
+        if (due_mask[m] && !is_first) matrices->relative_distance_since_jacobian[m] += distance[m];
     }
 }
 

@@ -22,11 +22,11 @@ static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
 static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool has_jacobian, int width)
+                         bool has_jacobian_memory, int width)
 {
     const int size = group_count * system->n;
     const size_t count = (size_t)size * (size_t)width;
-    newton->has_jacobian = has_jacobian;
+    newton->has_jacobian_memory = has_jacobian_memory;
     newton->unknown_count = size;
     newton->width = width;
     newton->group_size = system->n;
@@ -37,8 +37,9 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->roundoff_scale = tvi_arena_allocate_doubles(arena, count);
     newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
-    if (has_jacobian) tvi_factor_allocate(&newton->factor, arena, size, width);
-    newton->measured_loss = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->measured_loss);
+    if (has_jacobian_memory) tvi_factor_allocate(&newton->factor, arena, size, width);
+    newton->measured_contraction_loss =
+        tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->measured_contraction_loss);
 }
 
 /* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
@@ -98,14 +99,14 @@ static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equ
     }
 }
 
-void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass)
+void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass)
 {
     tvi_newton_rules *rules = &newton->rules;
     *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
     newton->needs_extra_pass = needs_extra_pass;
-    if (newton->has_jacobian) rules->by_group = (tvi_passes_rule){.stall_lag = 1};
+    if (newton->has_jacobian_memory) rules->by_group = (tvi_passes_rule){.stall_lag = 1};
     /* Two passes are compared, since corrections of q follow from those of p, and those of p from those of q. */
-    if (!newton->has_jacobian || needs_extra_pass) rules->by_unknown.stall_lag = 2;
+    if (!newton->has_jacobian_memory || needs_extra_pass) rules->by_unknown.stall_lag = 2;
 }
 
 /* Returns whether the last correction, which did not shrink, is roundoff by the roundoff of the residual. */
@@ -115,7 +116,7 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     compute_roundoff_scales(newton, equations);
     tvi_correction_sizes sizes;
     newton_measure_corrections(newton, newton->roundoff_scale, &sizes);
-    if (sizes.group_relative[0] > NEWTON_STALLED_CORRECTION) return false;
+    if (sizes.relative_group_correction[0] > NEWTON_STALLED_CORRECTION) return false;
     passes->contraction_loss = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
@@ -149,23 +150,24 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes passes;
-    tvi_newton_begin_passes(&passes, *newton->measured_loss, &newton->rules, newton->needs_extra_pass);
+    tvi_newton_begin_passes(&passes, *newton->measured_contraction_loss, &newton->rules, newton->needs_extra_pass);
     int refreshes = 0;
     bool by_differences = false;
     for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
         refreshes += by_differences;
-        newton->is_by_differences = newton->has_jacobian && refreshes > 0;
+        newton->is_by_differences = newton->has_jacobian_memory && refreshes > 0;
         const tvi_status status =
-            run_newton_pass(newton, equations, count == 1, newton->has_jacobian && by_differences, stats);
+            run_newton_pass(newton, equations, count == 1, newton->has_jacobian_memory && by_differences, stats);
         if (status != TVI_OK) return status;
         tvi_correction_sizes sizes;
         newton_measure_corrections(newton, newton->scale, &sizes);
-        stats->residual = sizes.largest_relative[0];
+        stats->residual = sizes.largest_relative_correction[0];
         tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, &sizes, 0);
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            *newton->measured_loss = tvi_larger(*newton->measured_loss, passes.contraction_loss);
+            *newton->measured_contraction_loss =
+                tvi_larger(*newton->measured_contraction_loss, passes.contraction_loss);
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];

@@ -31,33 +31,35 @@ typedef struct {
 /* The sizes of the corrections of a pass, for each member: the largest correction relative to its unknown's scale, and
  * the largest correction of a group relative to the largest scale of the group. */
 typedef struct {
-    double largest_relative[CURVE_MOST_WIDTH], group_relative[CURVE_MOST_WIDTH];
+    double largest_relative_correction[CURVE_MOST_WIDTH], relative_group_correction[CURVE_MOST_WIDTH];
 } tvi_correction_sizes;
 
-/* The rules by which passes end: by largest_relative, and by group_relative. */
+/* The rules by which passes end: by largest_relative_correction, and by relative_group_correction. */
 typedef struct {
     tvi_passes_rule by_unknown, by_group;
 } tvi_newton_rules;
-/* The passes so far, by largest_relative and by group_relative. */
+/* The passes so far, by largest_relative_correction and by relative_group_correction. */
 typedef struct {
     tvi_passes by_unknown, by_group;
-    /* The contraction loss in use, and one that the last correction suggests but the next one has not confirmed. */
+    /* contraction_loss: the factor by which a pass may contract worse than the one before it, which the expected next
+     * correction allows for; unconfirmed_loss: a greater one, which the last correction suggests but the next one has
+     * not confirmed. */
     double contraction_loss, unconfirmed_loss;
-    bool must_confirm; /* whether one more pass must confirm the expected convergence */
+    bool must_confirm_convergence; /* whether one more pass must confirm the expected convergence */
 } tvi_newton_passes;
 
 /* Begins the passes of a solution. The first contraction is often better than the later ones: first corrections are
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
-static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double measured_loss,
+static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double measured_contraction_loss,
                                            const tvi_newton_rules *rules, bool needs_extra_pass)
 {
     tvi_passes_begin(&passes->by_unknown, 0);
     tvi_passes_begin(&passes->by_group, 0);
-    passes->contraction_loss = tvi_larger(measured_loss, 1);
+    passes->contraction_loss = tvi_larger(measured_contraction_loss, 1);
     passes->unconfirmed_loss = 0;
-    passes->must_confirm = rules->by_unknown.exact_passes == 0 && rules->by_unknown.max_trusted_ratio > 0 &&
-                           (measured_loss == 0 || needs_extra_pass);
+    passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 && rules->by_unknown.max_trusted_ratio > 0 &&
+                                       (measured_contraction_loss == 0 || needs_extra_pass);
 }
 
 /* Accepts a contraction loss that one correction suggests only if the next correction contracts again, because roundoff
@@ -80,47 +82,51 @@ static inline void tvi_newton_update_contraction_loss(tvi_newton_passes *passes,
 static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes, const tvi_newton_rules *rules,
                                                        const tvi_correction_sizes *sizes, int m)
 {
-    const double largest_relative = sizes->largest_relative[m], group_relative = sizes->group_relative[m];
+    const double largest_relative_correction = sizes->largest_relative_correction[m],
+                 relative_group_correction = sizes->relative_group_correction[m];
     const double expected = passes->by_unknown.next;
-    tvi_newton_update_contraction_loss(passes, rules, largest_relative);
+    tvi_newton_update_contraction_loss(passes, rules, largest_relative_correction);
     passes->by_unknown.slack = tvi_larger(passes->contraction_loss, passes->unconfirmed_loss);
     const tvi_passes_verdict verdict =
-        tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative);
-    const tvi_passes_verdict settled = tvi_passes_add_and_judge(&passes->by_group, &rules->by_group, group_relative);
+        tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative_correction);
+    const tvi_passes_verdict settled =
+        tvi_passes_add_and_judge(&passes->by_group, &rules->by_group, relative_group_correction);
     const bool is_confirmed =
-        expected <= rules->by_unknown.correction_goal && largest_relative <= NEWTON_CHECK_MAX_CORRECTION;
-    if (verdict == TVI_PASSES_MAY_END && passes->must_confirm && largest_relative > 0 && !is_confirmed)
+        expected <= rules->by_unknown.correction_goal && largest_relative_correction <= NEWTON_CHECK_MAX_CORRECTION;
+    if (verdict == TVI_PASSES_MAY_END && passes->must_confirm_convergence && largest_relative_correction > 0 &&
+        !is_confirmed)
         return TVI_PASSES_GO_ON;
     if (verdict != TVI_PASSES_STUCK) return verdict;
-    if (group_relative <= NEWTON_STALLED_CORRECTION) return TVI_PASSES_MAY_END;
+    if (relative_group_correction <= NEWTON_STALLED_CORRECTION) return TVI_PASSES_MAY_END;
     return settled == TVI_PASSES_STUCK ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
 typedef struct {
-    bool has_jacobian,
+    bool has_jacobian_memory,
         is_by_differences; /* there is memory for a Jacobian; the Jacobian in it was computed by differences */
     bool needs_extra_pass;
     tvi_newton_rules rules;
     int unknown_count, group_size;    /* the numbers of unknowns, and of unknowns in a group, which have one unit */
     int width;                        /* the number of members; the member is the fastest index */
     const tvi_subsystems *subsystems; /* the subsystems of the components */
-    double *x, *correction, *scale;   /* [size][width] */
+    double *x, *correction, *scale;   /* [unknown_count][width] */
     double *roundoff_scale;           /* the scale, enlarged by the effect of the residual's roundoff */
     double *trial_unknowns,
         *trial_residual; /* the unknowns, one of them shifted, and their residual, for differences */
     tvi_lu_factor factor;
     /* [width] The largest ratio of the contraction factors of two successive passes in earlier solutions, or 0 if there
      * was none; part of the history. */
-    double *measured_loss;
+    double *measured_contraction_loss;
 } tvi_newton;
 
-/* These return sizes, which are constants in generated code, as in series.h. */
+/* These return the number of unknowns, and the number of unknowns of one group; both are constants in generated code,
+ * as in series.h. */
 static inline int newton_count_unknowns(const tvi_newton *newton)
 {
     return CURVE_SIZE(2 * CURVE_N, newton->unknown_count);
 }
 
-static inline int newton_count_group_unknowns(const tvi_newton *newton)
+static inline int newton_count_unknowns_per_group(const tvi_newton *newton)
 {
     return CURVE_SIZE(CURVE_N, newton->group_size);
 }
@@ -128,12 +134,13 @@ static inline int newton_count_group_unknowns(const tvi_newton *newton)
 /* Measures the corrections of one subsystem in each group of unknowns, for the entries begin .. end - 1 of the list of
  * components. `scale` is newton->scale or newton->roundoff_scale. A correction that is not finite makes the sizes NaN,
  * since x - x is 0 for finite x only. */
-static inline void newton_measure_subsystem(const tvi_newton *newton, const double scale[], int begin, int end,
-                                            tvi_correction_sizes *sizes)
+static inline void newton_measure_subsystem_corrections(const tvi_newton *newton, const double scale[], int begin,
+                                                        int end, tvi_correction_sizes *sizes)
 {
     const int width = CURVE_WIDTH(newton);
-    double *restrict relative = sizes->largest_relative, *restrict group_relative = sizes->group_relative;
-    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
+    double *restrict relative = sizes->largest_relative_correction, *restrict relative_group_correction =
+                                                                        sizes->relative_group_correction;
+    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
         double largest[CURVE_MOST_WIDTH] = {0}, largest_scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
             const int at = (first + tvi_subsystems_component(newton->subsystems, k)) * width;
@@ -147,20 +154,22 @@ static inline void newton_measure_subsystem(const tvi_newton *newton, const doub
         }
         for (int m = 0; m < width; m++) {
             relative[m] += rest[m];
-            group_relative[m] = tvi_larger(largest[m] / largest_scale[m], group_relative[m]) + rest[m];
+            relative_group_correction[m] =
+                tvi_larger(largest[m] / largest_scale[m], relative_group_correction[m]) + rest[m];
         }
     }
 }
 
-/* Measures the corrections of all members. */
+/* Measures the corrections of the unknowns of each member, relative to `scale`. */
 static inline void newton_measure_corrections(const tvi_newton *newton, const double scale[],
                                               tvi_correction_sizes *sizes)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
-    for (int m = 0; m < CURVE_WIDTH(newton); m++) sizes->largest_relative[m] = sizes->group_relative[m] = 0;
+    for (int m = 0; m < CURVE_WIDTH(newton); m++)
+        sizes->largest_relative_correction[m] = sizes->relative_group_correction[m] = 0;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end(subsystems, k, newton_count_group_unknowns(newton));
-        newton_measure_subsystem(newton, scale, begin, end, sizes);
+        end = tvi_subsystems_end(subsystems, k, newton_count_unknowns_per_group(newton));
+        newton_measure_subsystem_corrections(newton, scale, begin, end, sizes);
     }
 }
 
@@ -169,7 +178,7 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
 static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m, int begin, int end)
 {
     const int width = CURVE_WIDTH(newton);
-    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_group_unknowns(newton)) {
+    for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
         double largest = 0, *scale = newton->scale + first * width + m;
         for (int k = begin; k < end; k++)
             largest = tvi_larger(scale[tvi_subsystems_component(newton->subsystems, k) * width], largest);
@@ -185,19 +194,19 @@ static inline void newton_fill_missing_scales(const tvi_newton *newton, int m)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end(subsystems, k, newton_count_group_unknowns(newton));
+        end = tvi_subsystems_end(subsystems, k, newton_count_unknowns_per_group(newton));
         newton_fill_subsystem_scales(newton, m, begin, end);
     }
 }
 
-/* Allocates the corrector of equations with group_count groups of n unknowns. has_jacobian says whether it has memory
- * for a Jacobian; equations with a `solve` need none. */
+/* Allocates the corrector of equations with group_count groups of n unknowns. has_jacobian_memory says whether it has
+ * memory for a Jacobian; equations with a `solve` need none. */
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool has_jacobian, int width);
+                         bool has_jacobian_memory, int width);
 
 /* Sets the rules, once. needs_extra_pass says that the first contraction is no measure of the later ones, so that there
  * is always one more pass than seems needed. */
-void tvi_newton_set_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass);
+void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass);
 
 /* Solves the equations from the predictor in newton->x. On success newton->x is the point of the last residual, and
  * newton->correction is the last correction, which has not been added. The caller applies it to first order, which

@@ -1,5 +1,6 @@
-/* node_momenta.h - finds the momenta that belong to a Hamiltonian's velocities at the nodes. It is part of the text of
- * generated code (emit.c), where every size is a constant. */
+/* node_momenta.h - solves H_p(q, p) = v for the momenta p at the nodes of the action by Newton's method, with the
+ * positions q and velocities v of the curve given. seeds.h calls it for a Hamiltonian whose action is Lagrange's. It is
+ * part of the text of generated code (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_NODE_MOMENTA_H
 #define TVI_SRC_GENERATING_NODE_MOMENTA_H
 
@@ -24,13 +25,13 @@ static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curv
         SEEDS_TANGENTS(tape, action->field_block, action->field_tangent_block, points);
         for (int i = 0; i < n; i++)
             memcpy(action->H_pp + (i * n + j) * points,
-                   seeds_field_output_row(action, tape, action->field_tangent_block, n + i),
+                   seeds_get_field_output_row(action, tape, action->field_tangent_block, n + i),
                    (size_t)points * sizeof(double));
         for (int node = 0; node < points; node++) direction[node] = 0;
     }
 }
 
-/* Copies H_pp of a node to velocity_hessian. */
+/* Copies the matrix H_pp of one node to velocity_hessian of the curve, where it is factored. */
 static inline void momenta_copy_H_pp_of_node(const tvi_action *action, const tvi_curve *curve, int node)
 {
     for (int i = 0; i < curve_dimension(curve) * curve_dimension(curve); i++)
@@ -73,10 +74,10 @@ static inline tvi_status momenta_invert_H_pp(const tvi_action *action, tvi_curve
 static inline double momenta_compute_corrections(const tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_dimension(curve), points = action->points;
-    double *correction = action->momentum_correction, rest[MOMENTA_MOST_NODES];
+    double *correction = action->node_momentum_correction, rest[MOMENTA_MOST_NODES];
     memset(correction, 0, (size_t)(n * points) * sizeof *correction);
     for (int j = 0; j < n; j++) {
-        const double *H_p = seeds_field_output_row(action, action->field_tape, action->field_block, n + j);
+        const double *H_p = seeds_get_field_output_row(action, action->field_tape, action->field_block, n + j);
         JET_IN_VECTORS
         for (int node = 0; node < points; node++) rest[node] = action->gradient_by_v[j * points + node] - H_p[node];
         for (int i = 0; i < n; i++) JET_IN_VECTORS
@@ -91,7 +92,7 @@ static inline bool momenta_are_corrections_roundoff(const tvi_action *action, in
 {
     const int points = action->points;
     for (int i = 0; i < n; i++)
-        if (tvi_largest_magnitude(points, action->momentum_correction + i * points, 1) >
+        if (tvi_largest_magnitude(points, action->node_momentum_correction + i * points, 1) >
             DBL_EPSILON * tvi_largest_magnitude(points, p + i * points, 1))
             return false;
     return true;
@@ -112,7 +113,7 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
                                   .stall_ratio = TVI_PASSES_ALL,
                                   .stall_lag = 1};
     for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
-        tvi_status status = seeds_evaluate_field(action);
+        tvi_status status = seeds_evaluate_field_at_nodes(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.before)))
             status = momenta_invert_H_pp(action, curve);
         if (status != TVI_OK) return status;
@@ -120,11 +121,11 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         if (!isfinite(largest)) return TVI_ENONFINITE;
         if (step > 0 && momenta_are_corrections_roundoff(action, curve_dimension(curve), p)) return TVI_OK;
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, largest);
-        for (int i = 0; i < count; i++) p[i] += action->momentum_correction[i];
+        for (int i = 0; i < count; i++) p[i] += action->node_momentum_correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK && (largest <= MOMENTA_STALLED_CORRECTION * size ||
                                              tvi_passes_set_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
-            return seeds_evaluate_field(action);
+            return seeds_evaluate_field_at_nodes(action);
     }
     return TVI_ENOCONV;
 }

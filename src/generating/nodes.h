@@ -10,10 +10,10 @@
 #include "vector.h"
 
 /* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. all_orders has the rows of
- * nodes, [top + 1][points]. If nodes mirror each other, even_orders and odd_orders have the even and the odd k at the
- * first half of the nodes, [orders / 2][half_points]; the values at the other half differ by a sign only. Weighted
- * tables are for sums over the nodes; they are transposed, [points][top + 1] and
- * [half_points][seeds_round_up_to_vectors(orders / 2)]. */
+ * nodes, [highest_order + 1][points]. If nodes mirror each other, even_orders and odd_orders have the even and the odd
+ * k at the first half of the nodes, [orders / 2][half_node_count]; the values at the other half differ by a sign only.
+ * Weighted tables are for sums over the nodes; they are transposed, [points][highest_order + 1] and
+ * [half_node_count][seeds_round_up_to_vectors(orders / 2)]. */
 typedef struct {
     double *all_orders, *even_orders, *odd_orders;
     /* The sign of the even orders at the other half of the nodes, 1 or -1. */
@@ -21,42 +21,44 @@ typedef struct {
 } tvi_node_table;
 
 typedef struct tvi_action {
-    bool is_hamilton; /* whether the action is that of Hamilton's principle in phase space */
-    bool has_truncated_nodes;
+    bool uses_hamilton_principle; /* whether the action is that of Hamilton's principle in phase space */
+    bool has_truncated_nodes;     /* the positions at the nodes omit the highest order */
     /* The tape of the field at the nodes; it also has tangents if momenta must be found from velocities. */
     const jet_tape *field_tape;
-    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
-    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
-    int q_degree, p_degree, points, orders; /* orders: top + 1 */
+    bool has_gradient_by_v;                 /* gradient_by_v = L_v - p is not 0 by construction */
+    bool has_gradient_by_p;                 /* gradient_by_p = dg/ds - tau H_p is not 0 by construction */
+    int q_degree, p_degree, points, orders; /* orders: highest_order + 1 */
     int width;                              /* the number of members; rows of nodes are [points][width] */
-    double *node_s, *node_weight; /* [points] the nodes s_i in scaled time, and their weights, whose sum is to - from */
+    /* [points] The nodes s_i in scaled time, and their weights, whose sum is to - from. */
+    double *node_scaled_time, *node_weight;
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
      * the seeds need second derivatives. The nodes of the first half are first, and their mirror images follow. A node
      * at the centre is in both halves, with half its weight in each; nodes that pad a half repeat its first node with
      * weight 0. */
-    int half_points;
+    int half_node_count;
     /* The powers s_i^k and their derivatives; 0 for k > q_degree. */
     tvi_node_table power_table, slope_table;
     /* The second derivatives of the powers, for all orders. */
-    tvi_node_table second_slope_table;
-    /* The powers from which q_i is summed; they are 0 for the term that the node rule omits. */
-    tvi_node_table node_rule_power_table;
+    tvi_node_table second_derivative_table;
+    /* The powers from which the position q_i of a node is summed; at truncated nodes they are 0 for the highest order.
+     */
+    tvi_node_table position_power_table;
     /* power_table and slope_table times the weights of the nodes. */
     tvi_node_table weighted_power_table, weighted_slope_table;
-    double *order_row; /* [top + 1] */
-    /* [q_degree + 1][p_degree + 1] (j+k) times the error of the quadrature for s^(j+k-1), which integration by parts
-     * leaves; NULL if all errors are 0. */
-    double *by_parts_error;
+    double *order_sums; /* [highest_order + 1] scratch: sums over the nodes for each order */
+    /* [q_degree + 1][p_degree + 1] (j+k) times the error of the quadrature for s^(j+k-1), which remains if the sum of
+     * the derivative of p^T dq is replaced by its values at the ends; NULL if all errors are 0. */
+    double *summation_by_parts_error;
     double *field_block; /* the block of the field's tape, with one lane for each node */
     /* The block of the tape that computes H_qp p and H_pp p, for truncated nodes of a Hamiltonian. */
     double *second_derivative_block;
     double *momentum_coefficients; /* [p_degree + 1][n] the coefficients P_k of the momentum */
     /* [n][points] The curve's momentum p and its derivative dp/ds at the nodes. */
     double *node_momentum, *node_force;
-    /* [n][points] The factors of dq_i, tau dv_i and dp_i in the gradient of the action. */
+    /* [n][points] The derivatives of the action by q_i, tau v_i and p_i at node i, without the weight of the node. */
     double *gradient_by_q, *gradient_by_v, *gradient_by_p;
     /* [n][points] The last correction of the node momenta that belong to given velocities. */
-    double *momentum_correction;
+    double *node_momentum_correction;
     double *H_pp; /* [n][n][points] H_pp at the nodes, or its inverse */
     /* The block of the field's tangent in one direction, with one lane for each node. */
     double *field_tangent_block;
@@ -65,7 +67,7 @@ typedef struct tvi_action {
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
-/* SEEDS_HALF is the largest number of even or of odd orders, padded to whole vectors. */
+/* SEEDS_HALF is the largest number of even orders or of odd orders of a curve, padded to whole vectors. */
 enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF * CURVE_MOST_WIDTH };
 static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
@@ -83,18 +85,20 @@ static inline void seeds_combine_rows(const tvi_action *action, int count, const
         CURVE_COMBINE_EACH(count, table + o, (size_t)out_count, width, stride, coefficient, out + o * width);
 }
 
-/* Computes row[node] = sum_{k <= degree} c_k table_k(node), with c_k = coefficients[k * stride]. */
-static inline void seeds_evaluate_at_nodes(const tvi_action *action, int degree, const double *coefficients,
-                                           size_t stride, const tvi_node_table *table, double row[])
+/* Evaluates a series at the nodes: row[node] = sum_{k <= degree} c_k table_k(node), with the coefficients c_k =
+ * coefficients[k * stride]. */
+static inline void seeds_evaluate_series_at_nodes(const tvi_action *action, int degree, const double *coefficients,
+                                                  size_t stride, const tvi_node_table *table, double row[])
 {
     const int lanes = seeds_count_lanes(action) / 2;
     double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
-    if (action->half_points == 0) {
+    if (action->half_node_count == 0) {
         seeds_combine_rows(action, degree + 1, coefficients, stride, action->points, table->all_orders, row);
         return;
     }
-    seeds_combine_rows(action, degree / 2 + 1, coefficients, 2 * stride, action->half_points, table->even_orders, even);
-    seeds_combine_rows(action, (degree + 1) / 2, coefficients + stride, 2 * stride, action->half_points,
+    seeds_combine_rows(action, degree / 2 + 1, coefficients, 2 * stride, action->half_node_count, table->even_orders,
+                       even);
+    seeds_combine_rows(action, (degree + 1) / 2, coefficients + stride, 2 * stride, action->half_node_count,
                        table->odd_orders, odd);
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) row[i] = even[i] + odd[i];
@@ -108,7 +112,7 @@ static inline void seeds_set_node_times(const tvi_action *action, const tvi_curv
     if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->points; node++)
         for (int m = 0; m < curve_width(curve); m++)
-            *t++ = JET_FUSED(jet_v1, curve->tau, action->node_s[node], curve_time_slot(curve, 0)[m]);
+            *t++ = JET_FUSED(jet_v1, curve->tau, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
 }
 
 /* Writes q at the nodes, and the time, into the inputs of a block. */
@@ -116,9 +120,9 @@ static inline void seeds_set_node_positions(const tvi_action *action, const tvi_
 {
     const int width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
-        seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                tvi_curve_slot_count(curve), &action->node_rule_power_table,
-                                x + i * seeds_count_lanes(action));
+        seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
+                                       tvi_curve_slot_count(curve), &action->position_power_table,
+                                       x + i * seeds_count_lanes(action));
     seeds_set_node_times(action, curve, x);
 }
 
@@ -127,8 +131,8 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
 {
     const int lanes = seeds_count_lanes(action), width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        seeds_evaluate_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                tvi_curve_slot_count(curve), &action->slope_table, v + i * lanes);
+        seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
+                                       tvi_curve_slot_count(curve), &action->slope_table, v + i * lanes);
         for (int at = i * lanes; at < (i + 1) * lanes; at++) v[at] /= curve->tau;
     }
 }
@@ -137,14 +141,14 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
-    const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
-    if (!has_momenta && !action->by_parts_error && curve_form(curve) == TVI_SEPARABLE) return;
+    const bool has_momenta = action->uses_hamilton_principle || action->has_gradient_by_v;
+    if (!has_momenta && !action->summation_by_parts_error && curve_form(curve) == TVI_SEPARABLE) return;
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
     if (!has_momenta) return;
     for (int i = 0; i < curve_dimension(curve); i++)
-        seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                (size_t)curve_vector_length(curve), &action->power_table,
-                                action->node_momentum + i * lanes);
+        seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
+                                       (size_t)curve_vector_length(curve), &action->power_table,
+                                       action->node_momentum + i * lanes);
 }
 
 /* Divides the row. It multiplies by the reciprocal and corrects the result by the remainder, which is faster than many
@@ -159,7 +163,8 @@ static inline void seeds_divide_row(int lanes, double divisor, double row[])
     }
 }
 
-/* Computes dp/ds at the nodes, which is M q'' / tau of a separable system, with q'' the second derivative in s. */
+/* Computes dp/ds, the derivative of the curve's momentum by scaled time, at the nodes. For a separable system it is M
+ * q'' / tau, with q'' the second derivative in s. */
 static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
@@ -167,35 +172,36 @@ static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve
     double *force = action->node_force;
     for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
         if (curve_form(curve) == TVI_SEPARABLE) {
-            seeds_evaluate_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i * width, stride,
-                                    &action->second_slope_table, force);
+            seeds_evaluate_series_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i * width,
+                                           stride, &action->second_derivative_table, force);
             seeds_divide_row(lanes, curve->kappa[i], force);
         } else {
-            seeds_evaluate_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                    (size_t)curve_vector_length(curve), &action->slope_table, force);
+            seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
+                                           (size_t)curve_vector_length(curve), &action->slope_table, force);
         }
 }
 
-static inline const double *seeds_field_output_row(const tvi_action *action, const jet_tape *tape, const double *x,
-                                                   int i)
+static inline const double *seeds_get_field_output_row(const tvi_action *action, const jet_tape *tape, const double *x,
+                                                       int i)
 {
     return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output_slot)[i] * (size_t)seeds_count_lanes(action);
 }
 
 /* ---- The field at the nodes -------------------------------------------------------------------------------------- */
 
-static inline tvi_status seeds_evaluate_field(const tvi_action *action)
+static inline tvi_status seeds_evaluate_field_at_nodes(const tvi_action *action)
 {
     return SEEDS_VALUES(action->field_tape, action->field_block, seeds_count_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* Computes out = factor * outputs first_output .. first_output + n - 1 of the field. */
-static inline void seeds_copy_field_outputs(const tvi_action *action, const tvi_curve *curve, int first_output,
-                                            double factor, double *restrict out)
+/* Copies n outputs of the field at the nodes, from number first_output on, times `factor`, to out [n][points]. */
+static inline void seeds_copy_scaled_field_outputs(const tvi_action *action, const tvi_curve *curve, int first_output,
+                                                   double factor, double *restrict out)
 {
     const int lanes = seeds_count_lanes(action);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        const double *row = seeds_field_output_row(action, action->field_tape, action->field_block, first_output + i);
+        const double *row =
+            seeds_get_field_output_row(action, action->field_tape, action->field_block, first_output + i);
         JET_IN_VECTORS
         for (int node = 0; node < lanes; node++) out[i * lanes + node] = factor * row[node];
     }

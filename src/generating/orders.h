@@ -41,7 +41,7 @@ static inline int orders_first_computed_slot(const tvi_curve *curve)
 /* ---- The centre -------------------------------------------------------------------------------------------------- */
 
 /* Computes the derivatives of all slots with respect to the velocity, [slots][n], as tangents of order 0. */
-static inline void orders_differentiate_by_velocity(tvi_curve *curve)
+static inline void orders_differentiate_slots_by_velocity(tvi_curve *curve)
 {
     const int n = curve_dimension(curve);
     memset(curve->velocity_derivatives, 0,
@@ -61,11 +61,11 @@ static inline void orders_copy_velocity_hessian(const tvi_curve *curve)
 /* Inverts L_vv at the centre if it is small and needs no row exchanges, and factors it otherwise. */
 static inline tvi_status orders_factor_velocity_hessian(tvi_curve *curve)
 {
-    orders_differentiate_by_velocity(curve);
+    orders_differentiate_slots_by_velocity(curve);
     orders_copy_velocity_hessian(curve);
-    curve->is_hessian_inverted = curve_dimension(curve) <= LINEAR_OWN_MAX_ROWS &&
-                                 linear_unpivoted_invert(curve_dimension(curve), curve->velocity_hessian.lu);
-    if (curve->is_hessian_inverted) return TVI_OK;
+    curve->is_velocity_hessian_inverted = curve_dimension(curve) <= LINEAR_OWN_MAX_ROWS &&
+                                          linear_unpivoted_invert(curve_dimension(curve), curve->velocity_hessian.lu);
+    if (curve->is_velocity_hessian_inverted) return TVI_OK;
     orders_copy_velocity_hessian(curve);
     return CURVE_FACTOR(&curve->velocity_hessian);
 }
@@ -80,12 +80,13 @@ static inline tvi_status orders_factor_velocity_hessian(tvi_curve *curve)
     }
 
 /* Computes out = L_vv^-1 right_side, both [n][lanes]. */
-static inline void orders_solve_for_velocity(const tvi_curve *curve, int lanes, double right_side[], double out[])
+static inline void orders_solve_with_velocity_hessian(const tvi_curve *curve, int lanes, double right_side[],
+                                                      double out[])
 {
     const int n = curve_dimension(curve);
     const size_t stride = (size_t)lanes;
     const double *inverse = curve->velocity_hessian.lu;
-    if (curve->is_hessian_inverted) {
+    if (curve->is_velocity_hessian_inverted) {
         for (int i = 0; i < n; i++, inverse += n, out += lanes) JET_BLOCKS(lanes, ORDERS_MULTIPLY_BY_INVERSE, );
         return;
     }
@@ -104,7 +105,8 @@ static inline void orders_solve_for_velocity(const tvi_curve *curve, int lanes, 
         JET_AT(V, row, 0) = sum;                                                                                       \
     }
 
-/* Adds the term of V_k to all slots of the order, [slots][lanes], that depend on the velocity. */
+/* Adds the term with the velocity coefficient V_k to all slots of the order, [slots][lanes], that depend on the
+ * velocity. */
 static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, const double velocity[], double order[])
 {
     const int n = curve_dimension(curve), slots = (int)tvi_curve_slot_count(curve);
@@ -118,7 +120,7 @@ static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, 
     }
 }
 
-/* Sets Q_k = tau V_{k-1} / k, and V_k = 0. */
+/* Sets the coefficient Q_k = tau V_{k-1} / k of the position, and V_k = 0, which is computed later. */
 #define ORDERS_ADVANCE_POSITION(V, S)                                                                                  \
     {                                                                                                                  \
         TVI_QUOTIENT(V, JET_AT(V, order, 0), tau *JET_OF(V, before, n), divisor)                                       \
@@ -148,12 +150,12 @@ static inline void orders_solve_velocity_order(const tvi_curve *curve, int k, in
     const int n = curve_dimension(curve);
     const double tau = curve->tau, divisor = k;
     const size_t stride = (size_t)lanes;
-    double *right_side = curve->velocity_residual;
+    double *right_side = curve->velocity_right_sides;
     for (int i = 0; i < n; i++, right_side += lanes) {
         const int force = curve_output_slot(curve, i), momentum = curve_output_slot(curve, n + i);
         JET_BLOCKS(lanes, ORDERS_SET_RIGHT_SIDE, );
     }
-    orders_solve_for_velocity(curve, lanes, curve->velocity_residual, order + n * lanes);
+    orders_solve_with_velocity_hessian(curve, lanes, curve->velocity_right_sides, order + n * lanes);
     if (k < curve_highest_order(curve)) orders_add_velocity_terms(curve, lanes, order + n * lanes, order);
 }
 
@@ -172,9 +174,9 @@ static inline tvi_status orders_expand_lagrangian_order(tvi_curve *curve, int k)
 }
 
 /* Computes order k of the tangents of a Lagrangian's curve. Their recurrence has the same matrix L_vv. */
-static inline void orders_differentiate_lagrangian_order(tvi_curve *curve, const curve_tangent_block *block, int k)
+static inline void orders_compute_lagrangian_tangents(tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const int lanes = (int)block->lanes;
+    const int lanes = (int)block->lane_count;
     double *order = curve->tangent_block + (size_t)k * block->order_stride;
     if (k > 0) orders_advance_position(curve, k, lanes, order - block->order_stride, order);
     ORDERS_TANGENTS(curve, curve->tangent_block, k, lanes);
@@ -241,7 +243,7 @@ static inline void orders_advance_tangent_row(int lanes, double factor, const do
 
 static inline void orders_advance_separable_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const int lanes = (int)block->lanes, *output = curve_output_slots(curve);
+    const int lanes = (int)block->lane_count, *output = curve_output_slots(curve);
     const double factor = curve->tau / ((k + 1) * (k + 2)), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 2, 0);
     for (int i = 0; i < curve_dimension(curve); i++)
@@ -250,7 +252,7 @@ static inline void orders_advance_separable_tangents(const tvi_curve *curve, con
 
 static inline void orders_advance_hamiltonian_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const int n = curve_dimension(curve), lanes = (int)block->lanes, *output = curve_output_slots(curve);
+    const int n = curve_dimension(curve), lanes = (int)block->lane_count, *output = curve_output_slots(curve);
     const double factor = curve->tau / (k + 1), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 1, 0);
     for (int i = 0; i < n; i++) {
@@ -261,8 +263,8 @@ static inline void orders_advance_hamiltonian_tangents(const tvi_curve *curve, c
 
 /* ---- Any form of system ------------------------------------------------------------------------------------------ */
 
-/* Returns whether order k of the field gives a coefficient of the curve. */
-static inline bool curve_has_order(const tvi_curve *curve, int k)
+/* Returns whether order k of the field is needed, because a coefficient of the curve follows from it. */
+static inline bool curve_needs_field_order(const tvi_curve *curve, int k)
 {
     return k + (curve_form(curve) == TVI_SEPARABLE ? 2 : 1) <= curve_highest_order(curve);
 }
@@ -273,15 +275,15 @@ static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *statu
 {
     if (curve_form(curve) == TVI_LAGRANGIAN) {
         if (*status == TVI_OK) *status = orders_expand_lagrangian_order(curve, k);
-    } else if (curve_has_order(curve, k)) {
+    } else if (curve_needs_field_order(curve, k)) {
         if (!ORDERS_SERIES(curve, k)) *status = TVI_EDOMAIN;
         if (curve_form(curve) == TVI_SEPARABLE) orders_advance_separable(curve, k);
         else orders_advance_hamiltonian(curve, k);
     }
 }
 
-/* Expands the curve from its centre data. Returns TVI_EDOMAIN, TVI_ESINGULAR, or otherwise TVI_OK, even if coefficients
- * are not finite. */
+/* Expands the curve from its centre state. Returns TVI_EDOMAIN, TVI_ESINGULAR, or otherwise TVI_OK, even if
+ * coefficients are not finite. */
 static inline tvi_status curve_expand_series(tvi_curve *curve)
 {
     tvi_status status = TVI_OK;
@@ -290,12 +292,12 @@ static inline tvi_status curve_expand_series(tvi_curve *curve)
 }
 
 /* Computes order k of the tangents of a block of directions. */
-static inline void curve_differentiate_order(tvi_curve *curve, const curve_tangent_block *block, int k)
+static inline void curve_compute_tangents_of_order(tvi_curve *curve, const curve_tangent_block *block, int k)
 {
     if (curve_form(curve) == TVI_LAGRANGIAN) {
-        orders_differentiate_lagrangian_order(curve, block, k);
-    } else if (curve_has_order(curve, k)) {
-        ORDERS_TANGENTS(curve, curve->tangent_block, k, (int)block->lanes);
+        orders_compute_lagrangian_tangents(curve, block, k);
+    } else if (curve_needs_field_order(curve, k)) {
+        ORDERS_TANGENTS(curve, curve->tangent_block, k, (int)block->lane_count);
         if (curve_form(curve) == TVI_SEPARABLE) orders_advance_separable_tangents(curve, block, k);
         else orders_advance_hamiltonian_tangents(curve, block, k);
     }
@@ -303,7 +305,7 @@ static inline void curve_differentiate_order(tvi_curve *curve, const curve_tange
 
 /* Computes the tangents of the curve last expanded: of one member in blocks of directions, and of several members one
  * direction after the other. */
-static inline void curve_differentiate(tvi_curve *curve)
+static inline void curve_compute_jacobians(tvi_curve *curve)
 {
     const int directions = 2 * curve_dimension(curve), width = curve_width(curve),
               most = width > 1 ? 1 : CURVE_TANGENT_DIRECTIONS;
@@ -312,8 +314,8 @@ static inline void curve_differentiate(tvi_curve *curve)
         const size_t lanes = (size_t)(width * count);
         const curve_tangent_block block = {lanes, tvi_curve_slot_count(curve) * (size_t)count, first};
         curve_clear_tangent_block(curve, &block);
-        for (int k = 0; k <= curve_highest_order(curve); k++) curve_differentiate_order(curve, &block, k);
-        curve_store_tangent_block(curve, &block);
+        for (int k = 0; k <= curve_highest_order(curve); k++) curve_compute_tangents_of_order(curve, &block, k);
+        curve_store_jacobians_from_tangents(curve, &block);
     }
 }
 

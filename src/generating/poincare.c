@@ -1,7 +1,9 @@
 /* poincare.c - describes the method of the Poincare generating function, which depends on the mean of the step's ends,
  * to the list of methods (docs/method.md section 4). Its corrections solve
- *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),   zbar the mean of the
- * curve's ends. With the scaled momenta in zbar the solution is (a, b / kappa). */
+ *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),
+ * with the states z0 and z1 at the ends of the step, the ends (q-, p-) and (q+, p+) of the curve and their mean zbar,
+ * and the gradient D_z of the action in defect form (action.h). With the scaled momenta in zbar the solution is (a, b /
+ * kappa). */
 #include "generating/closure.h"
 #include "method/list.h"
 
@@ -21,6 +23,6 @@ const tvi_descriptor tvi_poincare = {
               .action = TVI_ACTION_HAMILTON,
               .uses_top_momentum = true,
               .correct_ends = tvi_correct_ends_by_mean,
-              .mean_factors = {true, .from_q_factor = 0.5, .rise_q_factor = -1, .from_p_factor = {-0.5, 0},
-                               .rise_p_factor = {1, 0}}},
+              .end_factors = {true, .start_q_factor = 0.5, .increment_q_factor = -1, .start_p_factor = {-0.5, 0},
+                              .increment_p_factor = {1, 0}}},
 };

@@ -1,5 +1,5 @@
-/* products.c - allocates the work of the iteration of products.h, and lists its functions as a solver. It is
- * compiled once for each instruction set. */
+/* products.c - allocates the memory of the conjugate-residual iteration of products.h, and lists its functions as a
+ * solver of the equations of the generating functions. It is compiled once for each instruction set. */
 #define CURVE_ONE_SET
 #include "sums.h"
 
@@ -7,7 +7,7 @@
 
 static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
 {
-    const size_t width = (size_t)products_padded_length(closure);
+    const size_t width = (size_t)products_get_padded_length(closure);
     tvi_conjugate_residuals *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     const tvi_conjugate_residuals iteration = {
         .solution = tvi_arena_allocate_doubles(arena, width),
@@ -17,7 +17,7 @@ static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
         .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),
         .product = tvi_arena_allocate_doubles(arena, width),
-        .largest_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.top + 1),
+        .largest_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.highest_order + 1),
     };
     if (allocated) *allocated = iteration;
     closure->solver_data = allocated;

@@ -30,8 +30,10 @@ static inline void products_compute_tangents(tvi_curve *curve, const double dz[]
     }
 }
 
-/* Computes the product of a combination's Jacobian and the direction of the last call of products_compute_tangents. */
-static inline void products_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
+/* Computes out[n], the Jacobian of the combination's sum times the direction of the last call of
+ * products_compute_tangents. */
+static inline void products_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination,
+                                                           double out[])
 {
     const size_t n = (size_t)curve_dimension(curve);
     memset(out, 0, n * sizeof *out);
@@ -39,19 +41,20 @@ static inline void products_multiply_direction(const tvi_curve *curve, const tvi
                           tvi_curve_slot_count(curve), n, curve->tangent_block, out);
 }
 
-static inline double *products_adjoint_of_Q(const tvi_curve *curve, int k)
+static inline double *products_get_adjoint_of_Q(const tvi_curve *curve, int k)
 {
     return curve->adjoint_block + (size_t)k * tvi_curve_slot_count(curve);
 }
 
-/* The terms of a transposed product: the seeds seed_Q [top + 1][n] of Q_k, and `factor` times the transposed
- * Jacobians of two combinations times x and y [n]. Seeds and combinations that are NULL are omitted. */
+/* The vectors that a product with transposed Jacobians adds up: the seeds seed_Q [highest_order + 1][n] are multiplied
+ * by the transposed Jacobians of the coefficients Q_k; x and y [n], times `factor`, by those of the combinations
+ * jacobian_of_x and jacobian_of_y. Seeds and combinations that are NULL are omitted. */
 typedef struct {
     const double *seed_Q;
     double factor;
     const tvi_combination *jacobian_of_x, *jacobian_of_y;
     const double *x, *y;
-} tvi_transpose_terms;
+} tvi_transposed_product_terms;
 
 #define PRODUCTS_SEED(V, S)                                                                                            \
     {                                                                                                                  \
@@ -66,12 +69,13 @@ typedef struct {
 
 /* Sets the adjoints of Q_k to the seeds, and all other adjoints to 0, since operations of an order may add to the
  * adjoints of all lower orders. The last two orders of Q do not depend on orders of the field. */
-static inline void products_set_adjoint_seeds(tvi_curve *curve, int last_order, const tvi_transpose_terms *terms)
+static inline void products_set_adjoint_seeds(tvi_curve *curve, int last_order,
+                                              const tvi_transposed_product_terms *terms)
 {
     enum { stride = 0 };
     const int n = curve_dimension(curve);
     for (int k = 0; k <= last_order; k++) {
-        double *bar = products_adjoint_of_Q(curve, k);
+        double *bar = products_get_adjoint_of_Q(curve, k);
         JET_BLOCKS(n, PRODUCTS_SEED, );
         if (k + 2 <= last_order) memset(bar + n, 0, (tvi_curve_slot_count(curve) - (size_t)n) * sizeof *bar);
     }
@@ -85,11 +89,12 @@ static inline void products_set_adjoint_seeds(tvi_curve *curve, int last_order, 
             bar[slot[i]] += part * kappa[i] * above[i];                                                                \
     }
 
-/* Computes out[2n], the sum of the terms, by the recurrence downward: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2},
- * then the adjoints of the operands. It uses the orders of the curve up to last_order, 1 <= last_order <= top; the cost
- * grows as its square. */
-static inline void products_multiply_by_transpose(tvi_curve *curve, int last_order, const tvi_transpose_terms *terms,
-                                                  double out[])
+/* Computes out[2n], the transposed Jacobians times the vectors of `terms`, by an adjoint sweep from high to low orders:
+ * the adjoint of order k of the force is fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, with the adjoint qbar_k of Q_k;
+ * then follow the adjoints of the operands. It uses the orders of the curve up to last_order, 1 <= last_order <=
+ * highest_order; the cost grows as its square. */
+static inline void products_multiply_by_transposed_jacobians(tvi_curve *curve, int last_order,
+                                                             const tvi_transposed_product_terms *terms, double out[])
 {
     enum { stride = 0 };
     products_set_adjoint_seeds(curve, last_order, terms);
@@ -97,13 +102,13 @@ static inline void products_multiply_by_transpose(tvi_curve *curve, int last_ord
     const double *kappa = curve->kappa;
     const int *slot = curve_output_slots(curve);
     for (int k = last_order - 2; k >= 0; k--) {
-        const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_adjoint_of_Q(curve, k + 2);
-        double *bar = products_adjoint_of_Q(curve, k);
+        const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_get_adjoint_of_Q(curve, k + 2);
+        double *bar = products_get_adjoint_of_Q(curve, k);
         JET_BLOCKS((int)n, PRODUCTS_HAND_ON, );
         PRODUCTS_ADJOINTS(curve->system->field_series, curve->series_block, curve->adjoint_block, k, last_order - 2);
     }
-    memcpy(out, products_adjoint_of_Q(curve, 0), n * sizeof *out);
-    memcpy(out + n, products_adjoint_of_Q(curve, 1), n * sizeof *out);
+    memcpy(out, products_get_adjoint_of_Q(curve, 0), n * sizeof *out);
+    memcpy(out + n, products_get_adjoint_of_Q(curve, 1), n * sizeof *out);
 }
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
@@ -114,52 +119,55 @@ enum { PRODUCTS_VECTOR = 8 };
 typedef struct {
     double *solution; /* the solution x, which is the initial guess of the next pass */
     double *residual; /* the residual D_z - A^T x, in all 2n rows */
-    /* [PRODUCTS_MAX_ITERATIONS][2n] the search directions, and A^T times each of them */
+    /* [PRODUCTS_MAX_ITERATIONS][2n] the search directions, and the image of each, A^T times the direction */
     double *direction, *direction_image;
-    double image_square[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction's image */
+    double squared_image_norm[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction_image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
     double *inverse_unknown_size;
     double *scratch, *product;   /* [2n] */
-    double *largest_coefficient; /* [top + 1] the largest component of each |Q_k| */
-    bool has_guess;
+    double *largest_coefficient; /* [highest_order + 1] for each k the largest |component| of Q_k */
+    bool has_initial_guess;
 } tvi_conjugate_residuals;
 
-static inline tvi_conjugate_residuals *products_get_iteration(const tvi_closure *closure)
+static inline tvi_conjugate_residuals *products_get_conjugate_residuals(const tvi_closure *closure)
 {
     return closure->solver_data;
 }
 
-static inline int products_padded_length(const tvi_closure *closure)
+static inline int products_get_padded_length(const tvi_closure *closure)
 {
     return (2 * curve_dimension(&closure->curve) + PRODUCTS_VECTOR - 1) / PRODUCTS_VECTOR * PRODUCTS_VECTOR;
 }
 
-static inline void products_discard_guess(tvi_closure *closure) { products_get_iteration(closure)->has_guess = false; }
+static inline void products_discard_guess(tvi_closure *closure)
+{
+    products_get_conjugate_residuals(closure)->has_initial_guess = false;
+}
 
 static inline int products_find_first_unknown(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     return equations->second_combination || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
 }
 
-/* Returns the terms of factor * A^T vector. */
-static inline tvi_transpose_terms products_get_operator_terms(const tvi_closure *closure,
-                                                              const tvi_transposed_equations *equations, double factor,
-                                                              const double vector[])
+/* Returns the terms whose transposed product is factor * A^T vector, with the matrix A of the equations. */
+static inline tvi_transposed_product_terms products_get_equation_matrix_terms(const tvi_closure *closure,
+                                                                              const tvi_transposed_equations *equations,
+                                                                              double factor, const double vector[])
 {
-    return (tvi_transpose_terms){.factor = factor,
-                                 .jacobian_of_x = equations->first_combination,
-                                 .jacobian_of_y = equations->second_combination,
-                                 .x = vector + products_find_first_unknown(closure, equations),
-                                 .y = vector + curve_dimension(&closure->curve)};
+    return (tvi_transposed_product_terms){.factor = factor,
+                                          .jacobian_of_x = equations->first_combination,
+                                          .jacobian_of_y = equations->second_combination,
+                                          .x = vector + products_find_first_unknown(closure, equations),
+                                          .y = vector + curve_dimension(&closure->curve)};
 }
 
-/* Computes out = A^T vector, in both halves of its rows, from the orders of the curve up to last_order. */
-static inline void products_multiply_by_operator(tvi_closure *closure, int last_order,
-                                                 const tvi_transposed_equations *equations, const double vector[],
-                                                 double out[])
+/* Computes out = A^T vector, in all 2n rows, from the orders of the curve up to last_order; A is from the equations. */
+static inline void products_multiply_by_equation_matrix(tvi_closure *closure, int last_order,
+                                                        const tvi_transposed_equations *equations,
+                                                        const double vector[], double out[])
 {
-    const tvi_transpose_terms product = products_get_operator_terms(closure, equations, 1, vector);
-    products_multiply_by_transpose(&closure->curve, last_order, &product, out);
+    const tvi_transposed_product_terms product = products_get_equation_matrix_terms(closure, equations, 1, vector);
+    products_multiply_by_transposed_jacobians(&closure->curve, last_order, &product, out);
 }
 
 /* Computes vector = P r with a diagonal preconditioner P, the reciprocals of the weights with which Q_0 and Q_1 enter
@@ -181,14 +189,15 @@ static inline void products_divide_by_leading_weights(const tvi_closure *closure
 static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_transposed_equations *equations,
                                                  const double r[], double s[])
 {
-    double *twice = products_get_iteration(closure)->scratch, *v = products_get_iteration(closure)->product;
-    memset(s, 0, (size_t)products_padded_length(closure) * sizeof *s);
+    double *twice = products_get_conjugate_residuals(closure)->scratch,
+           *v = products_get_conjugate_residuals(closure)->product;
+    memset(s, 0, (size_t)products_get_padded_length(closure) * sizeof *s);
     products_divide_by_leading_weights(closure, equations, r, s);
-    products_multiply_by_operator(closure,
-                                  curve_highest_order(&closure->curve) < PRODUCTS_NEAR_ORDER
-                                      ? curve_highest_order(&closure->curve)
-                                      : PRODUCTS_NEAR_ORDER,
-                                  equations, s, v);
+    products_multiply_by_equation_matrix(closure,
+                                         curve_highest_order(&closure->curve) < PRODUCTS_NEAR_ORDER
+                                             ? curve_highest_order(&closure->curve)
+                                             : PRODUCTS_NEAR_ORDER,
+                                         equations, s, v);
     for (int i = 0; i < 2 * curve_dimension(&closure->curve); i++) twice[i] = 2 * r[i] - v[i];
     products_divide_by_leading_weights(closure, equations, twice, s);
 }
@@ -196,9 +205,9 @@ static inline void products_apply_preconditioner(tvi_closure *closure, const tvi
 /* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
 static inline double products_compute_scaled_maximum(const tvi_closure *closure, const double vector[])
 {
-    const double *unit = products_get_iteration(closure)->inverse_unknown_size;
+    const double *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     double most = 0;
-    for (int i = 0; i < products_padded_length(closure); i++) most = tvi_larger(fabs(vector[i]) * unit[i], most);
+    for (int i = 0; i < products_get_padded_length(closure); i++) most = tvi_larger(fabs(vector[i]) * unit[i], most);
     return most;
 }
 
@@ -206,9 +215,9 @@ static inline double products_compute_scaled_maximum(const tvi_closure *closure,
 static inline double products_compute_scaled_dot_product(const tvi_closure *closure, const double vector[],
                                                          const double y[])
 {
-    const double *unit = products_get_iteration(closure)->inverse_unknown_size;
+    const double *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     double sum[PRODUCTS_VECTOR] = {0};
-    for (int here = 0; here < products_padded_length(closure); here += PRODUCTS_VECTOR)
+    for (int here = 0; here < products_get_padded_length(closure); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
             sum[lane] += vector[here + lane] * unit[here + lane] * (y[here + lane] * unit[here + lane]);
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
@@ -217,7 +226,7 @@ static inline double products_compute_scaled_dot_product(const tvi_closure *clos
 static inline void products_add_multiple(const tvi_closure *closure, double factor, const double vector[],
                                          double *restrict y)
 {
-    for (int i = 0; i < products_padded_length(closure); i++) y[i] += factor * vector[i];
+    for (int i = 0; i < products_get_padded_length(closure); i++) y[i] += factor * vector[i];
 }
 
 /* Makes the search direction `step` and its image orthogonal to the earlier ones. Adds the multiple of it to the
@@ -225,29 +234,29 @@ static inline void products_add_multiple(const tvi_closure *closure, double fact
 static inline void products_minimise_residual(tvi_closure *closure, int last_order,
                                               const tvi_transposed_equations *equations, int step)
 {
-    tvi_conjugate_residuals *iteration = products_get_iteration(closure);
-    double *s = iteration->direction + step * products_padded_length(closure),
-           *v = iteration->direction_image + step * products_padded_length(closure);
-    products_multiply_by_operator(closure, last_order, equations, s, v);
+    tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
+    double *s = iteration->direction + step * products_get_padded_length(closure),
+           *v = iteration->direction_image + step * products_get_padded_length(closure);
+    products_multiply_by_equation_matrix(closure, last_order, equations, s, v);
     for (int i = 0; i < step; i++) {
-        const double *v_before = iteration->direction_image + i * products_padded_length(closure);
-        const double part =
-            tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, v, v_before), iteration->image_square[i]);
+        const double *v_before = iteration->direction_image + i * products_get_padded_length(closure);
+        const double part = tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, v, v_before),
+                                              iteration->squared_image_norm[i]);
         products_add_multiple(closure, -part, v_before, v);
-        products_add_multiple(closure, -part, iteration->direction + i * products_padded_length(closure), s);
+        products_add_multiple(closure, -part, iteration->direction + i * products_get_padded_length(closure), s);
     }
-    iteration->image_square[step] = products_compute_scaled_dot_product(closure, v, v);
+    iteration->squared_image_norm[step] = products_compute_scaled_dot_product(closure, v, v);
     const double part = tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, iteration->residual, v),
-                                          iteration->image_square[step]);
+                                          iteration->squared_image_norm[step]);
     products_add_multiple(closure, part, s, iteration->solution);
     products_add_multiple(closure, -part, v, iteration->residual);
 }
 
 /* Returns the order to which a product may sum the curve if only `relative_accuracy` of it is needed: the first order
  * from which on |Q_k| is below relative_accuracy / PRODUCTS_TRUNCATION_SAFETY |Q_0|, or the highest order. */
-static inline int products_choose_truncated_order(const tvi_closure *closure, double relative_accuracy)
+static inline int products_choose_order_for_accuracy(const tvi_closure *closure, double relative_accuracy)
 {
-    const double *largest = products_get_iteration(closure)->largest_coefficient,
+    const double *largest = products_get_conjugate_residuals(closure)->largest_coefficient,
                  bound = relative_accuracy / PRODUCTS_TRUNCATION_SAFETY * largest[0];
     int k = curve_highest_order(&closure->curve);
     while (k > 1 && !(largest[k - 1] > bound)) k--;
@@ -256,20 +265,22 @@ static inline int products_choose_truncated_order(const tvi_closure *closure, do
 
 /* Solves A^T x = D_z by generalised conjugate residuals, from the guess x of the pass before. Returns TVI_ENOCONV if
  * corrections do not shrink. */
-static inline tvi_status products_iterate_to_solution(tvi_closure *closure, const tvi_transposed_equations *equations)
+static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *closure,
+                                                               const tvi_transposed_equations *equations)
 {
-    tvi_conjugate_residuals *iteration = products_get_iteration(closure);
+    tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
     double goal = CURVE_NEGLIGIBLE_ERROR;
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
-    if (!iteration->has_guess)
-        memset(iteration->solution, 0, (size_t)products_padded_length(closure) * sizeof *iteration->solution);
-    tvi_transpose_terms residual = products_get_operator_terms(closure, equations, -1, iteration->solution);
+    if (!iteration->has_initial_guess)
+        memset(iteration->solution, 0, (size_t)products_get_padded_length(closure) * sizeof *iteration->solution);
+    tvi_transposed_product_terms residual =
+        products_get_equation_matrix_terms(closure, equations, -1, iteration->solution);
     residual.seed_Q = closure->seed_Q;
-    products_multiply_by_transpose(&closure->curve, curve_highest_order(&closure->curve), &residual,
-                                   iteration->residual);
+    products_multiply_by_transposed_jacobians(&closure->curve, curve_highest_order(&closure->curve), &residual,
+                                              iteration->residual);
     for (int step = 0; step < PRODUCTS_MAX_ITERATIONS; step++) {
-        double *s = iteration->direction + step * products_padded_length(closure);
+        double *s = iteration->direction + step * products_get_padded_length(closure);
         products_apply_preconditioner(closure, equations, iteration->residual, s);
         const double size = products_compute_scaled_maximum(closure, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
@@ -286,26 +297,27 @@ static inline tvi_status products_iterate_to_solution(tvi_closure *closure, cons
         if (may_end && equations->second_combination) /* The residual is not needed if all rows are solved for. */
             products_add_multiple(closure, 1, s, iteration->solution);
         else
-            products_minimise_residual(closure, products_choose_truncated_order(closure, goal < size ? goal / size : 1),
-                                       equations, step);
-        iteration->has_guess = may_end;
+            products_minimise_residual(
+                closure, products_choose_order_for_accuracy(closure, goal < size ? goal / size : 1), equations, step);
+        iteration->has_initial_guess = may_end;
         if (may_end) return TVI_OK;
     }
     return TVI_ENOCONV;
 }
 
-/* Replaces D by the solution x in the rows that are solved for, and by the residual of the equations in all other rows.
- * */
+/* Solves the equations, and replaces gradient_then_solution by the solution x in the rows that are solved for, and by
+ * the residual of the equations in all other rows. */
 static inline tvi_status products_solve_equations(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const tvi_conjugate_residuals *iteration = products_get_iteration(closure);
+    const tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
     const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
     if (!equations->second_combination)
         memset(iteration->inverse_unknown_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_unknown_size);
-    const tvi_status status = products_iterate_to_solution(closure, equations);
-    memcpy(closure->D, iteration->residual, 2 * (size_t)n * sizeof *closure->D);
-    memcpy(closure->D + place, iteration->solution + place,
-           (size_t)(equations->second_combination ? 2 * n : n) * sizeof *closure->D);
+    const tvi_status status = products_solve_by_conjugate_residuals(closure, equations);
+    memcpy(closure->gradient_then_solution, iteration->residual,
+           2 * (size_t)n * sizeof *closure->gradient_then_solution);
+    memcpy(closure->gradient_then_solution + place, iteration->solution + place,
+           (size_t)(equations->second_combination ? 2 * n : n) * sizeof *closure->gradient_then_solution);
     return status;
 }
 
@@ -314,16 +326,20 @@ static inline tvi_status products_solve_equations(tvi_closure *closure, const tv
 static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, double correction[])
 {
     const int n = curve_dimension(&closure->curve),
-              last_order = products_choose_truncated_order(closure, PRODUCTS_REDUCTION);
-    const double *kappa = closure->curve.kappa, *product = products_get_iteration(closure)->product;
-    double *of_q = products_get_iteration(closure)->scratch, *of_u = of_q + n;
+              last_order = products_choose_order_for_accuracy(closure, PRODUCTS_REDUCTION);
+    const double *kappa = closure->curve.kappa, *product = products_get_conjugate_residuals(closure)->product;
+    double *of_q = products_get_conjugate_residuals(closure)->scratch, *of_u = of_q + n;
     for (int i = 0; i < n; i++) {
         of_q[i] = correction[n + i] / kappa[i];
         of_u[i] = -correction[i] / kappa[i];
     }
-    const tvi_transpose_terms ends = {
-        .factor = 1, .jacobian_of_x = &closure->q_from, .jacobian_of_y = &closure->u_from, .x = of_q, .y = of_u};
-    products_multiply_by_transpose(&closure->curve, last_order, &ends, products_get_iteration(closure)->product);
+    const tvi_transposed_product_terms ends = {.factor = 1,
+                                               .jacobian_of_x = &closure->q_at_start,
+                                               .jacobian_of_y = &closure->u_at_start,
+                                               .x = of_q,
+                                               .y = of_u};
+    products_multiply_by_transposed_jacobians(&closure->curve, last_order, &ends,
+                                              products_get_conjugate_residuals(closure)->product);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * product[n + i];
         correction[n + i] = kappa[i] * product[i];
@@ -336,11 +352,12 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
  * unknowns are momenta, or u / kappa, and their size is momentum_size. A much smaller size, as of a displacement, or 0,
  * is replaced by one in proportion to the largest momentum. If all momenta are 0, as at rest with degree 1, the sizes
  * are those of the positions, and if these are 0, the sizes are 1. */
-static inline void products_set_units_of_subsystem(const tvi_closure *closure, const int *component, int first, int end)
+static inline void products_set_subsystem_unknown_sizes(const tvi_closure *closure, const int *component, int first,
+                                                        int end)
 {
     const int n = curve_dimension(&closure->curve);
     const double *kappa = closure->curve.kappa;
-    double largest = 0, place = 0, *unit = products_get_iteration(closure)->inverse_unknown_size;
+    double largest = 0, place = 0, *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     for (int k = first; k < end; k++)
         largest = tvi_larger(fabs(kappa[component[k]]) * closure->momentum_size[component[k]], largest);
     for (int order = 0; order <= curve_highest_order(&closure->curve) && largest == 0; order++)
@@ -354,23 +371,24 @@ static inline void products_set_units_of_subsystem(const tvi_closure *closure, c
     }
 }
 
-static inline void products_set_units_of_unknowns(tvi_closure *closure)
+static inline void products_set_unknown_sizes(tvi_closure *closure)
 {
     const tvi_subsystems *parts = &closure->curve.system->parts;
     closure_compute_momentum_sizes(closure);
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
-        products_get_iteration(closure)->largest_coefficient[k] =
+        products_get_conjugate_residuals(closure)->largest_coefficient[k] =
             tvi_largest_magnitude(curve_dimension(&closure->curve), tvi_curve_inputs_of_order(&closure->curve, k), 1);
     for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
-        products_set_units_of_subsystem(closure, parts->component, first, parts->end[k]);
+        products_set_subsystem_unknown_sizes(closure, parts->component, first, parts->end[k]);
 }
 
-/* Computes the corrections of the ends. The sizes of the unknowns are those in the first pass. */
+/* Computes the corrections of the ends of the step. The sizes of the unknowns are set in the first pass, and kept in
+ * later ones. */
 static inline tvi_status products_compute_corrections(tvi_closure *closure, const double z[], const double scale[],
                                                       tvi_stats *stats)
 {
     (void)z, (void)scale, (void)stats;
-    if (!products_get_iteration(closure)->has_guess) products_set_units_of_unknowns(closure);
+    if (!products_get_conjugate_residuals(closure)->has_initial_guess) products_set_unknown_sizes(closure);
     return closure->correct_ends(closure);
 }
 

@@ -1,6 +1,7 @@
-/* quick.c - compiles the quick step of one member (curve_step.h), the seeds of the action and the rescaling of a
- * curve for one instruction set, and lists all functions compiled for it. The build compiles this file once for each
- * instruction set; choose.c selects among the results. */
+/* quick.c - compiles the quick step of one member (curve_step.h: a whole step in the common case that passes converge
+ * as usual, without fallbacks), the seeds of the action and the rescaling of a curve for one instruction set, and lists
+ * all functions compiled for it. The build compiles this file once for each instruction set; choose.c selects among the
+ * results. */
 #include "generating/quick.h"
 #include "generating/step_size.h"
 
@@ -8,12 +9,12 @@ static bool make_quick_step(tvi_curve_workspace *work, double tau, const tvi_bat
                             const tvi_quick_step_results *results, tvi_stats *stats)
 {
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
-                                                   seeds_compute_from_field, NULL};
+                                                   seeds_compute_without_second_derivatives, NULL};
     return step_by_quick_passes(work, &functions, tau, origin, results, stats);
 }
 
 const tvi_curve_variant JET_FOR_ISA(tvi_curve_variant) = {.rescale_and_sum = curve_rescale_and_sum,
-                                                          .compute_seeds = seeds_compute_from_field,
+                                                          .compute_seeds = seeds_compute_without_second_derivatives,
                                                           .quick_step = make_quick_step,
                                                           .quick_step_of_members = JET_FOR_ISA(tvi_quick_step_batch),
                                                           .taylor_step_of_members = JET_FOR_ISA(tvi_taylor_step_batch),

@@ -14,7 +14,7 @@ extern const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products);
 static inline tvi_status quick_expand_with_tangents(tvi_curve *curve)
 {
     const tvi_status status = curve_expand_series(curve);
-    if (status == TVI_OK || curve_width(curve) > 1) curve_differentiate(curve);
+    if (status == TVI_OK || curve_width(curve) > 1) curve_compute_jacobians(curve);
     return status;
 }
 

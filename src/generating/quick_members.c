@@ -1,28 +1,29 @@
-/* quick_members.c - compiles the quick step of several members (curve_step.h), and their plain Taylor step, for one
- * instruction set. The build compiles this file once for each instruction set; choose.c selects among the results
- * for curve_batch.c. */
+/* quick_members.c - compiles the quick step of several members (curve_step.h: a whole step in the common case that
+ * passes converge as usual, without fallbacks), and their plain Taylor step, for one instruction set. The build
+ * compiles this file once for each instruction set; choose.c selects among the results for curve_batch.c. */
 #define CURVE_MEMBERS
 #include "generating/members.h"
 #include "generating/quick.h"
 #include "generating/step_size.h"
 #include "method/single.h"
 
-static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at_nodes, long long is_iterating[])
+static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at_nodes, long long iterating_mask[])
 {
     const tvi_curve *curve = &work->closure.curve;
     const jet_tape *tape = at_nodes ? work->action.field_tape : curve->system->field_series;
     const double *x = at_nodes ? work->action.field_block : curve->series_block;
     for (int m = 0; m < curve->width; m++)
-        if (is_iterating[m] &&
+        if (iterating_mask[m] &&
             !tvi_is_member_inside_domain(work->single_stepper, tape, x, at_nodes ? work->action.points : 1, m))
-            is_iterating[m] = 0;
+            iterating_mask[m] = 0;
 }
 
 bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                        const tvi_quick_step_results *results, tvi_stats *stats)
 {
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
-                                                   seeds_compute_from_field, drop_members_outside_domain};
+                                                   seeds_compute_without_second_derivatives,
+                                                   drop_members_outside_domain};
     return step_by_quick_passes(work, &functions, tau, origin, results, stats);
 }
 
@@ -32,16 +33,16 @@ bool JET_FOR_ISA(tvi_taylor_step_batch)(tvi_curve_workspace *work, double h, con
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve), width = curve_width(curve);
     curve_set_time_unit(curve, h);
-    (void)step_set_start_data(work, origin, work->predicted_z);
-    if (curve_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, results->is_iterating);
+    (void)step_set_centre_state_to_start(work, origin, work->predicted_state);
+    if (curve_expand_series(curve) != TVI_OK) drop_members_outside_domain(work, false, results->iterating_mask);
     curve_rescale_and_sum(curve, 1, results->dq, results->dp);
     for (int i = 0; i < n * width; i++) results->dp[i] /= curve->kappa[i / width];
     step_compute_tails(curve, results->tail);
     for (int m = 0; m < width; m++) {
         const bool is_finite = tvi_rows_are_finite(n, (size_t)width, 1, results->dq + m) &&
                                tvi_rows_are_finite(n, (size_t)width, 1, results->dp + m);
-        results->passes[m] = results->is_iterating[m] && is_finite ? 0 : TVI_NOT_MADE;
-        stats->expansions += results->passes[m] == 0;
+        results->pass_counts[m] = results->iterating_mask[m] && is_finite ? 0 : TVI_NOT_MADE;
+        stats->expansions += results->pass_counts[m] == 0;
     }
     return true;
 }

@@ -1,6 +1,6 @@
 /* refine.c - computes the increments of a Taylor curve X(s) more accurately than double precision. It integrates the
- * defect d that roundoff leaves, in long double. curve_stepper.c calls it for small tolerances (docs/method.md section
- * 6):
+ * residual d of the differential equation that roundoff leaves, in long double. curve_stepper.c calls it for small
+ * tolerances (docs/method.md section 6):
  *     separable      d = h^2 M^-1 F(Q) - Q'',      dq = Q(1) - q + int (1 - s) d,   h M^-1 dp = Q'(1) - Q'(0) + int d,
  *     Hamiltonian    d = h (H_p, -H_q)(X) - X',    (dq, dp) = X(1) - X(0) + int d,
  * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of step_size.h coefficient k is
@@ -13,44 +13,46 @@
 enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
 
-/* The indices of the sums over the coefficients: VALUE + j and RATE + j of X, and of X' or Q'', at node j; END of X(1);
- * SLOPE of Q'(1). */
+/* The indices of the sums over the coefficients: VALUE + j for the state X at node j; RATE + j for its derivative
+ * there, X', or Q'' of a separable system; END for X(1); SLOPE for Q'(1). */
 enum { VALUE, RATE = NODES, END = 2 * NODES, SLOPE, LOW = TVI_REFINE_LOW };
 
 /* The step whose increments are computed. */
 typedef struct {
-    const tvi_refinement *refinement;
+    const tvi_increment_refinement *refinement;
     const tvi_curve *curve;
     const tvi_system *system;
     const tvi_step_origin *origin;
     long double h;
 } refinement_step;
 
-bool tvi_needs_refinement(const tvi_system *system, double tolerance)
+bool tvi_needs_refined_increments(const tvi_system *system, double tolerance)
 {
     return tolerance < REFINE_MAX_TOLERANCE && system->form != TVI_LAGRANGIAN;
 }
 
 /* ---- The tables -------------------------------------------------------------------------------------------------- */
 
-void tvi_allocate_refinement(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve)
+void tvi_allocate_increment_refinement(tvi_increment_refinement *refinement, tvi_arena *arena, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const size_t inputs = (size_t)system->inputs, slots = (size_t)system->field_values->slots;
-    long double **const vectors[] = {
-        &refinement->start_values,    &refinement->drift,           &refinement->coefficient_sum, &refinement->defect,
-        &refinement->single_integral, &refinement->double_integral, &refinement->field_slots};
+    long double **const vectors[] = {&refinement->order_zero_terms,  &refinement->order_one_terms,
+                                     &refinement->coefficient_sum,   &refinement->ode_residual,
+                                     &refinement->residual_integral, &refinement->residual_double_integral,
+                                     &refinement->field_slots};
     for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
     refinement->lowest_order = system->form == TVI_SEPARABLE ? 2 : 1;
-    refinement->high_order_weight = tvi_arena_allocate_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->top + 1));
+    refinement->high_order_weight =
+        tvi_arena_allocate_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->highest_order + 1));
     refinement->high_order_sum = tvi_arena_allocate_doubles(arena, inputs);
-    refinement->constants_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+    refinement->field_constants_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
 }
 
-void tvi_prepare_refinement(tvi_refinement *refinement, const tvi_curve *curve)
+void tvi_prepare_increment_refinement(tvi_increment_refinement *refinement, const tvi_curve *curve)
 {
     long double power[NODES] = {1, 1};
-    for (int k = 0; k <= curve->top; k++) {
+    for (int k = 0; k <= curve->highest_order; k++) {
         long double weight[TVI_REFINE_SUMS] = {[END] = 1, [SLOPE] = k};
         for (int j = 0; j < NODES; j++) {
             weight[VALUE + j] = power[j];
@@ -60,46 +62,46 @@ void tvi_prepare_refinement(tvi_refinement *refinement, const tvi_curve *curve)
         }
         for (int sum = 0; sum < TVI_REFINE_SUMS && k >= refinement->lowest_order; sum++)
             if (k <= LOW) refinement->low_order_weight[sum][k] = weight[sum];
-            else refinement->high_order_weight[sum * (curve->top + 1) + k] = (double)weight[sum];
+            else refinement->high_order_weight[sum * (curve->highest_order + 1) + k] = (double)weight[sum];
     }
 }
 
-/* ---- The defect -------------------------------------------------------------------------------------------------- */
+/* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 static const long double *sum_coefficients(const refinement_step *step, int sum_index)
 {
-    const tvi_refinement *refinement = step->refinement;
+    const tvi_increment_refinement *refinement = step->refinement;
     const tvi_curve *curve = step->curve;
-    const size_t orders = (size_t)curve->top + 1, inputs = (size_t)step->system->inputs;
-    const int top = curve->top < LOW ? curve->top : LOW;
+    const size_t orders = (size_t)curve->highest_order + 1, inputs = (size_t)step->system->inputs;
+    const int highest_order = curve->highest_order < LOW ? curve->highest_order : LOW;
     memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
     tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)sum_index * orders,
                           tvi_curve_slot_count(curve), inputs, curve->series_block, refinement->high_order_sum);
     for (size_t i = 0; i < inputs; i++) {
         refinement->coefficient_sum[i] = refinement->high_order_sum[i];
-        for (int k = top; k >= refinement->lowest_order; k--)
+        for (int k = highest_order; k >= refinement->lowest_order; k--)
             refinement->coefficient_sum[i] +=
                 refinement->low_order_weight[sum_index][k] * tvi_curve_inputs_of_order(curve, k)[i];
     }
     return refinement->coefficient_sum;
 }
 
-static void set_start_values(const refinement_step *step)
+static void set_low_order_terms(const refinement_step *step)
 {
     const int n = step->system->n;
     const tvi_step_origin *o = step->origin;
-    const tvi_refinement *refinement = step->refinement;
+    const tvi_increment_refinement *refinement = step->refinement;
     for (int i = 0; i < n; i++) {
         const long double p = o->p[i] + (long double)o->p_low[i];
-        refinement->start_values[i] = o->q[i] + (long double)o->q_low[i];
-        if (step->system->form == TVI_SEPARABLE) refinement->drift[i] = step->h * p / step->system->mass[i];
-        else refinement->start_values[n + i] = p;
+        refinement->order_zero_terms[i] = o->q[i] + (long double)o->q_low[i];
+        if (step->system->form == TVI_SEPARABLE) refinement->order_one_terms[i] = step->h * p / step->system->mass[i];
+        else refinement->order_zero_terms[n + i] = p;
     }
 }
 
-/* Returns the rate of input i from the last values of the field: h^2 M^-1 F for a separable system, otherwise h times
- * the derivative. */
-static long double compute_rate(const refinement_step *step, int i)
+/* Returns the derivative of input i in s that the last values of the field give: the second derivative h^2 M^-1 F for a
+ * separable system, otherwise h times the derivative in time. */
+static long double compute_scaled_rate(const refinement_step *step, int i)
 {
     const int n = step->system->n, *output = step->system->field_values->output_slot;
     const long double *y = step->refinement->field_slots, h = step->h;
@@ -107,31 +109,33 @@ static long double compute_rate(const refinement_step *step, int i)
     return i < n ? h * y[output[n + i]] : -h * y[output[i - n]];
 }
 
-static void compute_defect_at_node(const refinement_step *step, int j)
+static void compute_ode_residual_at_node(const refinement_step *step, int j)
 {
-    const tvi_refinement *refinement = step->refinement;
+    const tvi_increment_refinement *refinement = step->refinement;
     const int inputs = step->system->inputs;
     const long double *sum = sum_coefficients(step, VALUE + j);
     for (int i = 0; i < inputs; i++)
-        refinement->field_slots[i] = refinement->start_values[i] + (node[j] * refinement->drift[i] + sum[i]);
+        refinement->field_slots[i] =
+            refinement->order_zero_terms[i] + (node[j] * refinement->order_one_terms[i] + sum[i]);
     if (step->system->uses_time)
         refinement->field_slots[inputs] = step->origin->t + (step->origin->t_low + node[j] * step->h);
-    jet_sweep_long_double_values(step->system->field_values, refinement->constants_block, refinement->field_slots);
+    jet_sweep_long_double_values(step->system->field_values, refinement->field_constants_block,
+                                 refinement->field_slots);
     sum = sum_coefficients(step, RATE + j);
-    for (int i = 0; i < inputs; i++) refinement->defect[i] = compute_rate(step, i) - sum[i];
+    for (int i = 0; i < inputs; i++) refinement->ode_residual[i] = compute_scaled_rate(step, i) - sum[i];
 }
 
-static void integrate_defect(const refinement_step *step)
+static void integrate_ode_residual(const refinement_step *step)
 {
-    const tvi_refinement *refinement = step->refinement;
-    const size_t bytes = (size_t)step->system->inputs * sizeof *refinement->single_integral;
-    memset(refinement->single_integral, 0, bytes);
-    memset(refinement->double_integral, 0, bytes);
+    const tvi_increment_refinement *refinement = step->refinement;
+    const size_t bytes = (size_t)step->system->inputs * sizeof *refinement->residual_integral;
+    memset(refinement->residual_integral, 0, bytes);
+    memset(refinement->residual_double_integral, 0, bytes);
     for (int j = 0; j < NODES; j++) {
-        compute_defect_at_node(step, j);
+        compute_ode_residual_at_node(step, j);
         for (int i = 0; i < step->system->inputs; i++) {
-            refinement->single_integral[i] += refinement->defect[i] / NODES;
-            refinement->double_integral[i] += (1 - node[j]) * refinement->defect[i] / NODES;
+            refinement->residual_integral[i] += refinement->ode_residual[i] / NODES;
+            refinement->residual_double_integral[i] += (1 - node[j]) * refinement->ode_residual[i] / NODES;
         }
     }
 }
@@ -144,23 +148,24 @@ static void split_into_two_doubles(long double x, double *high, double *low)
     *low = (double)(x - *high);
 }
 
-void tvi_compute_refined_increments(const tvi_refinement *refinement, const tvi_curve *curve, double h,
+void tvi_compute_refined_increments(const tvi_increment_refinement *refinement, const tvi_curve *curve, double h,
                                     const tvi_step_origin *origin, const tvi_increments *increments)
 {
     const tvi_system *system = curve->system;
     const refinement_step step = {refinement, curve, system, origin, h};
     const int n = system->n;
-    set_start_values(&step);
-    integrate_defect(&step);
+    set_low_order_terms(&step);
+    integrate_ode_residual(&step);
     const bool separable = system->form == TVI_SEPARABLE;
     const long double *sum = sum_coefficients(&step, END),
-                      *of_q = separable ? refinement->double_integral : refinement->single_integral;
+                      *of_q = separable ? refinement->residual_double_integral : refinement->residual_integral;
     for (int i = 0; i < n; i++)
-        split_into_two_doubles(refinement->drift[i] + (sum[i] + of_q[i]), &increments->dq[i], &increments->dq_low[i]);
+        split_into_two_doubles(refinement->order_one_terms[i] + (sum[i] + of_q[i]), &increments->dq[i],
+                               &increments->dq_low[i]);
     if (separable) sum = sum_coefficients(&step, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
-        const long double rise = sum[at] + refinement->single_integral[at];
+        const long double rise = sum[at] + refinement->residual_integral[at];
         split_into_two_doubles(separable ? system->mass[i] / step.h * rise : rise, &increments->dp[i],
                                &increments->dp_low[i]);
     }

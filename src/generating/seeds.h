@@ -1,7 +1,9 @@
 /* seeds.h - computes the gradient of the discrete action as seeds, vectors that multiply the transposed Jacobians of
  * the curve's coefficients. action.c and the quick steps call it. Generated code includes this text (emit.c).
  *
- * With p the curve's momentum series, w_i the weights in scaled time, and a dot for d/ds,
+ * Let g be the curve (its position as a function of s), p its momentum series, dg the Jacobian of g by the centre state
+ * z, q_i, v_i and p_i the position, velocity and momentum at node i of the quadrature, w_i its weight in scaled time,
+ * and tau the time unit. A dot is d/ds. The gradient in defect form (action.h) is
  *     Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
  *     Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
  *               D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
@@ -17,12 +19,12 @@
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
 
-/* Computes the only term of Lagrange's action for a separable system, gradient_by_q = tau F; L_v = p holds on the
- * curve. */
+/* Computes gradient_by_q = tau F, with the force F: the only term of Lagrange's action for a separable system, for
+ * which L_v = p holds on the curve. */
 static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const tvi_status status = seeds_evaluate_field(action);
-    seeds_copy_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
+    const tvi_status status = seeds_evaluate_field_at_nodes(action);
+    seeds_copy_scaled_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
     return status;
 }
 
@@ -41,13 +43,13 @@ static inline tvi_status seeds_compute_lagrange_terms(tvi_action *action, tvi_cu
         break;
     case TVI_LAGRANGIAN:
         memcpy(second, action->gradient_by_v, panel);
-        status = seeds_evaluate_field(action);
-        seeds_copy_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
-        seeds_copy_field_outputs(action, curve, n, 1, action->gradient_by_v);
+        status = seeds_evaluate_field_at_nodes(action);
+        seeds_copy_scaled_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
+        seeds_copy_scaled_field_outputs(action, curve, n, 1, action->gradient_by_v);
         break;
     case TVI_HAMILTONIAN:
         status = momenta_solve_at_nodes(action, curve);
-        seeds_copy_field_outputs(action, curve, 0, -curve->tau, action->gradient_by_q);
+        seeds_copy_scaled_field_outputs(action, curve, 0, -curve->tau, action->gradient_by_q);
         memcpy(action->gradient_by_v, second, panel);
         break;
     }
@@ -62,14 +64,15 @@ static inline tvi_status seeds_compute_hamilton_terms(tvi_action *action, const 
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
     if (!separable)
         memcpy(action->field_block + n * lanes, action->node_momentum, (size_t)(n * lanes) * sizeof(double));
-    const tvi_status status = seeds_evaluate_field(action);
+    const tvi_status status = seeds_evaluate_field_at_nodes(action);
     if (status != TVI_OK && curve_width(curve) == 1) return status;
-    seeds_copy_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
-    if (!action->has_momentum_defect) return status;
+    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
+    if (!action->has_gradient_by_p) return status;
     seeds_set_node_velocities(action, curve, action->gradient_by_p);
     for (int i = 0; i < n; i++) {
-        const double *H_p = separable ? action->node_momentum + i * lanes
-                                      : seeds_field_output_row(action, action->field_tape, action->field_block, n + i);
+        const double *H_p = separable
+                                ? action->node_momentum + i * lanes
+                                : seeds_get_field_output_row(action, action->field_tape, action->field_block, n + i);
         const double tau = curve->tau, mass = separable ? curve->system->mass[i] : 1;
         double *restrict by_p = action->gradient_by_p + i * lanes;
         for (int node = 0; node < lanes; node++) by_p[node] = tau * (by_p[node] - H_p[node] / mass);
@@ -83,12 +86,12 @@ static inline tvi_status seeds_compute_hamilton_terms(tvi_action *action, const 
 static inline const double *seeds_sum_over_nodes(const tvi_action *action, const tvi_node_table *weighted,
                                                  const double *x)
 {
-    const int half = action->half_points, orders = action->orders, width = CURVE_WIDTH(action);
+    const int half = action->half_node_count, orders = action->orders, width = CURVE_WIDTH(action);
     const int lanes = seeds_count_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
     double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (half == 0) {
-        seeds_combine_rows(action, action->points, x, (size_t)width, orders, weighted->all_orders, action->order_row);
-        return action->order_row;
+        seeds_combine_rows(action, action->points, x, (size_t)width, orders, weighted->all_orders, action->order_sums);
+        return action->order_sums;
     }
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) {
@@ -99,19 +102,21 @@ static inline const double *seeds_sum_over_nodes(const tvi_action *action, const
     seeds_combine_rows(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even_orders, even);
     seeds_combine_rows(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd_orders, odd);
     for (int k = 0; k < orders; k++)
-        for (int m = 0; m < width; m++) action->order_row[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
-    return action->order_row;
+        for (int m = 0; m < width; m++)
+            action->order_sums[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
+    return action->order_sums;
 }
 
 /* Returns a pointer to the seed of order k and component i. */
-static inline double *seeds_at_component(const tvi_curve *curve, double seed[], int k, int i)
+static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double seed[], int k, int i)
 {
     return seed + k * curve_vector_length(curve) + i * curve_width(curve);
 }
 
-/* Sets the seeds of dq_i^T gradient_by_q - dg_i^T dp/ds. The two are first subtracted at the nodes, where they nearly
- * cancel. A truncated node does not contain the term of order N, but dg does; the last sum subtracts it from the seed
- * of order N. */
+/* Sets the seeds of the sum over the nodes of dq_i^T gradient_by_q - dg_i^T dp/ds, with dq_i and dg_i the changes of
+ * the node's position and of the curve there. The two vectors are first subtracted at the nodes, where they nearly
+ * cancel. A truncated node does not contain the term of the highest order N, but the curve does; the last sum subtracts
+ * it from the seed of order N. */
 static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
@@ -121,12 +126,12 @@ static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve 
         const double *defect = action->gradient_by_q + i * lanes, *force = action->node_force + i * lanes;
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
         for (int k = 0; k <= N; k++)
-            for (int m = 0; m < width; m++) seeds_at_component(curve, seed, k, i)[m] = row[k * width + m];
+            for (int m = 0; m < width; m++) seeds_get_seed_of_component(curve, seed, k, i)[m] = row[k * width + m];
         if (!action->has_truncated_nodes) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
                                (action->power_table.all_orders[N * points + node] -
-                                action->node_rule_power_table.all_orders[N * points + node]);
+                                action->position_power_table.all_orders[N * points + node]);
     }
 }
 
@@ -139,7 +144,8 @@ static inline void seeds_add_velocity_terms(const tvi_action *action, int n, dou
     }
 }
 
-/* Adds the seeds of dp_i^T gradient_by_p; a separable system has kappa P_k = (k+1) Q_{k+1}. */
+/* Adds the seeds of the sum over the nodes of dp_i^T gradient_by_p, with dp_i the change of the momentum; a separable
+ * system has kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                             double seed_U[])
 {
@@ -151,8 +157,8 @@ static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_
         for (int k = 0; k <= action->p_degree; k++, row += width) {
             const bool is_of_Q = curve_form(curve) == TVI_SEPARABLE;
             if (is_of_Q && k == curve_highest_order(curve)) continue;
-            double *restrict seed =
-                is_of_Q ? seeds_at_component(curve, seed_Q, k + 1, i) : seeds_at_component(curve, seed_U, k, i);
+            double *restrict seed = is_of_Q ? seeds_get_seed_of_component(curve, seed_Q, k + 1, i)
+                                            : seeds_get_seed_of_component(curve, seed_U, k, i);
             if (is_of_Q)
                 for (int m = 0; m < width; m++) seed[m] += (k + 1) * (row[m] / kappa);
             else
@@ -166,7 +172,7 @@ static inline void seeds_add_quadrature_error_terms(const tvi_action *action, co
     const int n = curve_vector_length(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
-            const double error = action->by_parts_error[k * (curve_highest_order(curve) + 1) + j];
+            const double error = action->summation_by_parts_error[k * (curve_highest_order(curve) + 1) + j];
             if (error == 0) continue;
             for (int i = 0; i < n; i++) seed[k * n + i] += error * action->momentum_coefficients[j * n + i];
         }
@@ -187,60 +193,61 @@ static inline void seeds_evaluate_curve_at_nodes(tvi_action *action, const tvi_c
     seeds_set_node_positions(action, curve, action->field_block);
 }
 
-/* Computes the seeds from the factors of dq_i, dv_i and dp_i at the nodes. */
+/* Computes the seeds from gradient_by_q, gradient_by_v and gradient_by_p, the derivatives of the action by position,
+ * velocity and momentum at the nodes. */
 static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                  double seed_U[])
 {
     const int n = curve_dimension(curve);
-    const bool is_bent = action->is_hamilton && action->has_truncated_nodes;
+    const bool is_bent = action->uses_hamilton_principle && action->has_truncated_nodes;
     seeds_set_position_terms(action, curve, seed_Q);
-    if (is_bent || action->has_velocity_defect) seeds_add_velocity_terms(action, n, seed_Q);
-    if (is_bent || action->has_momentum_defect) seeds_add_momentum_terms(action, curve, seed_Q, seed_U);
-    if (action->by_parts_error) seeds_add_quadrature_error_terms(action, curve, seed_Q);
+    if (is_bent || action->has_gradient_by_v) seeds_add_velocity_terms(action, n, seed_Q);
+    if (is_bent || action->has_gradient_by_p) seeds_add_momentum_terms(action, curve, seed_Q, seed_U);
+    if (action->summation_by_parts_error) seeds_add_quadrature_error_terms(action, curve, seed_Q);
 }
 
 /* Returns whether the seeds need only the field, and no second derivatives. */
-static inline bool seeds_need_only_field(const tvi_action *action)
+static inline bool seeds_need_no_second_derivatives(const tvi_action *action)
 {
-    return !(action->is_hamilton && action->has_truncated_nodes);
+    return !(action->uses_hamilton_principle && action->has_truncated_nodes);
 }
 
-static inline tvi_status seeds_compute_from_field(tvi_action *action, tvi_curve *curve, double seed_Q[],
-                                                  double seed_U[])
+static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *action, tvi_curve *curve, double seed_Q[],
+                                                                  double seed_U[])
 {
     seeds_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
-    if (action->has_velocity_defect) seeds_set_node_velocities(action, curve, action->gradient_by_v);
-    const tvi_status status = action->is_hamilton           ? seeds_compute_hamilton_terms(action, curve)
-                              : action->has_velocity_defect ? seeds_compute_lagrange_terms(action, curve)
-                                                            : seeds_compute_force_terms(action, curve);
+    if (action->has_gradient_by_v) seeds_set_node_velocities(action, curve, action->gradient_by_v);
+    const tvi_status status = action->uses_hamilton_principle ? seeds_compute_hamilton_terms(action, curve)
+                              : action->has_gradient_by_v     ? seeds_compute_lagrange_terms(action, curve)
+                                                              : seeds_compute_force_terms(action, curve);
     if (status == TVI_OK || curve_width(curve) > 1) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
     return status;
 }
 
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
 
-/* The structures that these functions use are declared in files that include this one. */
+/* The structures to which these functions take pointers are declared in files that include this one. */
 struct tvi_curve_workspace;
 struct tvi_closure_solver;
-/* The results of a quick step: the increments [n][width], and for each member the tail, the last correction, and the
- * number of passes, or TVI_NOT_MADE if its step was not made. The step is made for the members whose is_iterating is
- * set; it is cleared when their passes end. */
+/* The results of a quick step: the increments dq and dp [n][width]; and for each member the tail (tail.h), the
+ * residual, which is the size of the last correction, and the number of passes, or TVI_NOT_MADE if its step was not
+ * made. The step is made for the members whose iterating_mask is set; it is cleared when their passes end. */
 enum { TVI_NOT_MADE = -1 };
 typedef struct {
     double *dq, *dp, *tail, *residual;
-    int *passes;
-    long long *is_iterating;
+    int *pass_counts;
+    long long *iterating_mask;
 } tvi_quick_step_results;
 /* The type of the variants of step_by_quick_passes (curve_step.h): in generated code, and compiled for one instruction
  * set. */
 typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                const tvi_quick_step_results *results, tvi_stats *stats);
 typedef struct tvi_curve_code {
-    int top;
-    /* Expands the whole series from the centre data. */
+    int highest_order;
+    /* Expands the whole series from the centre state. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
-    void (*data_sizes)(const tvi_curve *curve, double size[]);
+    void (*centre_state_sizes)(const tvi_curve *curve, double size[]);
     void (*sum_combination)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*movement_sizes)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
@@ -248,10 +255,11 @@ typedef struct tvi_curve_code {
     double (*usable_step)(const tvi_curve *curve, double log_tolerance);
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     double (*energy_change_bound)(const tvi_curve *curve);
-    void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+    void (*sum_combination_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
     void (*set_direction)(tvi_curve *curve, const double dz[]);
-    void (*multiply_direction)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-    void (*multiply_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+    void (*multiply_jacobian_by_direction)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+    void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
+                                                   double out[]);
     const struct tvi_closure_solver
         *solver; /* the solver by products, except for its allocation (`take`); NULL: the library has its own */
     /* Computes the seeds of actions that need only the field, which may be not finite; NULL: the library has its own.

@@ -18,8 +18,8 @@ typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } 
 /* A linear combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. A method sets its
  * combinations once. */
 typedef struct {
-    bool is_of_momentum;
-    double *order_weight; /* [top + 1] */
+    bool is_of_momentum;  /* the U_k of the momentum are combined, and not the Q_k of the position */
+    double *order_weight; /* [highest_order + 1] */
 } tvi_combination;
 
 struct tvi_curve_code;
@@ -29,32 +29,33 @@ typedef struct {
     /* The functions of generated code, or NULL if the library's own are used. */
     const struct tvi_curve_code *generated_code;
     tvi_jacobians jacobian_method;
-    int n, top; /* the highest order of Q that is computed */
-    int width;  /* the number of members, each with a curve; the member is the fastest index of all arrays */
-    double tau;
-    double *kappa;        /* [n] */
-    double *series_block; /* block of the field's series, orders 0 .. top */
-    /* The tangents of the slots, in CURVE_TANGENT_DIRECTIONS directions; in one direction for products, and for several
-     * members. */
+    int n, highest_order; /* the highest order of Q that is computed */
+    int width;            /* the number of members, each with a curve; the member is the fastest index of all arrays */
+    double tau;           /* the time unit: t = time of the centre + tau s */
+    double *kappa;        /* [n] the scale of the momentum, U_k = kappa P_k */
+    double *series_block; /* block of the series of the field, orders 0 .. highest_order */
+    /* The derivatives of all slots along directions of the centre state: in CURVE_TANGENT_DIRECTIONS directions at a
+     * time; in one direction for products, and for several members. */
     double *tangent_block;
-    size_t tangent_block_lanes; /* the number of lanes with which tangent_block was last cleared; 0: never */
-    bool keeps_old_jacobians;   /* of several members: a new Jacobian is stored only for the members in is_due */
-    long long *is_due;          /* [width] the mask of the members whose Jacobians are computed anew */
-    double *adjoint_block;      /* of products: the adjoints of the slots */
-    double *dQ, *dU; /* of matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU is NULL for a separable system */
-    double *product_direction;    /* [2n] the direction set by tvi_curve_set_product_direction */
-    double *product_by_dU;        /* [2n] the part of tvi_curve_multiply_seeds that comes from dU */
-    double *combination_jacobian; /* [n][2n] the Jacobian of a combination, scratch of tvi_curve_multiply_direction */
-    double *reciprocal_integer, *log_integer; /* [top + 2] 1 / k and log k */
+    size_t tangent_block_lane_count; /* the number of lanes with which tangent_block was last cleared; 0: never */
+    bool keeps_old_jacobians;        /* of several members: a new Jacobian is stored only for the members in due_mask */
+    long long *due_mask;             /* [width] the mask of the members whose Jacobians are computed anew */
+    double *adjoint_block;           /* of products: the adjoints of the slots */
+    /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU is NULL for a separable system. */
+    double *dQ, *dU;
+    double *product_direction;                /* [2n] the direction set by tvi_curve_set_product_direction */
+    double *product_with_dU;                  /* [2n] scratch: the transposed Jacobians dU times the seeds */
+    double *combination_jacobian;             /* [n][2n] scratch: the Jacobian of a combination's sum */
+    double *reciprocal_integer, *log_integer; /* [highest_order + 2] 1 / k and log k */
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;
     double *movement_size, *momentum_size; /* [n] sum_k k |Q_k| and |U_0| + sum_k k |U_k|, summed with these weights */
     double *tail_share, *tail_ratio;       /* [n] scratch for the tails (tail.h) */
     tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
-    bool is_hessian_inverted;              /* whether velocity_hessian.lu contains the inverse */
+    bool is_velocity_hessian_inverted;     /* whether velocity_hessian.lu contains the inverse */
     double *velocity_derivatives; /* [slots][n] the derivatives of all slots by the second input at the centre */
-    double *velocity_residual,
-        *column; /* scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n] */
+    /* Scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n]. */
+    double *velocity_right_sides, *column;
 } tvi_curve;
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
@@ -69,7 +70,7 @@ static inline int curve_width(const tvi_curve *curve) { return CURVE_WIDTH(curve
 /* Returns the length of a vector with all components of all members. */
 static inline int curve_vector_length(const tvi_curve *curve) { return curve_dimension(curve) * curve_width(curve); }
 
-static inline int curve_highest_order(const tvi_curve *curve) { return CURVE_SIZE(CURVE_TOP, curve->top); }
+static inline int curve_highest_order(const tvi_curve *curve) { return CURVE_SIZE(CURVE_TOP, curve->highest_order); }
 
 /* These return the degrees to which Q and P are summed. */
 static inline int curve_q_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_Q_DEGREE, curve->q_degree); }
@@ -137,7 +138,8 @@ static inline double tvi_curve_field_output(const tvi_curve *curve, int k, int i
 
 /* ---- Where it starts --------------------------------------------------------------------------------------------- */
 
-/* Sets tau, and the kappa that follows from it. */
+/* Sets the time unit tau of the curve, and the scale of its momenta that follows from it, kappa = tau/m for a separable
+ * system. */
 static inline void curve_set_time_unit(tvi_curve *curve, double tau)
 {
     curve->tau = tau;
@@ -146,7 +148,7 @@ static inline void curve_set_time_unit(tvi_curve *curve, double tau)
 }
 
 /* Writes the data z at the centre into the block of the series. The second half of z is tau v for a Lagrangian. */
-static inline void curve_set_centre_data(const tvi_curve *curve, const double z[])
+static inline void curve_set_centre_state(const tvi_curve *curve, const double z[])
 {
     const int numbers = curve_vector_length(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
@@ -201,8 +203,9 @@ static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
                                curve->series_block);
 }
 
-/* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
-static inline void curve_compute_data_sizes(const tvi_curve *curve, double size[])
+/* Computes the natural sizes of the numbers of the centre state z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or
+ * sum_k |P_k| for p. */
+static inline void curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
 {
     const int numbers = curve_vector_length(curve);
     const bool hamiltonian = curve_form(curve) == TVI_HAMILTONIAN;
@@ -228,8 +231,8 @@ static inline void curve_compute_momentum_coefficients(const tvi_curve *curve, i
 
 typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
 
-static inline void curve_sum_combination_by(curve_row_adder *add, const tvi_curve *curve,
-                                            const tvi_combination *combination, double out[])
+static inline void curve_sum_combination_with_adder(curve_row_adder *add, const tvi_curve *curve,
+                                                    const tvi_combination *combination, double out[])
 {
     const int n = curve_dimension(curve), numbers = curve_vector_length(curve);
     memset(out, 0, (size_t)numbers * sizeof *out);
@@ -245,12 +248,12 @@ static inline void curve_sum_combination_by(curve_row_adder *add, const tvi_curv
 
 static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    curve_sum_combination_by(tvi_add_weighted_rows, curve, combination, out);
+    curve_sum_combination_with_adder(tvi_add_weighted_rows, curve, combination, out);
 }
 
 /* Returns the sizes of component i from which the tail follows, in the unit of scaled time: |U_0| + sum k |U_k| and sum
  * k |Q_k|, which bound p' and q' at the ends of the step, and the last terms of these sums. */
-static inline tvi_tail_component curve_tail_part_of_component(const tvi_curve *curve, int i)
+static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
@@ -267,8 +270,8 @@ static inline tvi_tail_component curve_tail_part_of_component(const tvi_curve *c
 
 static inline void curve_compute_movement_sizes(const tvi_curve *curve)
 {
-    curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->q_size_weights, curve->movement_size);
-    curve_sum_combination_by(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
+    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, curve, &curve->q_size_weights, curve->movement_size);
+    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
 }
 
 /* Computes the tails of all members. */
@@ -279,7 +282,7 @@ static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
     for (int m = 0; m < width; m++) tail[m] = 0;
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_vector_length(curve); at++) {
-        const tvi_tail_component component = curve_tail_part_of_component(curve, at);
+        const tvi_tail_component component = curve_get_tail_component(curve, at);
         share[at] = tvi_tail_component_share(&component, curve->system->compares_movements);
         ratio[at] = tvi_tail_component_ratio(&component);
     }

@@ -14,9 +14,9 @@
 #include "generating/series.h"
 #include "generating/taylor_sweep.h"
 
-/* The numbers of coefficients that are used: of the first ones, and of the last ones, of which two in a row may
- * happen to be small. One more of the first coefficients of q is used, since p_k = (k + 1) q_{k+1} in a separable
- * system. */
+/* The estimate compares the last REACH_LAST nonzero coefficients of a series, of which two in a row may happen to be
+ * small, with its first REACH_SIZED_BY nonzero ones, which show its size. REACH_FIRST of the first coefficients of q
+ * are found, since those of p in a separable system, p_k = (k + 1) q_{k+1}, follow from them. */
 enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
 /* The ratios of the last coefficients show the radius of convergence: each to the one REACH_APART orders before it,
  * which has the same phase if a pair of singularities makes the coefficients swing. Beside a state that is large the
@@ -74,7 +74,7 @@ static inline void step_size_find_end_terms(const tvi_curve *curve, bool of_mome
 
 /* Returns the term of order q.order - 1 of the derivative of q, k |q_k|. If the term q does not exist, its order may be
  * beyond the table of logarithms. */
-static inline step_size_term step_size_derivative_of_term(const tvi_curve *curve, step_size_term q)
+static inline step_size_term step_size_differentiate_term(const tvi_curve *curve, step_size_term q)
 {
     const bool is_there = q.log_size > -INFINITY;
     return (step_size_term){q.order - 1, is_there ? q.log_size + curve->log_integer[q.order] : q.log_size};
@@ -85,37 +85,38 @@ static inline void step_size_find_derivative_terms(const tvi_curve *curve, const
 {
     const bool has_place = q->first_terms[0].order == 0;
     for (int i = 0; i < REACH_SIZED_BY; i++)
-        p->first_terms[i] = step_size_derivative_of_term(curve, has_place ? q->first_terms[i + 1] : q->first_terms[i]);
-    for (int i = 0; i < REACH_LAST; i++) p->last_terms[i] = step_size_derivative_of_term(curve, q->last_terms[i]);
+        p->first_terms[i] = step_size_differentiate_term(curve, has_place ? q->first_terms[i + 1] : q->first_terms[i]);
+    for (int i = 0; i < REACH_LAST; i++) p->last_terms[i] = step_size_differentiate_term(curve, q->last_terms[i]);
 }
 
-/* Returns the logarithm of the largest s at which the term x is at most a fraction, whose logarithm is
- * log_relative_size, of the size of the series: s^k |x_k| <= fraction * max_j |x_j| s^j over the first terms j. It has
- * no branches, since these would be mispredicted. */
-static inline double step_size_log_by_term(const tvi_curve *curve, const step_size_term first_terms[], step_size_term x,
-                                           double log_relative_size)
+/* Returns the logarithm of the largest s at which the term is at most a fraction of the size of the series: s^k |x_k|
+ * <= fraction * max_j |x_j| s^j over the first terms j, with the term's order k, its coefficient x_k, and
+ * log_relative_size the logarithm of the fraction. It has no branches, since these would be mispredicted. */
+static inline double step_size_log_from_term(const tvi_curve *curve, const step_size_term first_terms[],
+                                             step_size_term term, double log_relative_size)
 {
     double farthest = -INFINITY;
     for (int i = 0; i < REACH_SIZED_BY; i++) {
-        const int apart = x.order - first_terms[i].order;
+        const int apart = term.order - first_terms[i].order;
         const double usable_step =
-            apart > 0 ? (log_relative_size + first_terms[i].log_size - x.log_size) * curve->reciprocal_integer[apart]
+            apart > 0 ? (log_relative_size + first_terms[i].log_size - term.log_size) * curve->reciprocal_integer[apart]
                       : -INFINITY;
         farthest = tvi_larger(usable_step, farthest);
     }
     return farthest > -INFINITY ? farthest : INFINITY;
 }
 
-/* Returns the logarithm of the smallest of the steps that the last terms allow. */
-static inline double step_size_log_by_last_terms(const tvi_curve *curve, const step_size_end_terms *ends, int degree,
-                                                 double log_relative_size)
+/* Returns the logarithm of the step size at which all of the last terms are small enough: the smallest of the sizes
+ * that each of them allows. */
+static inline double step_size_log_from_last_terms(const tvi_curve *curve, const step_size_end_terms *ends, int degree,
+                                                   double log_relative_size)
 {
     double least = INFINITY;
     for (int i = 0; i < REACH_LAST; i++) {
         const step_size_term x = ends->last_terms[i];
         const double usable_step =
-            x.order > 1 ? step_size_log_by_term(curve, ends->first_terms, x,
-                                                log_relative_size * x.order * curve->reciprocal_integer[degree])
+            x.order > 1 ? step_size_log_from_term(curve, ends->first_terms, x,
+                                                  log_relative_size * x.order * curve->reciprocal_integer[degree])
                         : INFINITY;
         least = tvi_smaller(usable_step, least);
     }
@@ -150,14 +151,14 @@ static inline double curve_estimate_usable_step(const tvi_curve *curve, double l
     step_size_find_end_terms(curve, false, q_degree, &q);
     if (curve_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
     else step_size_find_end_terms(curve, true, p_degree, &p);
-    const double usable_step = exp(tvi_smaller(step_size_log_by_last_terms(curve, &q, q_degree, log_relative_size),
-                                               step_size_log_by_last_terms(curve, &p, p_degree, log_relative_size)));
+    const double usable_step = exp(tvi_smaller(step_size_log_from_last_terms(curve, &q, q_degree, log_relative_size),
+                                               step_size_log_from_last_terms(curve, &p, p_degree, log_relative_size)));
     return step_size_limit_to_convergence_radius(curve, usable_step);
 }
 
 /* ---- The end of the step ----------------------------------------------------------------------------------------- */
 
-/* Rescales the rows x_k of all orders, and sums those up to this degree. */
+/* Multiplies the coefficients x_k of all orders by power[k], and sums those up to this degree. */
 static inline void step_size_rescale_rows(const tvi_curve *curve, int components, int degree, const double power[],
                                           double *x, double *rise, double *size)
 {
@@ -179,13 +180,13 @@ static inline void step_size_rescale_separable(const tvi_curve *curve, const dou
     for (int i = 0; i < curve_dimension(curve); i++) curve->kappa[i] *= power[1];
 }
 
-/* Computes power[k] = factor^k, k = 0 .. top and up to 3 more, in chains that do not wait for each other. */
+/* Computes power[k] = factor^k, k = 0 .. highest_order and up to 3 more, in chains that do not wait for each other. */
 enum { REACH_CHAINS = 4 };
-static inline void step_size_compute_powers(double factor, int top, double power[])
+static inline void step_size_compute_powers(double factor, int highest_order, double power[])
 {
     const double second = factor * factor, fourth = second * second;
     double next[REACH_CHAINS] = {1, factor, second, second * factor};
-    for (int k = 0; k <= top; k += REACH_CHAINS)
+    for (int k = 0; k <= highest_order; k += REACH_CHAINS)
         for (int i = 0; i < REACH_CHAINS; i++) {
             power[k + i] = next[i];
             next[i] *= fourth;

@@ -1,4 +1,4 @@
-/* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre data, in blocks of
+/* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre state, in blocks of
  * tangent directions, and multiplies vectors by them. jacobian.c and the quick steps call it; other files call the
  * functions of curve.h. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
@@ -6,10 +6,10 @@
 
 #include "generating/series.h"
 
-/* The layout of a block of tangents in `lanes` directions, of which the first is number first_direction: order k of
- * slot i begins at tangent_block + k * order_stride + i * lanes. */
+/* The layout of a block of tangents in lane_count directions, of which the first is number first_direction: order k of
+ * slot i begins at tangent_block + k * order_stride + i * lane_count. */
 typedef struct {
-    size_t lanes, order_stride;
+    size_t lane_count, order_stride;
     int first_direction;
 } curve_tangent_block;
 
@@ -19,12 +19,12 @@ static inline int curve_count_directions(const tvi_curve *curve, const curve_tan
 {
     if (curve_width(curve) > 1) return 1;
     const int left = 2 * curve_dimension(curve) - block->first_direction;
-    return left < (int)block->lanes ? left : (int)block->lanes;
+    return left < (int)block->lane_count ? left : (int)block->lane_count;
 }
 
 static inline double *curve_tangent_row(const tvi_curve *curve, const curve_tangent_block *block, int k, int slot)
 {
-    return curve->tangent_block + (size_t)k * block->order_stride + (size_t)slot * block->lanes;
+    return curve->tangent_block + (size_t)k * block->order_stride + (size_t)slot * block->lane_count;
 }
 
 static inline void curve_copy_lanes(size_t lanes, const double *in, double *restrict out)
@@ -41,34 +41,35 @@ static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tange
         const bool is_second = d >= n;
         double *row = is_second && form == TVI_SEPARABLE ? curve_tangent_row(curve, block, 1, d - n)
                                                          : curve_tangent_row(curve, block, 0, d);
-        for (int lane = 0; lane < (int)block->lanes; lane++)
+        for (int lane = 0; lane < (int)block->lane_count; lane++)
             row[lane] = curve_width(curve) > 1 || block->first_direction + lane == d ? 1 : 0;
         if (is_second && form == TVI_LAGRANGIAN) row[d - block->first_direction] = 1 / curve->tau;
     }
 }
 
-/* Sets the tangents of the centre data to 0, and then to 1 in their own directions. The tangents of the time and of
- * constants are 0 in all orders; they are cleared when the number of lanes changes, which moves them. */
+/* Prepares the block for a sweep: sets the tangents of the centre state to 0, and then to 1 in their own directions.
+ * The tangents of the time and of constants are 0 in all orders; they are cleared when the number of lanes changes,
+ * which moves them. */
 static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
-    const size_t inputs = (size_t)curve_input_count(curve) * block->lanes * sizeof(double);
+    const size_t inputs = (size_t)curve_input_count(curve) * block->lane_count * sizeof(double);
     const size_t others =
-        (size_t)(curve_uses_time(curve) + curve_constant_count(curve)) * block->lanes * sizeof(double);
+        (size_t)(curve_uses_time(curve) + curve_constant_count(curve)) * block->lane_count * sizeof(double);
     const int given = curve_form(curve) == TVI_SEPARABLE ? 2 : 1;
     for (int k = 0; k < given && k <= curve_highest_order(curve); k++)
         memset(curve_tangent_row(curve, block, k, 0), 0, inputs);
-    for (int k = 0; k <= curve_highest_order(curve) && curve->tangent_block_lanes != block->lanes; k++)
+    for (int k = 0; k <= curve_highest_order(curve) && curve->tangent_block_lane_count != block->lane_count; k++)
         memset(curve_tangent_row(curve, block, k, curve_input_count(curve)), 0, others);
-    curve->tangent_block_lanes = block->lanes;
+    curve->tangent_block_lane_count = block->lane_count;
     curve_set_unit_directions(curve, block);
 }
 
-/* Copies one value of each member whose Jacobians are computed anew. */
-static inline void curve_store_due_values(const tvi_curve *curve, const double *in, double *restrict out)
+/* Copies in[m] to out[m] for each member m whose Jacobians are computed anew. */
+static inline void curve_store_values_of_due_members(const tvi_curve *curve, const double *in, double *restrict out)
 {
     const int width = curve_width(curve);
     if (width > 1 && curve->keeps_old_jacobians)
-        for (int m = 0; m < width; m++) out[m] = curve->is_due[m] ? in[m] : out[m];
+        for (int m = 0; m < width; m++) out[m] = curve->due_mask[m] ? in[m] : out[m];
     else curve_copy_lanes((size_t)width, in, out);
 }
 
@@ -83,7 +84,7 @@ static inline void curve_store_jacobian_columns(const tvi_curve *curve, const cu
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
             const double *tangent = curve_tangent_row(curve, block, k, slot);
             double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
-            if (width > 1) curve_store_due_values(curve, tangent, out);
+            if (width > 1) curve_store_values_of_due_members(curve, tangent, out);
             else curve_copy_lanes((size_t)curve_count_directions(curve, block), tangent, out);
         }
 }
@@ -92,7 +93,7 @@ static inline void curve_store_jacobian_columns(const tvi_curve *curve, const cu
  * all directions. */
 static inline bool curve_is_jacobian_in_tangent_block(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
 
-static inline void curve_store_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
+static inline void curve_store_jacobians_from_tangents(tvi_curve *curve, const curve_tangent_block *block)
 {
     const tvi_form form = curve_form(curve);
     const int n = curve_dimension(curve);
@@ -111,18 +112,19 @@ static inline const double *curve_coefficient_jacobians(const tvi_curve *curve, 
     return of_momentum ? curve->dU : curve->dQ;
 }
 
-/* Returns the distance from one order of the Jacobian to the next. */
-static inline size_t curve_jacobian_stride(const tvi_curve *curve)
+/* Returns the distance, in numbers, from the Jacobian of one order's coefficient to that of the next order's. */
+static inline size_t curve_get_jacobian_order_stride(const tvi_curve *curve)
 {
     const size_t n = (size_t)curve_dimension(curve);
     return 2 * n *
            (curve_is_jacobian_in_tangent_block() ? tvi_curve_slot_count(curve) : n * (size_t)curve_width(curve));
 }
 
-static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
+static inline void curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination,
+                                                  double matrix[])
 {
     CURVE_COMBINE_APART(curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
-                        2 * curve_dimension(curve) * curve_vector_length(curve), curve_jacobian_stride(curve),
+                        2 * curve_dimension(curve) * curve_vector_length(curve), curve_get_jacobian_order_stride(curve),
                         curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)),
                         matrix);
 }
@@ -134,24 +136,25 @@ static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combinat
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-static inline void curve_multiply_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
+static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination,
+                                                        double out[])
 {
     const int directions = 2 * curve_dimension(curve), width = curve_width(curve);
     const size_t stride = (size_t)width;
-    curve_sum_jacobian(curve, combination, curve->combination_jacobian);
+    curve_sum_combination_jacobian(curve, combination, curve->combination_jacobian);
     for (int i = 0; i < curve_dimension(curve); i++) {
         const double *row = curve->combination_jacobian + i * directions * width;
         JET_BLOCKS(width, CURVE_MULTIPLY_DIRECTION, );
     }
 }
 
-/* Computes out = sum_k J_k^T seed[k], from Jacobians in the block of tangents. */
+/* Computes out = sum_k J_k^T seed[k], with J_k the Jacobian of coefficient k in the block of tangents. */
 #define CURVE_MULTIPLY_SEEDS(V, S)                                                                                     \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
         for (int k = curve_highest_order(curve); k >= 0; k--)                                                          \
             for (int i = 0; i < n; i++) {                                                                              \
-                const V term = seed[k * n + i] * JET_OF(V, J + (size_t)k * curve_jacobian_stride(curve), i);           \
+                const V term = seed[k * n + i] * JET_OF(V, J + (size_t)k * curve_get_jacobian_order_stride(curve), i); \
                 if (i % 2 == 0) sum += term;                                                                           \
                 else odd += term;                                                                                      \
             }                                                                                                          \
@@ -177,8 +180,8 @@ static inline void curve_multiply_by_transpose_in_lanes(int width, int rows, int
     for (int d = 0; d < directions; d++) JET_BLOCKS(width, CURVE_MULTIPLY_SEEDS_OF_MEMBERS, );
 }
 
-static inline void curve_multiply_by_transposed_jacobians(const tvi_curve *curve, bool of_momentum, const double seed[],
-                                                          double out[])
+static inline void curve_multiply_transposed_coefficient_jacobians(const tvi_curve *curve, bool of_momentum,
+                                                                   const double seed[], double out[])
 {
     const int n = curve_dimension(curve), directions = 2 * n, rows = (curve_highest_order(curve) + 1) * n;
     const size_t stride = (size_t)directions;
@@ -189,12 +192,13 @@ static inline void curve_multiply_by_transposed_jacobians(const tvi_curve *curve
     else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
 }
 
-static inline void curve_multiply_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+static inline void curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[],
+                                                                const double seed_U[], double out[])
 {
-    curve_multiply_by_transposed_jacobians(curve, false, seed_Q, out);
+    curve_multiply_transposed_coefficient_jacobians(curve, false, seed_Q, out);
     if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
-    curve_multiply_by_transposed_jacobians(curve, true, seed_U, curve->product_by_dU);
-    for (int d = 0; d < 2 * curve_vector_length(curve); d++) out[d] += curve->product_by_dU[d];
+    curve_multiply_transposed_coefficient_jacobians(curve, true, seed_U, curve->product_with_dU);
+    for (int d = 0; d < 2 * curve_vector_length(curve); d++) out[d] += curve->product_with_dU[d];
 }
 
 #endif

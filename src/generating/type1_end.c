@@ -1,6 +1,8 @@
 /* type1_end.c - describes the type I method, Ld(q0, q1), with the Taylor curve expanded at the end, to the list of
  * methods (docs/method.md section 4):
- *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z. */
+ *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
+ * (q-, p-) and (q+, p+) are the ends of the curve, G- and G+ the Jacobians of q- and q+ by its centre state z, D_z is
+ * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections. */
 #include "generating/closure.h"
 #include "method/list.h"
 
@@ -8,7 +10,7 @@
  *     R_v^T d0 = D_v,   d1 - d0 = D_q - R_q^T d0. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->q_rise, TVI_SECOND);
+    return tvi_correct_ends_by_block(closure, &closure->q_increment, TVI_SECOND);
 }
 
 const tvi_descriptor tvi_type1_end = {
@@ -26,6 +28,6 @@ const tvi_descriptor tvi_type1_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_LAGRANGE,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_p_factor = {0, 1}, .rise_p_factor = {1, 0}},
+              .end_factors = {.start_p_factor = {0, 1}, .increment_p_factor = {1, 0}},
               .is_first_pass_rough = true},
 };

@@ -1,6 +1,8 @@
 /* type1_midpoint.c - describes the type I method, Ld(q0, q1), with the Taylor curve expanded at the midpoint, to the
  * list of methods (docs/method.md section 4):
  *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
+ * (q-, p-) and (q+, p+) are the ends of the curve, G- and G+ the Jacobians of q- and q+ by its centre state z, D_z is
+ * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections.
  * With the mean M of G- and G+, and R = G+ - G-, the matrix is I + O(h):
  *     M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
 #include "generating/closure.h"
@@ -21,5 +23,5 @@ const tvi_descriptor tvi_type1_midpoint = {
     .curve = {.span = {-1, 1, 0.5},
               .action = TVI_ACTION_LAGRANGE,
               .correct_ends = tvi_correct_ends_by_mean,
-              .mean_factors = {false, .from_p_factor = {-0.5, 1}, .rise_p_factor = {1, 0}}},
+              .end_factors = {false, .start_p_factor = {-0.5, 1}, .increment_p_factor = {1, 0}}},
 };

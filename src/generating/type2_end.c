@@ -1,13 +1,16 @@
-/* type2_end.c - computes the corrections of the type II method, Hd+(q0, p1), the right discrete Hamiltonian, with the
- * curve expanded at the end, and describes it to the list of methods (docs/method.md section 4). */
+/* type2_end.c - computes the corrections that the type II method, Hd+(q0, p1), the right discrete Hamiltonian, adds to
+ * the ends of a Taylor curve that is expanded at the end of the step, and describes the method to the list of methods
+ * (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 
 /* Computes the corrections with z = (w, p1), q- = q0, p1 = p+:
- *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0. */
+ *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0.
+ * Here the centre state is z = (w, p1), so that w is the position there. Subscripts are derivatives of q-, q+, p-
+ * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->q_from, TVI_FIRST);
+    return tvi_correct_ends_by_block(closure, &closure->q_at_start, TVI_FIRST);
 }
 
 const tvi_descriptor tvi_type2_end = {
@@ -25,6 +28,6 @@ const tvi_descriptor tvi_type2_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_p_factor = {-1, 0}, .rise_q_factor = -1, .rise_p_factor = {1, 0}},
+              .end_factors = {.start_p_factor = {-1, 0}, .increment_q_factor = -1, .increment_p_factor = {1, 0}},
               .is_first_pass_rough = true},
 };

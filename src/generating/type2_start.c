@@ -1,13 +1,16 @@
-/* type2_start.c - computes the corrections of the type II method, Hd+(q0, p1), the right discrete Hamiltonian, with the
- * curve expanded at the start, and describes it to the list of methods (docs/method.md section 4). */
+/* type2_start.c - computes the corrections that the type II method, Hd+(q0, p1), the right discrete Hamiltonian, adds
+ * to the ends of a Taylor curve that is expanded at the start of the step, and describes the method to the list of
+ * methods (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 
 /* Computes the corrections with z = (q0, w), p1 = p+. With u = kappa p the solution is l / kappa.
- *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l. */
+ *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l.
+ * Here the centre state is z = (q0, w), so that w is the momentum there. Subscripts are derivatives of q-, q+, p-
+ * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->u_to, TVI_SECOND);
+    return tvi_correct_ends_by_block(closure, &closure->u_at_end, TVI_SECOND);
 }
 
 const tvi_descriptor tvi_type2_start = {
@@ -25,7 +28,7 @@ const tvi_descriptor tvi_type2_start = {
     .curve = {.span = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_p_factor = {-1, 0}, .rise_q_factor = -1, .rise_p_factor = {1, 0}},
+              .end_factors = {.start_p_factor = {-1, 0}, .increment_q_factor = -1, .increment_p_factor = {1, 0}},
               .is_first_pass_rough = true},
 };
 

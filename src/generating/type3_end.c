@@ -1,13 +1,16 @@
-/* type3_end.c - computes the corrections of the type III method, Hd-(q1, p0), the left discrete Hamiltonian, with the
- * curve expanded at the end, and describes it to the list of methods (docs/method.md section 4). */
+/* type3_end.c - computes the corrections that the type III method, Hd-(q1, p0), the left discrete Hamiltonian, adds to
+ * the ends of a Taylor curve that is expanded at the end of the step, and describes the method to the list of methods
+ * (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 
 /* Computes the corrections with z = (q1, w), p- = p0:
- *     (p-_w)^T l = D_w,   q0 = q- + l,   p1 = w + D_q - (p-_q)^T l. */
+ *     (p-_w)^T l = D_w,   q0 = q- + l,   p1 = w + D_q - (p-_q)^T l.
+ * Here the centre state is z = (q1, w), so that w is the momentum there. Subscripts are derivatives of q-, q+, p-
+ * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->u_from, TVI_SECOND);
+    return tvi_correct_ends_by_block(closure, &closure->u_at_start, TVI_SECOND);
 }
 
 const tvi_descriptor tvi_type3_end = {
@@ -25,6 +28,6 @@ const tvi_descriptor tvi_type3_end = {
     .curve = {.span = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
-              .mean_factors = {.from_q_factor = 1, .rise_q_factor = -1, .rise_p_factor = {1, 0}},
+              .end_factors = {.start_q_factor = 1, .increment_q_factor = -1, .increment_p_factor = {1, 0}},
               .is_first_pass_rough = true},
 };

@@ -14,20 +14,20 @@ bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const
     const jet_tape *tape = system->field_values;
     const double t = origin->t + h;
     double most = 0, scale = 0;
-    if (!work->end_field) return true;
-    for (int i = 0; i < curve->n; i++) work->end_field[i] = origin->q[i] + increments->dq[i];
-    tvi_system_write_time(system, work->end_field, 1, &t);
-    if (!tape->sweeps->values(tape, work->end_field, 1)) return false;
+    if (!work->end_field_block) return true;
+    for (int i = 0; i < curve->n; i++) work->end_field_block[i] = origin->q[i] + increments->dq[i];
+    tvi_system_write_time(system, work->end_field_block, 1, &t);
+    if (!tape->sweeps->values(tape, work->end_field_block, 1)) return false;
     for (int i = 0; i < curve->n; i++) {
         double slope = 0;
         for (int k = work->closure.p_degree; k > 0; k--) slope += k * tvi_curve_momentum_coefficient(curve, k, i);
-        work->scratch[i] = fabs(h * work->end_field[tape->output_slot[i]] - slope / curve->kappa[i]);
+        work->scratch[i] = fabs(h * work->end_field_block[tape->output_slot[i]] - slope / curve->kappa[i]);
         most = fmax(most, work->scratch[i]);
         scale = fmax(scale, fabs(origin->p[i]) + fabs(increments->dp[i]));
     }
     const double limit = work->q_degree * work->tolerance * scale;
     if (most <= limit || !isfinite(most)) return most <= limit;
-    (void)tvi_roundoff_estimate_field(&work->end_field_roundoff, system, work->end_field, 1, 1);
+    (void)tvi_roundoff_estimate_field(&work->end_field_roundoff, system, work->end_field_block, 1, 1);
     bool is_roundoff = true;
     for (int i = 0; i < curve->n; i++)
         is_roundoff &=

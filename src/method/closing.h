@@ -16,18 +16,22 @@ struct tvi_closure;
  * (generating/closure.h). */
 typedef tvi_status tvi_correct_ends_fn(struct tvi_closure *closure);
 
-/* The factors of the corrections of both ends, as sums of multiples of the solution (x, y) of the equations [J1;
- * J2]^T (x, y) = D_z (generating/closure.h). J1 is the Jacobian matrix of the mean of the ends' coordinates. In the
- * notation of docs/notation.md the corrections are
- *     from_q = from_q_factor kappa y, from_p = from_p_factor[0] x + from_p_factor[1] y at the start of the step,
- *     rise_q = rise_q_factor kappa y, rise_p = rise_p_factor[0] x + rise_p_factor[1] y of the increments,
+/* The factors by which the solution (x, y) of the equations [J1; J2]^T (x, y) = D_z (generating/closure.h) enters the
+ * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates. Methods whose equations
+ * have one block of a Jacobian use the same factors. In the notation of docs/notation.md the corrections of the start
+ * are
+ *     start_correction_q = start_q_factor kappa y,
+ *     start_correction_p = start_p_factor[0] x + start_p_factor[1] y,
+ * and those of the increments
+ *     increment_correction_q = increment_q_factor kappa y,
+ *     increment_correction_p = increment_p_factor[0] x + increment_p_factor[1] y,
  * with kappa = 1 unless the system is separable. */
 typedef struct {
     /* true: J2 is the Jacobian matrix of the mean of the ends' scaled momenta; false: that of the difference of their
      * coordinates. */
     bool uses_mean_momentum;
-    double from_q_factor, rise_q_factor;
-    double from_p_factor[2], rise_p_factor[2];
-} tvi_mean_factors;
+    double start_q_factor, increment_q_factor;
+    double start_p_factor[2], increment_p_factor[2];
+} tvi_end_factors;
 
 #endif

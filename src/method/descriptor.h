@@ -52,7 +52,7 @@ typedef struct {
     /* true: p is used up to degree N, as q is; false: only up to degree N - 1. */
     bool uses_top_momentum;
     tvi_correct_ends_fn *correct_ends; /* Computes the corrections of the ends; NULL: they are not corrected. */
-    tvi_mean_factors mean_factors;     /* Factors of the solution in the corrections that correct_ends computes. */
+    tvi_end_factors end_factors;       /* Factors of the solution in the corrections that correct_ends computes. */
     /* The first pass reduces the residual much more than the later ones, and does not show how fast they converge. */
     bool is_first_pass_rough;
 } tvi_curve_definition;

@@ -171,9 +171,9 @@ static expansion expand(const test_problem *problem)
         z[n + i] = TAU * start.p[i] / problem_mass(problem, i);
     }
     curve_set_time_unit(&e.curve, TAU);
-    curve_set_centre_data(&e.curve, z);
+    curve_set_centre_state(&e.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&e.curve, start.t), TVI_OK);
-    tvi_curve_differentiate(&e.curve);
+    tvi_curve_compute_jacobians(&e.curve);
     return e;
 }
 

@@ -48,11 +48,11 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
         z[system->n + i] = tau * start.p[i] / system->mass[i];
     }
     curve_set_time_unit(&x.curve, tau);
-    curve_set_centre_data(&x.curve, z);
+    curve_set_centre_state(&x.curve, z);
     ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
     tvi_combination_set_power_weights(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
     tvi_combination_set_power_weights(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
-    if (jacobians == TVI_JACOBIAN_MATRICES) tvi_curve_differentiate(&x.curve);
+    if (jacobians == TVI_JACOBIAN_MATRICES) tvi_curve_compute_jacobians(&x.curve);
     return x;
 }
 
@@ -78,23 +78,23 @@ START_TEST(products_are_those_of_the_matrices)
     double seed[(DEGREE + 1) * N_MAX], x[2 * N_MAX], got[2 * N_MAX], want[2 * N_MAX], matrix[2 * N_MAX * N_MAX];
     for (int i = 0; i < (DEGREE + 1) * n; i++) seed[i] = wave(3 * i);
     for (int i = 0; i < 2 * n; i++) x[i] = wave(i);
-    tvi_curve_multiply_seeds(&matrices.curve, seed, NULL, want);
-    tvi_curve_multiply_seeds(&products.curve, seed, NULL, got);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&matrices.curve, seed, NULL, want);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&products.curve, seed, NULL, got);
     check_close(2 * n, got, want);
     tvi_curve_set_product_direction(&matrices.curve, x);
     tvi_curve_set_product_direction(&products.curve, x);
-    tvi_curve_multiply_direction(&matrices.curve, &matrices.u, want);
-    tvi_curve_multiply_direction(&products.curve, &products.u, got);
+    tvi_curve_multiply_jacobian_by_direction(&matrices.curve, &matrices.u, want);
+    tvi_curve_multiply_jacobian_by_direction(&products.curve, &products.u, got);
     check_close(n, got, want);
     memset(want, 0, sizeof want);
     for (int second = 0; second < 2; second++) {
-        tvi_curve_sum_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
+        tvi_curve_sum_combination_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    const tvi_transpose_terms of = {
+    const tvi_transposed_product_terms of = {
         .factor = 1, .jacobian_of_x = &products.q, .jacobian_of_y = &products.u, .x = x, .y = x + n};
-    products_multiply_by_transpose(&products.curve, DEGREE, &of, got);
+    products_multiply_by_transposed_jacobians(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
     free(products.memory);
