@@ -55,8 +55,7 @@ static inline void matrices_stack_combination_jacobians(const tvi_closure *closu
 /* Returns whether the corrector's Jacobian of member m must be renewed. */
 static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
-    return !matrices->has_corrector_jacobian ||
-           matrices->relative_distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
+    return !matrices->has_corrector_jacobian || matrices->relative_distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
 }
 
 /* Merges the corrector's new Jacobian of member m with the stored one: an outdated stored Jacobian is replaced by the
@@ -151,7 +150,8 @@ static inline void matrices_find_members_with_due_jacobians(const tvi_closure *c
     if (!is_first) matrices_bound_stale_jacobian_error(closure, scale, error_per_distance);
     for (int m = 0; m < curve_width(&closure->curve); m++) {
         due_mask[m] =
-            is_first || (iterating_mask[m] && !(distance[m] * error_per_distance[m] <= CURVE_NEGLIGIBLE_ERROR)) ? -1 : 0;
+            is_first || (iterating_mask[m] && !(distance[m] * error_per_distance[m] <= CURVE_NEGLIGIBLE_ERROR)) ? -1
+                                                                                                                : 0;
         if (due_mask[m] && !is_first) matrices->relative_distance_since_jacobian[m] += distance[m];
     }
 }

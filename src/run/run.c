@@ -43,8 +43,8 @@ static double remaining_time_to(const tvi_integrator *it, double t_end)
     return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-/* Refuses to go on (TVI_ENOCONV) with a run whose time hardly moves: after RUN_MAX_SLOW_STEPS consecutive steps that each covered
- * less than a 2^53rd of the remaining time. *slow_step_count counts these steps up to the last one. */
+/* Refuses to go on (TVI_ENOCONV) with a run whose time hardly moves: after RUN_MAX_SLOW_STEPS consecutive steps that
+ * each covered less than a 2^53rd of the remaining time. *slow_step_count counts these steps up to the last one. */
 static tvi_status check_time_advances(const tvi_integrator *it, double t_end, int *slow_step_count)
 {
     const double left = remaining_time_to(it, t_end);

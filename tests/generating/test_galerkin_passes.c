@@ -73,7 +73,7 @@ static tvi_integrator *new_at(const tvi_integrator *it, const tvi_system *system
     memcpy(other->state.q_low, it->state.q_low, with_time);
     memcpy(other->state.p, it->state.p, bytes);
     memcpy(other->state.p_low, it->state.p_low, bytes);
-    *other->continues = true;
+    *other->is_state_from_step = true;
     return other;
 }
 

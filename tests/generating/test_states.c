@@ -211,7 +211,7 @@ START_TEST(forged_numbers_are_refused)
     const saved s = save(integrator);
     const size_t of_n = offsetof(tvi_saved_identity, n);
     const size_t of_count =
-        sizeof(tvi_saved_identity) + 5 * sizeof(double) + sizeof(tvi_stats) + offsetof(tvi_event_stop, count);
+        sizeof(tvi_saved_identity) + 5 * sizeof(double) + sizeof(tvi_stats) + offsetof(tvi_event_stop, event_count);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         for (int k = 0; k < 2; k++) {
             unsigned char *bytes = malloc(s.size);
