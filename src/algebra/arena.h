@@ -20,33 +20,33 @@
 #endif
 
 /* The arena. Its history is a region that contains everything one step leaves to the next one. All zeros are the
- * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history
- * without knowing its contents.
+ * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history without
+ * knowing its contents.
  *
- * The rings stand at the end of the history. They contain data that is set at the start of a run, and buffers that
- * steps fill in turn. They are neither copied before a step nor restored after a failure; the rest, the marked
- * history, says which buffer is the current one. */
+ * The history has two parts. The first one is copied before each step, and restored if the step fails. The second one,
+ * the uncopied history, is neither copied nor restored: it contains data that is set at the start of a run, and ring
+ * buffers that steps fill in turn. The copied history says which buffer is the current one. */
 typedef struct tvi_block tvi_block;
 typedef struct {
-    char *memory, *history, *rings;
-    /* The numbers of bytes that are allocated so far outside of the history, in the marked history, and in the
-     * rings. */
-    size_t plain_bytes, marked_bytes, ring_bytes;
-    const tvi_block
-        *first_block; /* The first of the blocks that were allocated in this arena; they form a list (block.h). */
+    char *memory, *history, *uncopied_history;
+    /* The numbers of bytes that are allocated so far outside of the history, in the copied history, and in the uncopied
+     * history. */
+    size_t bytes_outside_history, copied_history_bytes, uncopied_history_bytes;
+    /* The first of the blocks that were allocated in this arena; they form a list (block.h). */
+    const tvi_block *first_block;
 } tvi_arena;
 
-/* Alignment of arrays in bytes. Arrays of the marked history are closer together, since each step copies them. */
-enum { ARENA_ALIGNMENT = 64, ARENA_MARKED_ALIGNMENT = 16 };
+/* Alignment of arrays in bytes. Arrays of the copied history are closer together, since each step copies them. */
+enum { ARENA_ALIGNMENT = 64, ARENA_COPIED_ALIGNMENT = 16 };
 
 #ifdef ARENA_HAS_GAPS
 #include <sanitizer/asan_interface.h>
 enum { ARENA_GAP = ARENA_ALIGNMENT };
-#define ARENA_UNCHECKED JET_UNCHECKED
+#define ARENA_NO_SANITIZER JET_UNCHECKED
 #else
 enum { ARENA_GAP = 0 };
 #define ASAN_POISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
-#define ARENA_UNCHECKED
+#define ARENA_NO_SANITIZER
 #endif
 
 /* Rounds a number of bytes up to a multiple of the alignment. */
@@ -55,17 +55,17 @@ static inline size_t tvi_arena_round_up(size_t bytes, size_t alignment)
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-/* Returns the size of the history in bytes, with the rings. */
+/* Returns the size of both parts of the history in bytes. */
 static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
 {
-    return tvi_arena_round_up(arena->marked_bytes, ARENA_ALIGNMENT) + arena->ring_bytes;
+    return tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT) + arena->uncopied_history_bytes;
 }
-/* Returns the size of all memory in bytes. The marked history is there twice: as it is, and as it was before the
- * last step. */
+/* Returns the size of all memory in bytes. The copied history is there twice: as it is, and as it was before the last
+ * step. */
 static inline size_t tvi_arena_total_bytes(const tvi_arena *arena)
 {
-    return arena->plain_bytes + tvi_arena_history_bytes(arena) +
-           tvi_arena_round_up(arena->marked_bytes, ARENA_ALIGNMENT);
+    return arena->bytes_outside_history + tvi_arena_history_bytes(arena) +
+           tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT);
 }
 
 /* Obtains memory of the size that was measured, all zeros, for the whole arena, and empties the arena, so that the
@@ -76,9 +76,9 @@ static inline void *tvi_arena_obtain_memory(tvi_arena *arena)
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
     if (!memory) return NULL;
     memset(memory, 0, bytes);
-    char *const history = memory + arena->plain_bytes;
-    char *const rings = history + tvi_arena_round_up(arena->marked_bytes, ARENA_ALIGNMENT);
-    *arena = (tvi_arena){.memory = memory, .history = history, .rings = rings};
+    char *const history = memory + arena->bytes_outside_history;
+    char *const uncopied_history = history + tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT);
+    *arena = (tvi_arena){.memory = memory, .history = history, .uncopied_history = uncopied_history};
     return memory;
 }
 
@@ -96,19 +96,19 @@ static inline void *tvi_arena_reserve_piece(char *region, size_t *used, size_t b
 /* Allocates an array of this size outside of the history. */
 static inline void *tvi_arena_allocate(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->memory, &arena->plain_bytes, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->memory, &arena->bytes_outside_history, bytes, ARENA_ALIGNMENT);
 }
 
-/* Allocates an array of this size in the marked history. */
-static inline void *tvi_arena_allocate_in_history(tvi_arena *arena, size_t bytes)
+/* Allocates an array of this size in the copied history. */
+static inline void *tvi_arena_allocate_in_copied_history(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->history, &arena->marked_bytes, bytes, ARENA_MARKED_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->history, &arena->copied_history_bytes, bytes, ARENA_COPIED_ALIGNMENT);
 }
 
-/* Allocates an array of this size in the rings. */
-static inline void *tvi_arena_allocate_in_rings(tvi_arena *arena, size_t bytes)
+/* Allocates an array of this size in the uncopied history. */
+static inline void *tvi_arena_allocate_in_uncopied_history(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->rings, &arena->ring_bytes, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->uncopied_history, &arena->uncopied_history_bytes, bytes, ARENA_ALIGNMENT);
 }
 
 /* Allocates an array of numbers outside of the history. */
@@ -117,9 +117,9 @@ static inline double *tvi_arena_allocate_doubles(tvi_arena *arena, size_t count)
     return tvi_arena_allocate(arena, count * sizeof(double));
 }
 
-/* Copies a whole history, or clears it if `from` is NULL. It does not use memcpy if there are gaps, which memcpy
- * must not access. */
-ARENA_UNCHECKED static inline void tvi_arena_copy_history(char *to, const char *from, size_t bytes)
+/* Copies a whole history, or clears it if `from` is NULL. It does not use memcpy if there are gaps, since the address
+ * sanitizer would report that memcpy accesses them. */
+ARENA_NO_SANITIZER static inline void tvi_arena_copy_history(char *to, const char *from, size_t bytes)
 {
 #ifdef ARENA_HAS_GAPS
     for (size_t i = 0; i < bytes; i++) ((volatile char *)to)[i] = from ? from[i] : 0;

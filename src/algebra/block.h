@@ -9,7 +9,7 @@
 /* A block that is allocated in an arena. */
 struct tvi_block {
     const jet_tape *tape;
-    double *x; /* [orders][slots][lanes] The numbers of the block (ad/tape.h). */
+    double *x; /* [orders][slots][lanes] The Taylor coefficients of all slots of the tape (ad/tape.h). */
     int orders, lanes;
     const tvi_block *next;
 };

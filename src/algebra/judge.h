@@ -55,11 +55,13 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
     const TRUTH is_cycle = SAME(correction_size, before) & SAME(correction_size, earlier) & NOT(is_significant);
     const TRUTH is_at_goal = AT_MOST(passes->next, rule->correction_goal - none),
                 is_roundoff = AT_MOST(correction_size, passes->roundoff);
-    const TRUTH grows =
-        ABOVE(correction_size, rule->stall_ratio * before) &
-        (rule->stall_lag < 2 ? all : (TRUTH)ABOVE(correction_size, rule->stall_ratio * rule->stall_ratio * earlier));
-    *is_stuck =
-        count > rule->stall_lag ? (TRUTH)(NOT(has_exact_count) & grows & (is_significant | NOT(is_ratio_trusted))) : no;
+    const TRUTH grows = ABOVE(correction_size, rule->stall_ratio * before) &
+                        (rule->stall_comparison_lag < 2
+                             ? all
+                             : (TRUTH)ABOVE(correction_size, rule->stall_ratio * rule->stall_ratio * earlier));
+    *is_stuck = count > rule->stall_comparison_lag
+                    ? (TRUTH)(NOT(has_exact_count) & grows & (is_significant | NOT(is_ratio_trusted)))
+                    : no;
     if (rule->exact_passes > 0) return count == rule->exact_passes ? all : no;
     return is_at_goal | is_roundoff | is_cycle;
 }

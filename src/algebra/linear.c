@@ -24,7 +24,7 @@ void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int wid
     factor->column_scale = tvi_arena_allocate_doubles(arena, (size_t)n);
     factor->pivot = tvi_arena_allocate(arena, (size_t)n * sizeof(int));
     factor->scaled_matrix = tvi_arena_allocate_doubles(arena, (size_t)n * numbers);
-    factor->given = tvi_arena_allocate_doubles(arena, (size_t)n);
+    factor->right_side = tvi_arena_allocate_doubles(arena, (size_t)n);
     factor->residual = tvi_arena_allocate_doubles(arena, (size_t)n);
 }
 
@@ -37,12 +37,12 @@ tvi_status tvi_factor_compute(tvi_lu_factor *factor)
     linear_equilibrate(n, factor);
     /* dgetf2 has one thread for any size, so that results do not depend on the number of threads. */
     (n < LAPACK_THREADED_MIN_ROWS ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    return linear_check_factor(n, info == 0, factor);
+    return linear_finish_factorisation(n, info == 0, factor);
 }
 
 double tvi_factor_least_pivot(const tvi_lu_factor *factor) { return linear_least_pivot(factor->n, factor); }
 
-/* Computes x <- (R A C)^-1 x, or with the transpose. The row-major matrix here is LAPACK's matrix transposed. */
+/* Computes x <- (R A C)^-1 x or (R A C)^-T x. The row-major matrix here is the transpose of LAPACK's matrix. */
 static void solve_factored_by_lapack(int n, const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int one = 1;

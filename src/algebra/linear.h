@@ -8,13 +8,14 @@
 
 #include <stdbool.h>
 
-/* A factored matrix A. It is scaled by rows and columns: P L U = R A C. */
+/* A factored matrix A: R A C = P L U, where the diagonal matrices R and C scale the rows and columns, P is a
+ * permutation, L is lower triangular with the diagonal 1, and U is upper triangular. */
 typedef struct {
     int n;
     /* [n][n] The matrix, then its factors L and U. */
     double *lu;
     /* Scratch for iterative refinement: the matrix R A C [n][n], the right-hand side [n] and the residual [n]. */
-    double *scaled_matrix, *given, *residual;
+    double *scaled_matrix, *right_side, *residual;
     bool refines_solutions;           /* Each solution gets one step of iterative refinement. */
     double *row_scale, *column_scale; /* [n] The diagonals of R and C, powers of two. */
     int *pivot;                       /* [n] The rows that were exchanged (P), as LAPACK has them. */
@@ -28,7 +29,8 @@ void tvi_factor_allocate(tvi_lu_factor *factor, tvi_arena *arena, int n, int wid
  * the matrix is not finite. */
 TVI_NODISCARD tvi_status tvi_factor_compute(tvi_lu_factor *factor);
 
-/* Returns the smallest pivot of the scaled matrix, whose rows and columns have size 1. */
+/* Returns the smallest magnitude of a pivot of the scaled matrix R A C, in which the largest entry of each row and
+ * column is about 1. */
 double tvi_factor_least_pivot(const tvi_lu_factor *factor);
 
 /* Compute x <- A^-1 x, and x <- A^-T x. As long as the pivots are on the diagonal, the result does not depend on the

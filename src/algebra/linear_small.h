@@ -42,8 +42,8 @@ JET_INLINE void linear_small_eliminate_column(int n, int j, double a[], int pivo
         for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * a[j + k * n];
 }
 
-/* Factors a = P L U in place, with partial pivoting. A pivot that is 0 stays 0. The first columns stand outside of
- * the loop, so that all indices are constants for a small n. */
+/* Factors the column-major matrix a = P L U in place, with partial pivoting. A pivot that is 0 stays 0. The first
+ * columns stand outside of the loop, so that all indices are constants for a small n. */
 JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
 {
     if (n > 0) linear_small_eliminate_column(n, 0, a, pivot);
@@ -53,7 +53,7 @@ JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
     for (int j = 4; j < n; j++) linear_small_eliminate_column(n, j, a, pivot);
 }
 
-/* Computes x <- A^-1 x. */
+/* Computes x <- A^-1 x with the factors lu and pivot of linear_small_factor. */
 JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) linear_swap(&x[i], &x[pivot[i] - 1]);
@@ -65,7 +65,7 @@ JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], 
     }
 }
 
-/* Computes x <- A^-T x. */
+/* Computes x <- A^-T x with the factors lu and pivot of linear_small_factor. */
 JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) {
@@ -95,9 +95,9 @@ JET_INLINE double linear_power_of_two_scale(double magnitude)
     return power;
 }
 
-/* Scales A <- R A C so that all columns, and then all rows, have about the size 1. The columns are scaled first,
- * which removes the units, so that the pivots do not depend on them. (In the Jacobian matrices of curves, rows are
- * coordinates.) */
+/* Scales A <- R A C, with R and C in row_scale and column_scale, so that the largest entry of each column, and then of
+ * each row, is about 1. The columns are scaled first, which removes the units, so that the pivots do not depend on
+ * them. (In the Jacobian matrices of curves, rows are coordinates.) */
 JET_INLINE void linear_equilibrate(int n, tvi_lu_factor *factor)
 {
     double least = INFINITY, largest = 0;
@@ -142,9 +142,9 @@ JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
     return least;
 }
 
-/* Returns the status of a factorisation of a scaled matrix: TVI_ESINGULAR if a pivot is at the level of roundoff.
- * Also decides whether solutions are refined. */
-JET_INLINE tvi_status linear_check_factor(int n, bool is_factored, tvi_lu_factor *factor)
+/* Ends the factorisation of a scaled matrix: decides whether solutions are refined, and returns TVI_ESINGULAR if the
+ * factorisation failed or a pivot is at the level of roundoff. */
+JET_INLINE tvi_status linear_finish_factorisation(int n, bool is_factored, tvi_lu_factor *factor)
 {
     factor->refines_solutions = factor->refines_solutions && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
@@ -156,19 +156,20 @@ JET_INLINE void linear_scale_components(int n, const double scale[], double x[])
     for (int i = 0; i < n; i++) x[i] *= scale[i];
 }
 
-/* Computes the residual for one step of iterative refinement, in factor->residual. If rows of different units were
- * exchanged, the step removes the roundoff of large unknowns from small ones (Skeel, Math. Comp. 35, 1980). */
+/* Computes factor->residual, the residual of the solution x, for one step of iterative refinement. If rows of different
+ * units were exchanged, the step removes the roundoff of large unknowns from small ones (Skeel, Math. Comp. 35,
+ * 1980). */
 JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool transposed, const double x[])
 {
     const int row_stride = transposed ? 1 : n, column_stride = transposed ? n : 1;
     for (int i = 0; i < n; i++) {
-        double residual = factor->given[i];
+        double residual = factor->right_side[i];
         for (int j = 0; j < n; j++) residual -= factor->scaled_matrix[i * row_stride + j * column_stride] * x[j];
         factor->residual[i] = residual;
     }
 }
 
-/* The type of a function that computes x <- (R A C)^-1 x, or with the transpose. */
+/* The type of a function that computes x <- (R A C)^-1 x, or (R A C)^-T x if `transposed`. */
 typedef void linear_factored_solver(int n, const tvi_lu_factor *factor, bool transposed, double x[]);
 
 /* Computes x <- A^-1 x or A^-T x with A^-1 = C (R A C)^-1 R, where `solve_factored` applies (R A C)^-1. */
@@ -176,7 +177,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
                                     linear_factored_solver *solve_factored, double x[])
 {
     linear_scale_components(n, transposed ? factor->column_scale : factor->row_scale, x);
-    if (factor->refines_solutions) memcpy(factor->given, x, (size_t)n * sizeof *x);
+    if (factor->refines_solutions) memcpy(factor->right_side, x, (size_t)n * sizeof *x);
     solve_factored(n, factor, transposed, x);
     if (factor->refines_solutions) {
         linear_compute_residual(n, factor, transposed, x);
@@ -193,10 +194,11 @@ JET_INLINE tvi_status linear_small_equilibrate_and_factor(int n, tvi_lu_factor *
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
-    return linear_check_factor(n, true, factor);
+    return linear_finish_factorisation(n, true, factor);
 }
 
-/* Computes x <- (R A C)^-1 x, or with the transpose. The row-major matrix is a column-major one transposed. */
+/* Computes x <- (R A C)^-1 x or (R A C)^-T x. The row-major matrix in factor->lu is the transpose of a column-major
+ * one. */
 JET_INLINE void linear_small_solve_factored(int n, const tvi_lu_factor *factor, bool transposed, double x[])
 {
     if (transposed) linear_small_solve(n, factor->lu, factor->pivot, x);
@@ -221,24 +223,24 @@ JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, doubl
 #define LINEAR_SUBTRACT_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
 #define LINEAR_MULTIPLY(V, S)         JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
 
-/* Computes x <- x - a b for the number of each of `width` members. */
-JET_INLINE void linear_subtract_member_products(int width, const double a[], const double b[], double x[])
+/* Computes x[m] <- x[m] - a[m] b[m] for the members m < width. */
+JET_INLINE void linear_subtract_member_entry_products(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
     JET_BLOCKS(width, LINEAR_SUBTRACT_PRODUCT, );
 }
-/* Computes x <- a b for the number of each of `width` members. */
-JET_INLINE void linear_multiply_members(int width, const double a[], const double b[], double x[])
+/* Computes x[m] <- a[m] b[m] for the members m < width. */
+JET_INLINE void linear_multiply_member_entries(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
     JET_BLOCKS(width, LINEAR_MULTIPLY, );
 }
 
-/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->scaled_matrix,
- * and 1 / U_jj in factor->row_scale. In this layout rows are only written as a whole. The first `rows_in_units` rows
- * have the same units as the columns. Sets is_safe [width] of a member to 0 if a pivot needs an exchange of rows, or
- * is NaN. */
-JET_INLINE void linear_unpivoted_factor(int n, int rows_in_units, int width, const tvi_lu_factor *factor,
+/* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->scaled_matrix, and
+ * 1 / U_jj in factor->row_scale. In this layout rows are only written as a whole. The first `same_unit_row_count` rows
+ * have the same units as the columns. Sets is_safe [width] of a member to 0 if a pivot needs an exchange of rows, or is
+ * NaN. */
+JET_INLINE void linear_unpivoted_factor(int n, int same_unit_row_count, int width, const tvi_lu_factor *factor,
                                         long long is_safe[])
 {
     const size_t stride = (size_t)n;
@@ -251,7 +253,7 @@ JET_INLINE void linear_unpivoted_factor(int n, int rows_in_units, int width, con
         const double *row = factor->lu + j * n * width, *pivot = row + j * width;
         double *inverse = factor->row_scale + j * width;
         for (int m = 0; m < width; m++) {
-            const bool is_large = j >= rows_in_units || fabs(pivot[m]) >= LINEAR_MIN_PIVOT;
+            const bool is_large = j >= same_unit_row_count || fabs(pivot[m]) >= LINEAR_MIN_PIVOT;
             inverse[m] = 1 / pivot[m];
             is_safe[m] &=
                 -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_MIN_PIVOT));
@@ -259,38 +261,38 @@ JET_INLINE void linear_unpivoted_factor(int n, int rows_in_units, int width, con
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
             double *other_row = factor->lu + i * n * width, *l = factor->scaled_matrix + (i * n + j) * width;
-            linear_multiply_members(width, other_row + j * width, inverse, l);
+            linear_multiply_member_entries(width, other_row + j * width, inverse, l);
             if (width == 1 && n >= 4) {
                 const double multiplier = *l;
                 JET_BLOCKS(n, LINEAR_ELIMINATE, );
             } else {
                 JET_UNROLLED
                 for (int k = j + 1; k < n; k++)
-                    linear_subtract_member_products(width, l, row + k * width, other_row + k * width);
+                    linear_subtract_member_entry_products(width, l, row + k * width, other_row + k * width);
             }
         }
     }
 }
 
-/* Computes x <- A^-1 x. The unknown that is computed last is subtracted last, so that the other products need not
- * wait. */
+/* Computes x <- A^-1 x for all members, with the factors of linear_unpivoted_factor. The unknown that is computed last
+ * is subtracted last, so that the other products need not wait. */
 JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->scaled_matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) JET_UNROLLED
     for (int j = 0; j < i; j++)
-        linear_subtract_member_products(width, l + (i * n + j) * width, x + j * width, x + i * width);
+        linear_subtract_member_entry_products(width, l + (i * n + j) * width, x + j * width, x + i * width);
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
         JET_UNROLLED
         for (int j = n - 1; j > i; j--)
-            linear_subtract_member_products(width, u + (i * n + j) * width, x + j * width, x + i * width);
-        linear_multiply_members(width, x + i * width, factor->row_scale + i * width, x + i * width);
+            linear_subtract_member_entry_products(width, u + (i * n + j) * width, x + j * width, x + i * width);
+        linear_multiply_member_entries(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
 }
 
-/* Computes x <- A^-T x. */
+/* Computes x <- A^-T x for all members, with the factors of linear_unpivoted_factor. */
 JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->scaled_matrix, *u = factor->lu;
@@ -298,13 +300,13 @@ JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu
     for (int i = 0; i < n; i++) {
         JET_UNROLLED
         for (int j = 0; j < i; j++)
-            linear_subtract_member_products(width, u + (j * n + i) * width, x + j * width, x + i * width);
-        linear_multiply_members(width, x + i * width, factor->row_scale + i * width, x + i * width);
+            linear_subtract_member_entry_products(width, u + (j * n + i) * width, x + j * width, x + i * width);
+        linear_multiply_member_entries(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) JET_UNROLLED
     for (int j = n - 1; j > i; j--)
-        linear_subtract_member_products(width, l + (j * n + i) * width, x + j * width, x + i * width);
+        linear_subtract_member_entry_products(width, l + (j * n + i) * width, x + j * width, x + i * width);
 }
 
 /* Computes A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; A is then undefined. */

@@ -22,11 +22,12 @@ typedef struct {
     /* If the ratio of corrections is at least this, it is not trusted: the next correction is expected to be as large
      * as the last one. */
     double max_trusted_ratio;
-    /* Passes are stuck if the ratio of corrections is above this. */
+    /* The passes are stuck, that is, their corrections no longer shrink, if the ratio of corrections is above this. */
     double stall_ratio;
-    /* The value is 1, or 2 if small and large corrections may alternate. Passes are then stuck only if the correction
-     * has not shrunk either compared with the one two passes before. */
-    int stall_lag;
+    /* With how many earlier corrections a correction is compared to tell that the passes are stuck: 1, or 2 if small
+     * and large corrections may alternate. With 2, it must also exceed stall_ratio^2 times the correction two passes
+     * before. */
+    int stall_comparison_lag;
     /* The next ratio is expected to be the square of the last one, as in Newton's method. */
     bool is_quadratic;
 } tvi_passes_rule;

@@ -4,11 +4,12 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* The properties of a rule. With as many nodes as `points`, its order is order_slope points + order_offset. */
+/* The properties of a rule. With as many nodes as `point_count`, its order is order_slope point_count +
+ * order_offset. */
 static const struct {
-    int only_points; /* The number of nodes of a rule that has only one number of nodes, otherwise 0. */
-    int least_points, order_slope, order_offset;
-    tvi_quadrature mirror; /* The rule whose nodes have the opposite sign. */
+    int required_point_count; /* The number of nodes of a rule that exists only with this number, otherwise 0. */
+    int least_point_count, order_slope, order_offset;
+    tvi_quadrature mirror; /* The rule whose nodes are those of this rule with the opposite sign. */
 } rules[] = {
     [TVI_GAUSS] = {0, 1, 2, 0, TVI_GAUSS},
     [TVI_LOBATTO] = {0, 2, 2, -2, TVI_LOBATTO},
@@ -17,13 +18,13 @@ static const struct {
     [TVI_RECTANGLE_END] = {1, 1, 0, 1, TVI_RECTANGLE_START},
 };
 
-int tvi_quadrature_only_point_count(tvi_quadrature rule) { return rules[rule].only_points; }
+int tvi_quadrature_required_point_count(tvi_quadrature rule) { return rules[rule].required_point_count; }
 
-int tvi_quadrature_least_point_count(tvi_quadrature rule) { return rules[rule].least_points; }
+int tvi_quadrature_least_point_count(tvi_quadrature rule) { return rules[rule].least_point_count; }
 
-int tvi_quadrature_order(tvi_quadrature rule, int points)
+int tvi_quadrature_order(tvi_quadrature rule, int point_count)
 {
-    return rules[rule].order_slope * points + rules[rule].order_offset;
+    return rules[rule].order_slope * point_count + rules[rule].order_offset;
 }
 
 tvi_quadrature tvi_quadrature_mirror(tvi_quadrature rule) { return rules[rule].mirror; }
@@ -42,12 +43,12 @@ static void evaluate_legendre_polynomial(int n, long double x, long double *P, l
     *slope = n * (before - x * *P) / (1 - x * x);
 }
 
-enum { NEWTON_STEPS = 60 }; /* Never reached, since the iteration stops at roundoff. */
+enum { NEWTON_STEPS = 60 }; /* The limit of the iteration, which is never reached, since it stops at roundoff. */
 
 /* Finds a node near x by Newton's method, and its weight. A Gauss node is a root of P_n, with the weight 2 / ((1 - x^2)
  * P_n'^2). An inner Lobatto node is a root of P_n', with (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n and the weight 2 / (n
  * (n+1) P_n^2). */
-static long double refine_node(bool is_lobatto, int n, long double x, long double *weight)
+static long double compute_node_and_weight(bool is_lobatto, int n, long double x, long double *weight)
 {
     long double P, slope;
     for (int step = 0; step < NEWTON_STEPS; step++) {
@@ -64,24 +65,25 @@ static long double refine_node(bool is_lobatto, int n, long double x, long doubl
 
 /* Computes one half of the nodes by Newton's method, and the other half by symmetry. The end nodes of Lobatto are
  * known. */
-static void compute_symmetric_nodes(bool is_lobatto, int points, long double node[], long double weight[])
+static void compute_symmetric_nodes(bool is_lobatto, int point_count, long double node[], long double weight[])
 {
     const long double pi = 3.141592653589793238462643383279502884L;
-    for (int i = 0; i < (points + 1) / 2; i++) {
-        const int mirror = points - 1 - i;
-        const long double angle = is_lobatto ? pi * i / (points - 1) : pi * (i + 0.75L) / (points + 0.5L);
+    for (int i = 0; i < (point_count + 1) / 2; i++) {
+        const int mirror = point_count - 1 - i;
+        const long double angle = is_lobatto ? pi * i / (point_count - 1) : pi * (i + 0.75L) / (point_count + 0.5L);
         if (is_lobatto && i == 0) {
             node[i] = -1;
-            weight[i] = 2 / ((long double)points * (points - 1));
+            weight[i] = 2 / ((long double)point_count * (point_count - 1));
         } else {
-            node[i] = refine_node(is_lobatto, points - is_lobatto, i == mirror ? 0 : -cosl(angle), &weight[i]);
+            node[i] = compute_node_and_weight(is_lobatto, point_count - is_lobatto, i == mirror ? 0 : -cosl(angle),
+                                              &weight[i]);
         }
         node[mirror] = -node[i];
         weight[mirror] = weight[i];
     }
 }
 
-void tvi_quadrature_compute_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
+void tvi_quadrature_compute_nodes(tvi_quadrature rule, int point_count, long double node[], long double weight[])
 {
     switch (rule) {
     case TVI_TRAPEZOID:
@@ -90,6 +92,6 @@ void tvi_quadrature_compute_nodes(tvi_quadrature rule, int points, long double n
         break;
     case TVI_RECTANGLE_START: node[0] = -1, weight[0] = 2; break;
     case TVI_RECTANGLE_END: node[0] = 1, weight[0] = 2; break;
-    default: compute_symmetric_nodes(rule == TVI_LOBATTO, points, node, weight);
+    default: compute_symmetric_nodes(rule == TVI_LOBATTO, point_count, node, weight);
     }
 }

@@ -8,12 +8,13 @@ typedef struct {
     int count;
     /* [n] The components of the first subsystem, then those of the second one, and so on. */
     int *component;
-    /* [count] The end of each subsystem in `component`. */
+    /* [count] The position in `component` after the last component of each subsystem. */
     int *end;
 } tvi_subsystems;
 
-/* Return the component at a position of the list, and the end of a subsystem of n components in all. If there is only
- * one subsystem, they are the position and n, so that the lists need not be read. */
+/* Return the component at a position of the list, and the position after the last component of a subsystem. The system
+ * has n components. If there is only one subsystem, the results are the position and n, so that the lists need not be
+ * read. */
 static inline int tvi_subsystems_component(const tvi_subsystems *subsystems, int position)
 {
     return subsystems->count == 1 ? position : subsystems->component[position];

@@ -1,6 +1,7 @@
-/* tail.h - Computes the tail of a step (tvi_stats.tail): the last term of the polynomial of the forces relative to
- * the whole (docs/method.md, section 3). The curves call it. The tail is the largest of such ratios of the
- * components, each of which depends neither on the units nor on the origin of the coordinates. */
+/* tail.h - Computes the tail of a step (tvi_stats.tail; docs/method.md, section 3), which shows whether its polynomials
+ * have enough terms: the last term of the polynomial of the forces relative to the momentum, and that of the velocities
+ * relative to the change of the coordinates. The tail is the largest of these ratios over all components. Each ratio
+ * depends neither on the units nor on the origin of the coordinates. The curves call it. */
 #ifndef TVI_SRC_TAIL_H
 #define TVI_SRC_TAIL_H
 
@@ -13,17 +14,17 @@
 /* The magnitudes of the quantities of one component in a step, from which its tail is computed. */
 typedef struct {
     double momentum_size; /* The magnitude of p plus that of its change. */
-    double movement_size; /* The magnitude of the change of q in the step. */
+    double movement_size; /* The movement: the magnitude of the change of q in the step. */
     double last_term_p;   /* The last term of p', times the factor that makes it a momentum. */
     /* The last term of q', times the factor that makes it a movement. It is 0 in a separable system, where q' follows
      * from p. */
     double last_term_q;
-    double position_size;                      /* The magnitude of q at the start of the step. */
-    double inverse_momentum, inverse_movement; /* 1 / momentum_size and 1 / movement_size. */
+    double position_size;                                /* The magnitude of q at the start of the step. */
+    double inverse_momentum_size, inverse_movement_size; /* 1 / momentum_size and 1 / movement_size. */
 } tvi_tail_component;
 
-/* The share of a component is its squared velocity, so that a light body counts as much as a heavy one, or its
- * momentum times its velocity if there are no masses. If its share is less than TAIL_MIN_SHARE times the largest
+/* The share of a component in the motion is its squared velocity, so that a light body counts as much as a heavy one,
+ * or its momentum times its velocity if there are no masses. If its share is less than TAIL_MIN_SHARE times the largest
  * share in its subsystem, its ratio is multiplied by the quotient of the two. */
 static inline double tvi_tail_component_share(const tvi_tail_component *component, bool has_masses)
 {
@@ -35,24 +36,25 @@ static inline double tvi_tail_component_share(const tvi_tail_component *componen
  * since the larger of two numbers changes from step to step. */
 static inline double tvi_tail_component_ratio(const tvi_tail_component *component)
 {
-    const double ratio_p = component->last_term_p * component->inverse_momentum;
-    const double quotient_q = component->last_term_q * component->inverse_movement;
+    const double ratio_p = component->last_term_p * component->inverse_momentum_size;
+    const double quotient_q = component->last_term_q * component->inverse_movement_size;
     const double ratio_q = component->last_term_q > 0 ? quotient_q : 0, ratio = ratio_p >= ratio_q ? ratio_p : ratio_q;
-    const double roundoff = TAIL_ROUNDOFF * component->position_size * component->inverse_movement;
+    const double roundoff = TAIL_ROUNDOFF * component->position_size * component->inverse_movement_size;
     const double rest = ratio - (component->position_size > 0 ? roundoff : 0);
     return rest > 0 ? rest : 0;
 }
 
-/* Returns the ratio of a component, reduced if its share is below TAIL_MIN_SHARE times the largest share. */
-static inline double tvi_tail_weigh_ratio(double ratio, double share, double largest_share)
+/* Returns the ratio of a component (tvi_tail_component_ratio), reduced if its share of the motion is below
+ * TAIL_MIN_SHARE times the largest share in its subsystem. */
+static inline double tvi_tail_reduce_ratio_of_small_share(double ratio, double share, double largest_share)
 {
     const double least = TAIL_MIN_SHARE * largest_share, quotient = share * (1 / least);
     return ratio * (share < least ? quotient : 1);
 }
 
 /* Computes tail [width], the tails of several members, from the shares and ratios [n][width] of their components. */
-static inline void tvi_tail_compute_members(const tvi_subsystems *subsystems, int n, int width, const double *share,
-                                            const double *ratio, double *tail)
+static inline void tvi_tail_compute_for_members(const tvi_subsystems *subsystems, int n, int width, const double *share,
+                                                const double *ratio, double *tail)
 {
     double largest_tail[BATCH_MAX_WIDTH];
     for (int m = 0; m < width; m++) largest_tail[m] = 0;
@@ -68,7 +70,7 @@ static inline void tvi_tail_compute_members(const tvi_subsystems *subsystems, in
         for (k = first; k < end; k++)
             for (int m = 0; m < width; m++) {
                 const int at = tvi_subsystems_component(subsystems, k) * width + m;
-                const double one = tvi_tail_weigh_ratio(ratio[at], share[at], largest_share[m]);
+                const double one = tvi_tail_reduce_ratio_of_small_share(ratio[at], share[at], largest_share[m]);
                 largest_tail[m] = one > largest_tail[m] ? one : largest_tail[m];
             }
     }

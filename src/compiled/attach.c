@@ -20,7 +20,7 @@ const char *tvi_compiled_why_unusable(const tvi_compiled *compiled, const tvi_sy
     return NULL;
 }
 
-/* A copy of a system and of those of its tapes that generated code runs. */
+/* A copy of a system, and copies of those of its tapes that run generated code. */
 typedef struct {
     tvi_system system;
     jet_tape tape[TVI_CODE_TAPES];

@@ -20,8 +20,9 @@ typedef struct tvi_code {
     /* The generated sweeps of each tape. If a pointer is NULL, the interpreter makes all sweeps of the tape. If a
      * function of the sweeps is NULL, the interpreter makes those sweeps. */
     const jet_sweeps *sweeps[TVI_CODE_TAPES];
-    const struct galerkin_code *galerkin; /* Loops of the Galerkin curve; NULL: the library's own are used. */
-    const struct tvi_curve_code *curve;   /* Functions of a Taylor curve; NULL: the library's own are used. */
+    /* The generated loops of the Galerkin curve; NULL: those of the library run. */
+    const struct galerkin_code *galerkin;
+    const struct tvi_curve_code *curve; /* The generated functions of a Taylor curve; NULL: those of the library run. */
 } tvi_code;
 
 /* Generated code that can be attached to integrators. */

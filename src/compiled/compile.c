@@ -75,7 +75,7 @@ static bool is_word_in_list(const char *name, const char *list)
     return false;
 }
 
-static bool begins_with_any(const char *name, const char *const prefix[], size_t count)
+static bool begins_with_any_prefix(const char *name, const char *const prefix[], size_t count)
 {
     for (size_t i = 0; i < count; i++)
         if (!strncmp(name, prefix[i], strlen(prefix[i]))) return true;
@@ -89,7 +89,7 @@ static bool is_c_library_name(const char *name)
     char type[MAX_NAME_LENGTH];
     const size_t size = strlen(name);
     if (is_word_in_list(name, library_names) || is_word_in_list(name, names_with_suffixes)) return true;
-    if (begins_with_any(name, library_prefixes, sizeof library_prefixes / sizeof *library_prefixes)) return true;
+    if (begins_with_any_prefix(name, library_prefixes, sizeof library_prefixes / sizeof *library_prefixes)) return true;
     if (size < 2 || size >= MAX_NAME_LENGTH || !strchr("fl", name[size - 1])) return false;
     memcpy(type, name, size - 1);
     type[size - 1] = 0;
@@ -105,7 +105,8 @@ static bool is_identifier(const char *name)
 }
 
 /* Returns the reason why the generated function cannot have this name, or NULL. Names are refused that C, C++ or all
- * generated texts use. If a variable of one text has the same name, the variable is renamed instead (write_text). */
+ * generated texts use. If a variable of one text has the same name, the variable is renamed instead
+ * (write_source_text). */
 static const char *why_name_refused(const char *name)
 {
     if (!is_identifier(name)) return "is no identifier";
@@ -113,7 +114,7 @@ static const char *why_name_refused(const char *name)
     if (is_c_library_name(name)) return "is a name of the C library";
     if (*name == '_') return "begins with _, as the names of the compiler do";
     if (!strcmp(name, "jet") ||
-        begins_with_any(name, reserved_prefixes, sizeof reserved_prefixes / sizeof *reserved_prefixes))
+        begins_with_any_prefix(name, reserved_prefixes, sizeof reserved_prefixes / sizeof *reserved_prefixes))
         return "begins as the names of this library do";
     return strpbrk(name, small) ? NULL : "is in capitals, as macros are";
 }
@@ -166,10 +167,10 @@ static void emit_code_structure(jet_text *text, const jet_emission_request *cons
 }
 
 /* Writes the C text that defines the function `const tvi_compiled *function_name(void)`. */
-static void write_text(jet_text *text, const tvi_system *stepped_system, const tvi_options *resolved_options,
-                       const char *function_name)
+static void write_source_text(jet_text *text, const tvi_system *stepped_system, const tvi_options *resolved_options,
+                              const char *function_name)
 {
-    const tvi_used_tapes uses = tvi_choose_stepper(resolved_options)->uses(stepped_system, resolved_options);
+    const tvi_tapes_of_steps uses = tvi_choose_stepper(resolved_options)->list_tapes(stepped_system, resolved_options);
     const jet_emission_request *const requests[TVI_CODE_TAPES] = {&uses.series, &uses.values, &uses.r_dot_Hp,
                                                                   &uses.hessian};
     const jet_tape *const tapes[TVI_CODE_TAPES] = {stepped_system->field_series, stepped_system->field_values,
@@ -184,7 +185,7 @@ static void write_text(jet_text *text, const tvi_system *stepped_system, const t
         if (requests[i]->name) jet_emit_tape(text, tapes[i], requests[i]);
     if (uses.emit_loops) uses.emit_loops(text, stepped_system, resolved_options);
     emit_code_structure(text, requests, stepped_system, resolved_options);
-    if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_field);
+    if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_field_name);
     jet_text_append(text, "};\n");
     jet_text_append(text,
                     "static const struct tvi_compiled tvi_generated = {&tvi_generated_code, 0, 0};\n#undef %s\n"
@@ -201,7 +202,7 @@ static tvi_status resolve_options(const tvi_system *system, const tvi_options *o
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     *resolved_options = options ? *options : tvi_options_default();
     resolved_options->compiled = NULL;
-    return tvi_options_resolve(resolved_options, system->stepped, NULL);
+    return tvi_options_resolve(resolved_options, system->stepped_system, NULL);
 }
 
 /* Compiles or loads the code, and checks that it can be used for the system. */
@@ -209,7 +210,7 @@ static tvi_status compile_and_check(tvi_compiled **out, const tvi_system *steppe
                                     const tvi_options *resolved_options, const tvi_compiler *compiler)
 {
     jet_text text = {0};
-    write_text(&text, stepped_system, resolved_options, TVI_COMPILED_NAME);
+    write_source_text(&text, stepped_system, resolved_options, TVI_COMPILED_NAME);
     const jet_isa isa = stepped_system->field_values->interpreter_sweeps->isa;
     tvi_status status = text.is_incomplete ? TVI_ENOMEM : tvi_compiled_load_or_compile(out, &text, compiler, isa);
     free(text.data);
@@ -229,8 +230,9 @@ tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_o
     const tvi_compiler defaults = {NULL, NULL, NULL};
     const tvi_status status = resolve_options(system, options, &resolved_options);
     return jet_explain_out_of_memory(
-        status == TVI_OK ? compile_and_check(out, system->stepped, &resolved_options, compiler ? compiler : &defaults)
-                         : status);
+        status == TVI_OK
+            ? compile_and_check(out, system->stepped_system, &resolved_options, compiler ? compiler : &defaults)
+            : status);
 }
 
 tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *function_name,
@@ -243,7 +245,7 @@ tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *optio
     const tvi_status status = resolve_options(system, options, &resolved_options);
     if (status != TVI_OK) return status;
     jet_text text = {0};
-    write_text(&text, system->stepped, &resolved_options, function_name);
+    write_source_text(&text, system->stepped_system, &resolved_options, function_name);
     const bool failed = text.is_incomplete, is_written = !failed && tvi_file_write(path, false, text.data, text.length);
     free(text.data);
     if (!failed && !is_written) return jet_refuse(TVI_ECOMPILE, "%s cannot be written", path);

@@ -7,8 +7,8 @@
 #include "method/method.h"
 #include "text.h"
 
-/* Returns the reason why the code cannot be used on this machine for the system and these resolved options. The
- * system is the one in which steps are made (tvi_system.stepped). NULL: the code can be used, or there is no code. */
+/* Returns the reason why the code cannot be used on this machine for the system and these resolved options. The system
+ * is the one in which steps are made (tvi_system.stepped_system). NULL: the code can be used, or there is no code. */
 const char *tvi_compiled_why_unusable(const tvi_compiled *compiled, const tvi_system *stepped_system,
                                       const tvi_options *options);
 
@@ -24,7 +24,7 @@ void tvi_compiled_remove_user(const tvi_compiled *compiled);
 /* Returns a hash of all texts of the library that generated code contains. */
 uint64_t tvi_compiled_hash_library_text(void);
 
-#define TVI_COMPILED_NAME "generated" /* The name of the function in shared libraries. */
+#define TVI_COMPILED_NAME "generated" /* The name of the function that a shared library of generated code exports. */
 
 /* Loads the shared library for this text from the cache, or compiles the text. Returns TVI_ENOMEM or
  * TVI_ECOMPILE if it fails. */

@@ -82,7 +82,7 @@ bool tvi_file_move(const char *from, const char *to) { return rename(from, to) =
 typedef bool directory_fn(const char *path);
 
 /* Tells whether all parent directories of a path pass a check, from the top on. The path is modified meanwhile. */
-static bool do_all_parents_pass(char *path, directory_fn *check)
+static bool do_all_parents_pass_check(char *path, directory_fn *check)
 {
     for (char *at = path + 1; (at = strchr(at, '/')); at++) {
         *at = 0;
@@ -111,7 +111,7 @@ static bool is_directory_protected(const char *path)
 static bool are_parents_protected(const char *path)
 {
     char *real = realpath(path, NULL);
-    const bool is_true = real && is_directory_protected("/") && do_all_parents_pass(real, is_directory_protected);
+    const bool is_true = real && is_directory_protected("/") && do_all_parents_pass_check(real, is_directory_protected);
     free(real);
     return is_true;
 }
@@ -123,7 +123,7 @@ bool tvi_directory_create_protected(const char *path)
     char *copy = malloc(byte_count);
     if (!copy) return false;
     memcpy(copy, path, byte_count);
-    const bool is_made = do_all_parents_pass(copy, make_directory) && make_directory(copy);
+    const bool is_made = do_all_parents_pass_check(copy, make_directory) && make_directory(copy);
     free(copy);
     return is_made && are_parents_protected(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) &&
            belongs_to_user_alone(&s);

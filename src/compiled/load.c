@@ -21,7 +21,7 @@
 /* The compiler flags for each of the library's instruction sets. */
 static const char *const flags_of[JET_ISA_COUNT] = {TVI_COMPILED_FLAGS};
 
-/* The arguments of the compiler that follow its flags. */
+/* The compiler's arguments after its flags. */
 static char *const last_arguments[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
 enum { LAST_ARGUMENTS = sizeof last_arguments / sizeof *last_arguments };
 
@@ -30,23 +30,24 @@ typedef struct {
     uint64_t hash[2];
 } compilation_key;
 
-/* The seal: the last bytes of a file in the cache. */
+/* The seal: the last bytes of a file in the cache. `magic` is the same text in every seal. */
 typedef struct {
     char magic[8];
     compilation_key key;
     uint64_t checksum; /* Hash of all bytes before the seal. */
 } cache_seal;
 
-/* A request to compile. The compiler and its flags come from the user, the environment or the library. */
+/* A request to compile. compiler_command is the name of the compiler, which other arguments may follow. It and the
+ * flags come from the user, the environment or the library. */
 typedef struct {
-    const char *compiler, *flags;
+    const char *compiler_command, *flags;
     /* The directory of the cache. If the library is not stored in a cache, the directory for temporary files. */
     jet_text base_directory;
     bool uses_cache; /* The library is stored in the cache. */
     compilation_key key;
 } compilation_request;
 
-/* The files of one compilation. */
+/* The paths of the temporary directory and the files of one compilation; `output` is what the compiler prints. */
 typedef struct {
     jet_text directory, source, library, output;
 } compilation_files;
@@ -104,17 +105,17 @@ static void add_processor_to_key(compilation_key *key)
 #endif
 }
 
-static compilation_request make_request(const jet_text *text, const tvi_compiler *compiler, jet_isa isa)
+static compilation_request make_compilation_request(const jet_text *text, const tvi_compiler *compiler, jet_isa isa)
 {
     const char *default_compiler = tvi_environment_variable("CC");
-    compilation_request request = {.compiler = compiler->compiler ? compiler->compiler
-                                               : default_compiler ? default_compiler
-                                                                  : "cc",
+    compilation_request request = {.compiler_command = compiler->compiler ? compiler->compiler
+                                                       : default_compiler ? default_compiler
+                                                                          : "cc",
                                    .flags = compiler->flags ? compiler->flags : flags_of[isa],
                                    .key = {{JET_HASH_OF_NOTHING, ~JET_HASH_OF_NOTHING}}};
     choose_cache_directory(&request, compiler->cache);
     add_to_key(&request.key, text->data, text->length);
-    add_to_key(&request.key, request.compiler, strlen(request.compiler) + 1);
+    add_to_key(&request.key, request.compiler_command, strlen(request.compiler_command) + 1);
     add_to_key(&request.key, request.flags, strlen(request.flags) + 1);
     for (int i = 0; i < LAST_ARGUMENTS; i++) add_to_key(&request.key, last_arguments[i], strlen(last_arguments[i]) + 1);
     add_processor_to_key(&request.key);
@@ -206,7 +207,7 @@ static tvi_status run_compiler(const compilation_request *request, const compila
     char *words[MAX_WORDS + LAST_ARGUMENTS + 4];
     int count = 0;
     jet_text text = {0};
-    jet_text_append(&text, "%s %s", request->compiler, request->flags);
+    jet_text_append(&text, "%s %s", request->compiler_command, request->flags);
     bool is_split = !text.is_incomplete && split_into_words(text.data, words, &count) && count > 0;
     char *const file_arguments[] = {"-o", files->library.data, files->source.data};
     memcpy(words + count, file_arguments, sizeof file_arguments);
@@ -214,8 +215,8 @@ static tvi_status run_compiler(const compilation_request *request, const compila
     words[count + 3 + LAST_ARGUMENTS] = NULL;
     const int failed = is_split ? tvi_process_run(words, files->output.data) : -1;
     free(text.data);
-    if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", request->compiler);
-    return failed > 0 ? refuse_with_compiler_output(request->compiler, files->output.data) : TVI_OK;
+    if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", request->compiler_command);
+    return failed > 0 ? refuse_with_compiler_output(request->compiler_command, files->output.data) : TVI_OK;
 }
 
 /* Writes the source and compiles it. The library gets its seal for the cache. */
@@ -226,7 +227,7 @@ static tvi_status compile_library(const compilation_request *request, const comp
         return jet_refuse(TVI_ECOMPILE, "%s cannot be written", files->source.data);
     const tvi_status status = run_compiler(request, files);
     if (status != TVI_OK || append_seal(files->library.data, &request->key)) return status;
-    return jet_refuse(TVI_ECOMPILE, "%s made no library, or not all of it", request->compiler);
+    return jet_refuse(TVI_ECOMPILE, "%s made no library, or not all of it", request->compiler_command);
 }
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
@@ -310,7 +311,7 @@ static tvi_status load_from_cache_or_compile(tvi_compiled **out, const compilati
 tvi_status tvi_compiled_load_or_compile(tvi_compiled **out, const jet_text *text, const tvi_compiler *compiler,
                                         jet_isa isa)
 {
-    compilation_request request = make_request(text, compiler, isa);
+    compilation_request request = make_compilation_request(text, compiler, isa);
     const tvi_status status =
         request.base_directory.is_incomplete ? TVI_ENOMEM : load_from_cache_or_compile(out, &request, text);
     free(request.base_directory.data);

@@ -55,9 +55,9 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system *system, int node_count,
                                  int member_count)
 {
-    const size_t row_arrays = (size_t)system->inputs * (size_t)member_count,
+    const size_t row_arrays = (size_t)system->input_count * (size_t)member_count,
                  impulse_count = row_arrays * (size_t)node_count;
-    *nodes = (galerkin_nodes){.unknown_count = system->inputs,
+    *nodes = (galerkin_nodes){.unknown_count = system->input_count,
                               .unknown_count_per_half = system->n,
                               .node_count = node_count,
                               .member_count = member_count};
@@ -77,7 +77,8 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
                                 options->degree);
     stepper.single_stepper = stepper.member_stepper.stepper_work;
     allocate_node_arrays(&stepper.nodes, arena, system, options->degree, member_count);
-    const size_t count = (size_t)member_count, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
+    const size_t count = (size_t)member_count, n = (size_t)system->n * count,
+                 unknowns = (size_t)system->input_count * count;
     galerkin_impulse_sums *sums = &stepper.tail_inputs.impulse_sums;
     double **const row_arrays[] = {&sums->single_integral,   &sums->double_integral,      &sums->last_term,
                                    &sums->end_impulse_size,  &sums->single_integral_low,  &sums->double_integral_low,
@@ -93,11 +94,11 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     stepper.tail = tvi_arena_allocate_doubles(arena, count);
     stepper.stepped_together_mask = tvi_arena_allocate(arena, count * sizeof *stepper.stepped_together_mask);
     stepper.last_step_only_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_only_mask);
-    stepper.history = tvi_arena_allocate_in_history(arena, count * sizeof *stepper.history);
-    stepper.last_ring_index = tvi_arena_allocate_in_history(arena, sizeof *stepper.last_ring_index);
+    stepper.history = tvi_arena_allocate_in_copied_history(arena, count * sizeof *stepper.history);
+    stepper.last_ring_index = tvi_arena_allocate_in_copied_history(arena, sizeof *stepper.last_ring_index);
     for (int i = 0; i < GALERKIN_RING; i++)
         stepper.impulse_ring[i] =
-            tvi_arena_allocate_in_history(arena, unknowns * (size_t)options->degree * sizeof(double));
+            tvi_arena_allocate_in_copied_history(arena, unknowns * (size_t)options->degree * sizeof(double));
     if (taken) *taken = stepper;
     return taken;
 }
@@ -339,7 +340,7 @@ static void finish_step_in_lanes(galerkin_batch_stepper *stepper, double h, cons
                                .start_time = origins->t[member],
                                .convergence = {stepper->iteration.largest_contraction_ratio[member],
                                                stepper->iteration.first_movement_square[member]}};
-        results->passes[member] = (int)stepper->iteration.pass_count_as_double[member];
+        results->pass_counts[member] = (int)stepper->iteration.pass_count_as_double[member];
     }
 }
 
@@ -360,10 +361,10 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origins, co
 }
 
 const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,
-                                              .take = allocate_batch_stepper,
+                                              .allocate = allocate_batch_stepper,
                                               .prepare = prepare_batch_stepper,
                                               .step = step_batch,
-                                              .lane_to_scalar = copy_history_from_lane,
-                                              .scalar_to_lane = copy_history_to_lane,
-                                              .forget = forget_lane_history,
+                                              .copy_history_from_lane = copy_history_from_lane,
+                                              .copy_history_to_lane = copy_history_to_lane,
+                                              .clear_history = forget_lane_history,
                                               .is_history_valid = is_ring_index_valid};

@@ -18,8 +18,9 @@ static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
     const struct {
         const char *name;
         double value; /* the value of the member `name`; integers are converted */
-    } field[] = {{FIELD(max_passes)},        {FIELD(exact_passes)}, {FIELD(correction_goal)}, {FIELD(roundoff_level)},
-                 {FIELD(max_trusted_ratio)}, {FIELD(stall_ratio)},  {FIELD(stall_lag)},       {FIELD(is_quadratic)}};
+    } field[] = {{FIELD(max_passes)},           {FIELD(exact_passes)},      {FIELD(correction_goal)},
+                 {FIELD(roundoff_level)},       {FIELD(max_trusted_ratio)}, {FIELD(stall_ratio)},
+                 {FIELD(stall_comparison_lag)}, {FIELD(is_quadratic)}};
     jet_text_append(text, "static const tvi_passes_rule galerkin_rule = {");
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_append(text, ".%s = %a, ", field[i].name, field[i].value);
@@ -40,7 +41,7 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const 
                     "GALERKIN_TAIL_PARTS = %d, GALERKIN_IS_SEPARABLE = %d, "
                     "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
                     nodes->lane_count, field->node_count, field->system->n, nodes->unknown_count,
-                    nodes->moving_unknown_count, nodes->subsystems.count, field->system->tail_parts.count,
+                    nodes->moving_unknown_count, nodes->subsystems.count, field->system->tail_subsystems.count,
                     galerkin_is_second_order(field), galerkin_count_input_rows(field->system->field_values),
                     nodes->lane_count);
     emit_text_lines(text, tvi_embedded_galerkin);

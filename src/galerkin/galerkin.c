@@ -78,12 +78,12 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     const int lanes_needed = choose_lane_count(node_count);
     field->kernels = kernel_tables[system->field_values->sweeps->isa][find_kernel_table_index(lanes_needed)];
     field->form = select_field_form(system);
-    nodes->unknown_count = system->inputs;
+    nodes->unknown_count = system->input_count;
     nodes->lane_count = lanes_needed;
     nodes->node_count = node_count;
     nodes->member_count = 1;
     nodes->unknown_count_per_half = system->n;
-    nodes->subsystems = system->parts;
+    nodes->subsystems = system->subsystems;
     const int cyclic = count_trailing_cyclic_coordinates(system);
     nodes->moving_unknown_count = cyclic > 0 ? system->n - cyclic : nodes->unknown_count;
     const size_t unknowns = (size_t)nodes->unknown_count, lanes = (size_t)nodes->lane_count;
@@ -103,11 +103,11 @@ static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena,
     galerkin_impulse_sums *sums = &inputs->impulse_sums;
     double **const vectors[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
                                 &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low};
-    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->inputs + 7);
+    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->input_count + 7);
     inputs->n = system->n;
     inputs->is_separable = system->form == TVI_SEPARABLE;
-    inputs->has_masses = system->compares_movements;
-    inputs->subsystems = system->tail_parts;
+    inputs->has_masses = system->has_tail_shares_without_momenta;
+    inputs->subsystems = system->tail_subsystems;
     inputs->impulse_scale = impulse_scale;
     inputs->inverse_impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
@@ -371,13 +371,13 @@ static void emit_generated_steps(jet_text *text, const tvi_system *system, const
     free(memory);
 }
 
-static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_used_tapes used = {.values = {.name = "tvi_values", .lane_counts = {lanes, of_batch}},
-                           .loops_field = "galerkin",
-                           .emit_loops = emit_generated_steps};
+    tvi_tapes_of_steps used = {.values = {.name = "tvi_values", .lane_counts = {lanes, of_batch}},
+                               .loops_field_name = "galerkin",
+                               .emit_loops = emit_generated_steps};
     if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lane_counts = {lanes}};
     return used;
 }
@@ -387,7 +387,7 @@ static bool is_history_valid(const void *work)
     return galerkin_is_ring_index_valid(((const galerkin_stepper *)work)->predictor.history->last_ring_index);
 }
 
-const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,
+const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_stepper,
                                           .prepare = prepare_stepper,
                                           .step = make_single_step,
                                           .run = make_steps_of_run,
@@ -395,5 +395,5 @@ const tvi_stepper tvi_stepper_galerkin = {.take = allocate_stepper,
                                           .sample = tvi_galerkin_compute_curve_samples,
                                           .is_superconvergent = true,
                                           .is_history_valid = is_history_valid,
-                                          .uses = list_used_tapes,
+                                          .list_tapes = list_used_tapes,
                                           .batch = &tvi_galerkin_batch};

@@ -86,7 +86,7 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int member_count, d
             share[at] = tvi_tail_component_share(&component, inputs.is_separable || inputs.has_masses);
             ratio[at] = tvi_tail_component_ratio(&component);
         }
-    tvi_tail_compute_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
+    tvi_tail_compute_for_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
 
 #if MEMBERS

@@ -82,7 +82,7 @@ typedef struct {
 typedef struct {
     int n;
     /* is_separable: the equations are Q'' = F. has_masses: how much a component counts in the tail is computed from its
-     * movement, not its momentum (tvi_system.compares_movements). */
+     * movement, not its momentum (tvi_system.has_tail_shares_without_momenta). */
     bool is_separable, has_masses;
     tvi_subsystems subsystems;
     galerkin_impulse_sums impulse_sums;
@@ -108,11 +108,12 @@ static inline tvi_tail_component galerkin_make_tail_component(const galerkin_tai
                                     .last_term_p = last[momentum_index],
                                     .last_term_q = inputs->is_separable ? 0 : last[coordinate_index],
                                     .position_size = fabs(inputs->start_q[coordinate_index])};
-    component.inverse_momentum = 1 / component.momentum_size;
+    component.inverse_momentum_size = 1 / component.momentum_size;
     component.movement_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
                                                    : end_size[coordinate_index] * inputs->inverse_outermost_weight;
-    component.inverse_movement = inputs->is_separable ? inputs->inverse_impulse_scale[i] * component.inverse_momentum
-                                                      : 1 / component.movement_size;
+    component.inverse_movement_size = inputs->is_separable
+                                          ? inputs->inverse_impulse_scale[i] * component.inverse_momentum_size
+                                          : 1 / component.movement_size;
     return component;
 }
 

@@ -12,7 +12,7 @@ void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_a
     tables->blocks.hessian_block =
         tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lane_count, lanes);
     tables->hessian_element =
-        tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entries * sizeof *tables->hessian_element);
+        tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof *tables->hessian_element);
     tables->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *tables->row_end);
 }
 
@@ -21,7 +21,7 @@ void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_a
 static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_element *element, int *row_end)
 {
     const int rows = 2 * system->n;
-    for (int k = 0; k < system->hessian_entries; k++) {
+    for (int k = 0; k < system->hessian_entry_count; k++) {
         row_end[system->hessian[k].row]++;
         if (system->hessian[k].row != system->hessian[k].column) row_end[system->hessian[k].column]++;
     }
@@ -32,7 +32,7 @@ static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_el
         before += count;
     }
     for (int half = 1; half >= 0; half--)
-        for (int k = 0; k < system->hessian_entries; k++) {
+        for (int k = 0; k < system->hessian_entry_count; k++) {
             const int i = system->hessian[k].row, j = system->hessian[k].column;
             const int slot = system->hessian_values->output_slot[rows + k];
             if (j / system->n == half) element[row_end[i]++] = (lanes_hessian_element){j, slot};

@@ -9,7 +9,7 @@
 
 typedef struct {
     galerkin_tape_blocks blocks;
-    /* [2 hessian_entries] The elements of the Hessian, row after row. */
+    /* [2 hessian_entry_count] The elements of the Hessian, row after row. */
     lanes_hessian_element *hessian_element;
     int *row_end; /* [2n] the index in hessian_element at which each row ends */
 } galerkin_hessian_tables;

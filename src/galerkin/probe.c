@@ -19,12 +19,12 @@
  * Newton's method cost more; their goal of 2^-72 does so for N smaller by 2^16.
  * roundoff_level: corrections below it do not show how fast the passes contract. The passes of a small step are soon
  * below it; they are assumed to contract as those of an earlier step.
- * stall_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
+ * stall_comparison_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
     .max_passes = GALERKIN_MAX_PASSES, .correction_goal = SQUARE(GOAL),                                                \
     .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL), .max_trusted_ratio = SQUARE(PASSES_MAX_CONTRACTION),            \
-    .stall_ratio = TVI_PASSES_ALL, .stall_lag = 2
+    .stall_ratio = TVI_PASSES_ALL, .stall_comparison_lag = 2
 const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_quadratic = true};

@@ -17,11 +17,11 @@ static int choose_padded_half_node_count(const tvi_system *system, int points, i
 tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *options, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const int degree = options->degree, p_degree = definition->uses_top_momentum ? degree : degree - 1;
+    const int degree = options->degree, p_degree = definition->uses_highest_momentum_term ? degree : degree - 1;
     const int points = options->quadrature_points;
     const bool uses_hamilton_principle = definition->action == TVI_ACTION_HAMILTON,
                is_separable = system->form == TVI_SEPARABLE;
-    const bool one_more = definition->uses_top_momentum && is_separable; /* p of degree N needs Q_{N+1} */
+    const bool one_more = definition->uses_highest_momentum_term && is_separable; /* p of degree N needs Q_{N+1} */
     tvi_action sizes = {.uses_hamilton_principle = uses_hamilton_principle,
                         .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
                         .has_gradient_by_v = !uses_hamilton_principle && !is_separable,
@@ -31,7 +31,7 @@ tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *
                         .points = points,
                         .orders = degree + one_more + 1,
                         .width = width};
-    if (definition->span.from == -definition->span.to && seeds_need_no_second_derivatives(&sizes) &&
+    if (definition->span.start_s == -definition->span.end_s && seeds_need_no_second_derivatives(&sizes) &&
         tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
         sizes.half_node_count = choose_padded_half_node_count(system, points, width);
         sizes.points = 2 * sizes.half_node_count;
@@ -92,7 +92,7 @@ static double compute_quadrature_error(int order, int points, const long double 
                                        int power, tvi_scaled_span span)
 {
     if (power < order) return 0;
-    long double error = -(powl(span.to, power + 1) - powl(span.from, power + 1)) / (power + 1);
+    long double error = -(powl(span.end_s, power + 1) - powl(span.start_s, power + 1)) / (power + 1);
     for (int i = 0; i < points; i++) error += weight[i] * powl(s[i], power);
     return (double)error;
 }
@@ -149,14 +149,14 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
         const int i = find_quadrature_node(action, count, point, &weight_fraction);
         const bool at_end = s[i] == -1 || s[i] == 1;
         /* Maps [-1, 1] to the span. */
-        const long double place = span.from + (span.to - span.from) * (1 + s[i]) / 2;
+        const long double place = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;
         action->node_scaled_time[point] = (double)place;
-        action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.to - span.from) / 2);
+        action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.end_s - span.start_s) / 2);
         set_power_tables(action, point, place, at_end);
     }
     for (int i = 0; i < count; i++) {
-        s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
-        weight[i] *= (span.to - span.from) / 2;
+        s[i] = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;
+        weight[i] *= (span.end_s - span.start_s) / 2;
     }
     split_table_by_order_parity(action, &action->power_table, false, 1);
     split_table_by_order_parity(action, &action->slope_table, false, -1);

@@ -59,7 +59,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity_guess = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity_guess);
+        w.velocity_guess = tvi_arena_allocate_in_copied_history(arena, n * sizeof *w.velocity_guess);
     }
     w.q_at_end = tvi_combination_allocate(&w.start_curve.curve, arena);
     w.velocity_at_end = tvi_combination_allocate(&w.start_curve.curve, arena);
@@ -265,8 +265,8 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
     tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->system, attempt->h, origin->t, origin->q,
-                                                        origin->p, w->velocity_guess, w->start_z);
+    tvi_status status = tvi_legendre_compute_curve_start(&w->legendre, w->system, attempt->h, origin->t, origin->q,
+                                                         origin->p, w->velocity_guess, w->start_z);
     if (status != TVI_OK) return status;
     status = expand_end_curve(attempt, &w->start_curve, w->start_z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->start_z + n, n * sizeof(double));
@@ -354,17 +354,17 @@ static void compute_dense_output(void *workspace, double theta, double dq[], dou
     add_weighted_curve_increments(w, &w->end_curve, theta - 1, theta, dq, dp);
 }
 
-static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     return tvi_curve_find_used_tapes(system, options, options->degree, options->quadrature_points,
                                      TVI_JACOBIAN_MATRICES);
 }
 
-static const tvi_stepper stepper = {.take = allocate_stepper,
+static const tvi_stepper stepper = {.allocate = allocate_stepper,
                                     .prepare = prepare_stepper,
                                     .step = step_both_ends,
                                     .dense = compute_dense_output,
-                                    .uses = find_used_tapes};
+                                    .list_tapes = find_used_tapes};
 
 const tvi_descriptor tvi_type1_both_ends = {
     .method = TVI_TYPE1,
@@ -375,7 +375,7 @@ const tvi_descriptor tvi_type1_both_ends = {
     .most_degree = TVI_MAX_DEGREE,
     .supports = &tvi_supports_type1,
     .adjoint = &tvi_type1_both_ends,
-    .quadrature = TVI_FREE_QUADRATURE,
+    .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &stepper,
     .predictor = &tvi_stepper_curve,

@@ -44,11 +44,11 @@ tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 
 /* Returns the sweeps of the tapes that a stepper needs if its curves have these Jacobians and its action has `points`
  * nodes. */
-tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
-                                         int points, tvi_jacobians jacobians);
+tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
+                                             int points, tvi_jacobians jacobians);
 
 /* Emit the functions of a curve (tvi_curve_code, seeds.h) into generated code: without Jacobians, with products by
- * Jacobians, and with Jacobian matrices. tvi_used_tapes.emit_loops points to one of them. */
+ * Jacobians, and with Jacobian matrices. tvi_tapes_of_steps.emit_loops points to one of them. */
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options);
 void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options);
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);

@@ -103,7 +103,7 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
                        tvi_stats *stats)
 {
     batch *members = work;
-    const int n = members->single_stepper.system->n, width = members->single_stepper.width;
+    const int n = members->single_stepper.system->n, width = members->single_stepper.batch_width;
     for (int m = 0; m < width; m++) members->iterating_mask[m] = results->status[m] == TVI_OK ? -1 : 0;
     const tvi_quick_step_results quick = {members->dq,       members->dp,          members->tail,
                                           members->residual, members->pass_counts, members->iterating_mask};
@@ -120,15 +120,15 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
             results->increments.dp[at] = members->dp[at];
         }
         results->tail[m] = stats->tail = members->tail[m];
-        results->passes[m] = members->pass_counts[m];
+        results->pass_counts[m] = members->pass_counts[m];
         if (members->pass_counts[m] > 0) stats->residual = members->residual[m];
     }
 }
 
 const tvi_batch_stepper tvi_curve_batch = {.width = choose_batch_width,
-                                           .take = allocate_batch,
+                                           .allocate = allocate_batch,
                                            .prepare = prepare_batch,
                                            .step = step_batch,
-                                           .lane_to_scalar = copy_lane_to_member,
-                                           .scalar_to_lane = copy_member_to_lane,
-                                           .forget = forget_lane_history};
+                                           .copy_history_from_lane = copy_lane_to_member,
+                                           .copy_history_to_lane = copy_member_to_lane,
+                                           .clear_history = forget_lane_history};

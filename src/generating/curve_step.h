@@ -330,7 +330,7 @@ static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_cu
         !step_drop_failed_members(&state, functions->expand(curve), false))
         return false;
     step_move_state_to_centre(work, work->newton.x);
-    curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.from * tau);
+    curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.start_s * tau);
     step_run_corrector_passes(&state, results);
     for (int m = 0; m < curve_width(curve); m++) {
         if (results->pass_counts[m] == TVI_NOT_MADE) continue;

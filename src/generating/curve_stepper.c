@@ -72,10 +72,10 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity_guess = tvi_arena_allocate_in_history(arena, n * sizeof *w.velocity_guess);
+        w.velocity_guess = tvi_arena_allocate_in_copied_history(arena, n * sizeof *w.velocity_guess);
     }
     if (!definition->correct_ends) {
-        w.last_adapted_step_size = tvi_arena_allocate_in_history(arena, (size_t)width * sizeof(double));
+        w.last_adapted_step_size = tvi_arena_allocate_in_copied_history(arena, (size_t)width * sizeof(double));
         if (width > 1) w.quick_step = tvi_choose_curve_variant(system->field_series)->taylor_step_of_members;
         else tvi_allocate_increment_refinement(&w.refinement, arena, curve);
         if (width == 1 && system->form == TVI_SEPARABLE) {
@@ -106,12 +106,12 @@ static void set_centre_weights(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
-    const double s = -w->closure.span.from;
+    const double s = -w->closure.span.start_s;
     double weight[TVI_MAX_DEGREE + 2];
     for (int k = 0; k <= curve->highest_order; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
     tvi_combination_set_weights(&w->velocity_at_centre, curve, hamiltonian, weight);
     tvi_combination_set_power_weights(&w->q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
-    for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.to, k - 1) : 0;
+    for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.end_s, k - 1) : 0;
     tvi_combination_set_weights(&w->scaled_end_velocity, curve, false, weight);
 }
 
@@ -121,7 +121,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
     tvi_closure *c = &w->closure;
     tvi_combination *const ends[2][4] = {{&c->q_at_start, &c->q_at_end, &c->q_increment, &c->q_mean},
                                          {&c->u_at_start, &c->u_at_end, &c->u_increment, &c->u_mean}};
-    const double from = c->span.from, to = c->span.to;
+    const double from = c->span.start_s, to = c->span.end_s;
     const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
     tvi_curve_fill_constant_tables(&c->curve);
     tvi_curve_set_tail_degrees(&c->curve, w->q_degree, c->p_degree);
@@ -156,9 +156,9 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
 {
     work *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_start_data(&w->legendre, w->closure.system, attempt->tau, origin->t,
-                                                        origin->q, origin->p, w->velocity_guess, w->predicted_state);
-    if (status != TVI_OK || w->closure.span.from == 0) return status;
+    tvi_status status = tvi_legendre_compute_curve_start(&w->legendre, w->closure.system, attempt->tau, origin->t,
+                                                         origin->q, origin->p, w->velocity_guess, w->predicted_state);
+    if (status != TVI_OK || w->closure.span.start_s == 0) return status;
     status = expand_curve(attempt, w->predicted_state, origin->t + origin->t_low);
     step_move_state_to_centre(w, w->predicted_state);
     return status;
@@ -166,7 +166,7 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
 
 static double compute_centre_time(const step_attempt *attempt)
 {
-    return attempt->origin->t + (attempt->origin->t_low + -attempt->work->closure.span.from * attempt->tau);
+    return attempt->origin->t + (attempt->origin->t_low + -attempt->work->closure.span.start_s * attempt->tau);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
@@ -204,7 +204,7 @@ static void estimate_residual_roundoff(void *self, double r[])
 {
     const step_attempt *attempt = self;
     const tvi_closure *c = &attempt->work->closure;
-    const double h = (c->span.to - c->span.from) * attempt->tau;
+    const double h = (c->span.end_s - c->span.start_s) * attempt->tau;
     attempt->stats->force_evaluations += tvi_estimate_end_roundoff(&attempt->work->action, &c->curve, h,
                                                                    attempt->origin->q, attempt->origin->p, r, r + c->n);
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
@@ -223,7 +223,7 @@ static tvi_status run_corrector(step_attempt *attempt)
 {
     work *w = attempt->work;
     /* At s = 0 (q-, kappa p-) is z, and its Jacobian the identity; but a Lagrangian's z has v in place of p. */
-    const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
+    const bool is_identity = w->closure.span.start_s == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     const tvi_closure_solver *solver = w->closure.solver;
     const tvi_equations equations = {.self = attempt,
                                      .residual = compute_residual,
@@ -261,7 +261,7 @@ static void compute_plain_taylor_increments(work *w, double h, const tvi_increme
 /* Returns whether the step is the curve itself: it begins at the start, and all of its orders are summed. */
 static bool is_step_plain_taylor_curve(const work *w)
 {
-    return !w->has_corrections && w->closure.span.from == 0 && w->q_degree > 1 &&
+    return !w->has_corrections && w->closure.span.start_s == 0 && w->q_degree > 1 &&
            w->closure.curve.highest_order == w->q_degree;
 }
 
@@ -359,9 +359,9 @@ static void compute_dense_output(void *workspace, double theta, double dq[], dou
 {
     work *w = workspace;
     const tvi_closure *c = &w->closure;
-    const double at = c->span.from + theta * (c->span.to - c->span.from);
-    tvi_combination_set_power_weights(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.from);
-    tvi_combination_set_power_weights(&w->dense_u, &c->curve, true, w->closure.p_degree, 1, at, -1, c->span.from);
+    const double at = c->span.start_s + theta * (c->span.end_s - c->span.start_s);
+    tvi_combination_set_power_weights(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.start_s);
+    tvi_combination_set_power_weights(&w->dense_u, &c->curve, true, w->closure.p_degree, 1, at, -1, c->span.start_s);
     step_compute_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
@@ -370,7 +370,7 @@ static double bound_energy_change(const void *workspace)
     return tvi_curve_bound_energy_change(&((const work *)workspace)->closure.curve);
 }
 
-static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
@@ -379,17 +379,17 @@ static tvi_used_tapes find_used_tapes(const tvi_system *system, const tvi_option
                                      has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }
 
-const tvi_stepper tvi_stepper_curve = {.take = allocate_stepper,
+const tvi_stepper tvi_stepper_curve = {.allocate = allocate_stepper,
                                        .prepare = tvi_curve_workspace_fill_tables,
                                        .step = step_curve,
                                        .dense = compute_dense_output,
-                                       .uses = find_used_tapes,
+                                       .list_tapes = find_used_tapes,
                                        .batch = &tvi_curve_batch};
-const tvi_stepper tvi_stepper_taylor = {.take = allocate_stepper,
+const tvi_stepper tvi_stepper_taylor = {.allocate = allocate_stepper,
                                         .prepare = tvi_curve_workspace_fill_tables,
                                         .step = step_curve,
                                         .dense = compute_dense_output,
                                         .step_within = step_to_tolerance,
-                                        .most_change = bound_energy_change,
-                                        .uses = find_used_tapes,
+                                        .bound_energy_change = bound_energy_change,
+                                        .list_tapes = find_used_tapes,
                                         .batch = &tvi_curve_batch};

@@ -25,12 +25,13 @@ static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi
 {
     static const char *const form[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
     const int rest = lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0; /* directions of a last block */
-    const int p_degree = tvi_find_method(options)->curve.uses_top_momentum ? options->degree : options->degree - 1;
+    const int p_degree =
+        tvi_find_method(options)->curve.uses_highest_momentum_term ? options->degree : options->degree - 1;
     jet_text_append(text,
                     "enum {\n    CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d, CURVE_TOP = tvi_series_top,\n"
                     "    CURVE_INPUTS = %d, CURVE_USES_TIME = %d, CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d,\n"
                     "    CURVE_IN_PLACE = %d\n};\n#define CURVE_FORM %s\n",
-                    lanes, rest, system->n, system->inputs, system->uses_time, options->degree, p_degree,
+                    lanes, rest, system->n, system->input_count, system->uses_time, options->degree, p_degree,
                     lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
 }
 

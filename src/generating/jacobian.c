@@ -32,14 +32,14 @@ void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combin
 
 /* The tangents of Jacobian matrices are computed in blocks of CURVE_TANGENT_DIRECTIONS directions, and a last block of
  * those that are left. */
-tvi_used_tapes tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
-                                         int points, tvi_jacobians jacobians)
+tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
+                                             int points, tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % CURVE_TANGENT_DIRECTIONS;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_OWN_MAX_ROWS;
-    tvi_used_tapes used = {
+    tvi_tapes_of_steps used = {
         .series = {.name = "tvi_series", .lane_counts = {1}, .top_order = highest_order, .has_series = !is_whole},
-        .loops_field = "curve",
+        .loops_field_name = "curve",
         .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;

@@ -15,11 +15,11 @@ static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
                                            .correction_goal = DBL_EPSILON / 2,
                                            .max_trusted_ratio = 1,
                                            .stall_ratio = PASSES_STALL_RATIO,
-                                           .stall_lag = 1};
+                                           .stall_comparison_lag = 1};
 /* The rule for the largest correction of a group, relative to the largest scale of the group. Without a Jacobian passes
  * are not stuck as long as these corrections shrink: in each pass corrections spread from a body to its neighbours
  * only, and those of bodies that had none before shrink last. */
-static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_lag = 2};
+static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
                          bool has_jacobian_memory, int width)
@@ -30,7 +30,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->unknown_count = size;
     newton->width = width;
     newton->group_size = system->n;
-    newton->subsystems = &system->parts;
+    newton->subsystems = &system->subsystems;
     newton->x = tvi_arena_allocate_doubles(arena, count);
     newton->correction = tvi_arena_allocate_doubles(arena, count);
     newton->scale = tvi_arena_allocate_doubles(arena, count);
@@ -39,7 +39,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
     if (has_jacobian_memory) tvi_factor_allocate(&newton->factor, arena, size, width);
     newton->measured_contraction_loss =
-        tvi_arena_allocate_in_history(arena, (size_t)width * sizeof *newton->measured_contraction_loss);
+        tvi_arena_allocate_in_copied_history(arena, (size_t)width * sizeof *newton->measured_contraction_loss);
 }
 
 /* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
@@ -104,9 +104,9 @@ void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, b
     tvi_newton_rules *rules = &newton->rules;
     *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
     newton->needs_extra_pass = needs_extra_pass;
-    if (newton->has_jacobian_memory) rules->by_group = (tvi_passes_rule){.stall_lag = 1};
+    if (newton->has_jacobian_memory) rules->by_group = (tvi_passes_rule){.stall_comparison_lag = 1};
     /* Two passes are compared, since corrections of q follow from those of p, and those of p from those of q. */
-    if (!newton->has_jacobian_memory || needs_extra_pass) rules->by_unknown.stall_lag = 2;
+    if (!newton->has_jacobian_memory || needs_extra_pass) rules->by_unknown.stall_comparison_lag = 2;
 }
 
 /* Returns whether the last correction, which did not shrink, is roundoff by the roundoff of the residual. */

@@ -111,7 +111,7 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
                                   .max_trusted_ratio = PASSES_MAX_CONTRACTION,
                                   .stall_ratio = TVI_PASSES_ALL,
-                                  .stall_lag = 1};
+                                  .stall_comparison_lag = 1};
     for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
         tvi_status status = seeds_evaluate_field_at_nodes(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.before)))

@@ -288,7 +288,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
         const tvi_passes_rule rule = {.correction_goal = goal,
                                       .max_trusted_ratio = PASSES_MAX_CONTRACTION,
                                       .stall_ratio = PASSES_STALL_RATIO,
-                                      .stall_lag = 1};
+                                      .stall_comparison_lag = 1};
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, size);
         const bool may_end =
             verdict == TVI_PASSES_MAY_END ||
@@ -373,7 +373,7 @@ static inline void products_set_subsystem_unknown_sizes(const tvi_closure *closu
 
 static inline void products_set_unknown_sizes(tvi_closure *closure)
 {
-    const tvi_subsystems *parts = &closure->curve.system->parts;
+    const tvi_subsystems *parts = &closure->curve.system->subsystems;
     closure_compute_momentum_sizes(closure);
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
         products_get_conjugate_residuals(closure)->largest_coefficient[k] =

@@ -36,7 +36,7 @@ bool tvi_needs_refined_increments(const tvi_system *system, double tolerance)
 void tvi_allocate_increment_refinement(tvi_increment_refinement *refinement, tvi_arena *arena, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
-    const size_t inputs = (size_t)system->inputs, slots = (size_t)system->field_values->slots;
+    const size_t inputs = (size_t)system->input_count, slots = (size_t)system->field_values->slots;
     long double **const vectors[] = {&refinement->order_zero_terms,  &refinement->order_one_terms,
                                      &refinement->coefficient_sum,   &refinement->ode_residual,
                                      &refinement->residual_integral, &refinement->residual_double_integral,
@@ -72,7 +72,7 @@ static const long double *sum_coefficients(const refinement_step *step, int sum_
 {
     const tvi_increment_refinement *refinement = step->refinement;
     const tvi_curve *curve = step->curve;
-    const size_t orders = (size_t)curve->highest_order + 1, inputs = (size_t)step->system->inputs;
+    const size_t orders = (size_t)curve->highest_order + 1, inputs = (size_t)step->system->input_count;
     const int highest_order = curve->highest_order < LOW ? curve->highest_order : LOW;
     memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
     tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)sum_index * orders,
@@ -112,7 +112,7 @@ static long double compute_scaled_rate(const refinement_step *step, int i)
 static void compute_ode_residual_at_node(const refinement_step *step, int j)
 {
     const tvi_increment_refinement *refinement = step->refinement;
-    const int inputs = step->system->inputs;
+    const int inputs = step->system->input_count;
     const long double *sum = sum_coefficients(step, VALUE + j);
     for (int i = 0; i < inputs; i++)
         refinement->field_slots[i] =
@@ -128,12 +128,12 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
 static void integrate_ode_residual(const refinement_step *step)
 {
     const tvi_increment_refinement *refinement = step->refinement;
-    const size_t bytes = (size_t)step->system->inputs * sizeof *refinement->residual_integral;
+    const size_t bytes = (size_t)step->system->input_count * sizeof *refinement->residual_integral;
     memset(refinement->residual_integral, 0, bytes);
     memset(refinement->residual_double_integral, 0, bytes);
     for (int j = 0; j < NODES; j++) {
         compute_ode_residual_at_node(step, j);
-        for (int i = 0; i < step->system->inputs; i++) {
+        for (int i = 0; i < step->system->input_count; i++) {
             refinement->residual_integral[i] += refinement->ode_residual[i] / NODES;
             refinement->residual_double_integral[i] += (1 - node[j]) * refinement->ode_residual[i] / NODES;
         }

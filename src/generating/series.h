@@ -77,7 +77,10 @@ static inline int curve_q_degree(const tvi_curve *curve) { return CURVE_SIZE(CUR
 
 static inline int curve_p_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree); }
 
-static inline int curve_input_count(const tvi_curve *curve) { return CURVE_SIZE(CURVE_INPUTS, curve->system->inputs); }
+static inline int curve_input_count(const tvi_curve *curve)
+{
+    return CURVE_SIZE(CURVE_INPUTS, curve->system->input_count);
+}
 
 static inline int curve_constant_count(const tvi_curve *curve)
 {
@@ -264,8 +267,8 @@ static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve
         .last_term_p = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
         .last_term_q = has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
         .position_size = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
-        .inverse_momentum = 1 / momentum,
-        .inverse_movement = 1 / movement};
+        .inverse_momentum_size = 1 / momentum,
+        .inverse_movement_size = 1 / movement};
 }
 
 static inline void curve_compute_movement_sizes(const tvi_curve *curve)
@@ -283,10 +286,10 @@ static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_vector_length(curve); at++) {
         const tvi_tail_component component = curve_get_tail_component(curve, at);
-        share[at] = tvi_tail_component_share(&component, curve->system->compares_movements);
+        share[at] = tvi_tail_component_share(&component, curve->system->has_tail_shares_without_momenta);
         ratio[at] = tvi_tail_component_ratio(&component);
     }
-    tvi_tail_compute_members(&curve->system->tail_parts, curve_dimension(curve), width, share, ratio, tail);
+    tvi_tail_compute_for_members(&curve->system->tail_subsystems, curve_dimension(curve), width, share, ratio, tail);
 }
 
 static inline double curve_compute_tail(const tvi_curve *curve)

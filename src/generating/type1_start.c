@@ -22,7 +22,7 @@ const tvi_descriptor tvi_type1_start = {
     .most_degree = TVI_MAX_DEGREE,
     .supports = &tvi_supports_type1,
     .adjoint = &tvi_type1_end,
-    .quadrature = TVI_FREE_QUADRATURE,
+    .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {0, 1, 1},

@@ -22,7 +22,7 @@ const tvi_descriptor tvi_type3_end = {
     .most_degree = TVI_MAX_DEGREE,
     .supports = &tvi_supports_hamilton,
     .adjoint = &tvi_type2_start,
-    .quadrature = TVI_FREE_QUADRATURE,
+    .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
     .curve = {.span = {-1, 0, 1},

@@ -5,10 +5,10 @@
 
 #include "tvi.h"
 
-/* The ends s- and s+ of a step in the scaled time s of its curve, and the scale tau of the time, as a multiple of
- * h. */
+/* A Taylor curve is a polynomial in the scaled time s; one unit of s is tau times the step h. A step begins at s-
+ * (start_s) and ends at s+ (end_s). */
 typedef struct {
-    double from, to, tau;
+    double start_s, end_s, tau;
 } tvi_scaled_span;
 
 struct tvi_closure;

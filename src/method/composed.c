@@ -7,12 +7,12 @@
 #include <math.h>
 #include <string.h>
 
-/* The memory of a composition. */
+/* The memory of the stepper for compositions. */
 typedef struct {
     int n;
-    tvi_options options[2]; /* Options of the method and of its adjoint. */
+    tvi_options options[2]; /* The options of the first half (the method), and of the second half (its adjoint). */
     const tvi_stepper *stepper[2];
-    void *work[2];                   /* The memory of the two steppers. */
+    void *work[2];                   /* The memory of the steppers of both halves. */
     tvi_run_state middle_state;      /* The state between the two halves. */
     tvi_increments first_increments; /* The increments of the first half of the step. */
 } composed_stepper;
@@ -27,7 +27,7 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
         /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */
         if (allocated) allocated->options[half] = composition.options[half];
         composition.stepper[half] = tvi_choose_stepper(&composition.options[half]);
-        composition.work[half] = composition.stepper[half]->take(
+        composition.work[half] = composition.stepper[half]->allocate(
             arena, system, allocated ? &allocated->options[half] : &composition.options[half]);
     }
     if (allocated) *allocated = composition;
@@ -86,11 +86,11 @@ static void interpolate_within_half(void *work, double theta, double dq[], doubl
 }
 
 /* Lists the tapes that generated code needs for one half. The adjoint runs the same tapes. */
-static tvi_used_tapes list_tapes_of_half(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps list_tapes_of_half(const tvi_system *system, const tvi_options *options)
 {
     tvi_options half = *options;
     half.compose_adjoint = false;
-    return tvi_choose_stepper(&half)->uses(system, &half);
+    return tvi_choose_stepper(&half)->list_tapes(system, &half);
 }
 
 static bool are_histories_valid(const void *work)
@@ -103,9 +103,9 @@ static bool are_histories_valid(const void *work)
     return true;
 }
 
-const tvi_stepper tvi_stepper_composed = {.take = allocate_composed_work,
+const tvi_stepper tvi_stepper_composed = {.allocate = allocate_composed_work,
                                           .prepare = set_tables_of_halves,
                                           .step = step_both_halves,
                                           .dense = interpolate_within_half,
                                           .is_history_valid = are_histories_valid,
-                                          .uses = list_tapes_of_half};
+                                          .list_tapes = list_tapes_of_half};

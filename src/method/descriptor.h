@@ -15,10 +15,11 @@ enum {
     TVI_SUPPORTS_DEGENERATE = 8,
     TVI_SUPPORTS_DRIVEN = 16
 };
-/* The forms that a method can integrate, as a sum of the values above, and the text that refuses the others. */
+/* The forms of systems that a method can integrate, as a sum of the values above, and the error message for other
+ * forms. */
 typedef struct {
-    int forms;
-    const char *refusal; /* NULL: no form is refused. */
+    int form_mask;
+    const char *refusal_text; /* NULL: no form is refused. */
 } tvi_supported_forms;
 
 /* All forms (tvi_supports_all), the forms of methods that need a Lagrangian (tvi_supports_type1), and the forms of
@@ -32,14 +33,15 @@ typedef struct {
     int order_slope, order_offset;
 } tvi_node_rule;
 
-/* The choice of the quadrature of a method. */
+/* Who chooses the quadrature of a method. */
 typedef enum {
-    TVI_NO_QUADRATURE,   /* The method needs none. */
-    TVI_FREE_QUADRATURE, /* The user chooses it. */
-    TVI_GAUSS_OF_DEGREE  /* Gauss, with as many nodes as the degree. */
+    TVI_NO_QUADRATURE,     /* The method needs none. */
+    TVI_CHOSEN_QUADRATURE, /* The user chooses it. */
+    TVI_GAUSS_OF_DEGREE    /* Gauss, with as many nodes as the degree. */
 } tvi_quadrature_use;
 
-/* The discrete action of a curve, with the nodes i and weights b_i of the quadrature. */
+/* The discrete action of a curve, with the weights b_i of the quadrature and the values q_i, v_i, p_i, t_i at its
+ * nodes. */
 typedef enum {
     TVI_ACTION_LAGRANGE, /* h sum b_i L(q_i, v_i, t_i)                 */
     TVI_ACTION_HAMILTON  /* h sum b_i [p_i . q'_i - H(q_i, p_i, t_i)]  */
@@ -49,10 +51,10 @@ typedef enum {
 typedef struct {
     tvi_scaled_span span;
     tvi_action_kind action;
-    /* true: p is used up to degree N, as q is; false: only up to degree N - 1. */
-    bool uses_top_momentum;
+    /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
+    bool uses_highest_momentum_term;
     tvi_correct_ends_fn *correct_ends; /* Computes the corrections of the ends; NULL: they are not corrected. */
-    tvi_end_factors end_factors;       /* Factors of the solution in the corrections that correct_ends computes. */
+    tvi_end_factors end_factors;       /* The factors by which correct_ends computes them. */
     /* The first pass reduces the residual much more than the later ones, and does not show how fast they converge. */
     bool is_first_pass_rough;
 } tvi_curve_definition;
@@ -82,7 +84,7 @@ static inline bool tvi_is_method_symmetric(const tvi_descriptor *descriptor)
     return descriptor->adjoint == descriptor;
 }
 
-/* Options that have a name of their own. */
+/* Options that users can request by a name (tvi_options_named). */
 typedef struct {
     const char *name;
     tvi_options options;

@@ -6,12 +6,12 @@
 
 uint64_t tvi_system_fingerprint(const tvi_system *system)
 {
-    const int numbers[] = {system->n, (int)system->form, system->inputs, system->uses_time, system->is_driven};
+    const int numbers[] = {system->n, (int)system->form, system->input_count, system->uses_time, system->is_driven};
     const jet_tape *const tapes[] = {system->field_series, system->field_values, system->r_dot_Hp_values,
                                      system->hessian_values};
     uint64_t sum = jet_hash(JET_HASH_OF_NOTHING, numbers, sizeof numbers);
     for (size_t i = 0; i < COUNT(tapes); i++) sum = jet_tape_hash(sum, tapes[i]);
-    for (int i = 0; i < system->hessian_entries; i++) {
+    for (int i = 0; i < system->hessian_entry_count; i++) {
         const int entry[] = {system->hessian[i].row, system->hessian[i].column};
         sum = jet_hash(sum, entry, sizeof entry);
     }

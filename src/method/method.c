@@ -22,7 +22,7 @@ const tvi_supported_forms tvi_supports_hamilton = {
 #define WITH_ADJOINT(method, adjoint) &method, &adjoint,
 const tvi_descriptor *const tvi_methods[] = {TVI_METHOD_LIST(ONE, WITH_ADJOINT) NULL};
 
-/* Sets *why, and returns the status. */
+/* Sets *why to the reason of a refusal, and returns the status. */
 static tvi_status set_reason(tvi_status status, const char *reason, const char **why)
 {
     *why = reason;
@@ -92,15 +92,15 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
 /* Returns the reason why the method cannot integrate the system. Returns NULL if it can. */
 static const char *find_why_unsupported(const tvi_descriptor *descriptor, const tvi_system *system)
 {
-    const int forms = descriptor->supports->forms;
+    const int forms = descriptor->supports->form_mask;
     if (system->is_driven)
         return forms & TVI_SUPPORTS_DRIVEN ? NULL
                                            : "a driven system has no generating function: take galerkin or taylor";
     const int form = system->form == TVI_SEPARABLE    ? TVI_SUPPORTS_SEPARABLE
                      : system->form == TVI_LAGRANGIAN ? TVI_SUPPORTS_LAGRANGIAN
-                     : system->regular                ? TVI_SUPPORTS_REGULAR
+                     : system->is_regular             ? TVI_SUPPORTS_REGULAR
                                                       : TVI_SUPPORTS_DEGENERATE;
-    return forms & form ? NULL : descriptor->supports->refusal;
+    return forms & form ? NULL : descriptor->supports->refusal_text;
 }
 
 static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *descriptor, const char **why)
@@ -122,8 +122,9 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
     return set_reason(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
-/* Sets the Gauss quadrature with as many nodes as the degree, for the Galerkin curve. */
-static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why)
+/* Sets the quadrature of the Galerkin curve, which is Gauss with as many nodes as the degree, or refuses another
+ * one. */
+static tvi_status resolve_gauss_quadrature(tvi_options *options, const char **why)
 {
     if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
         return set_reason(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
@@ -134,12 +135,13 @@ static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why
     return TVI_OK;
 }
 
-/* Sets the quadrature, and the resulting order, which is the smaller one of the orders of the curve and of the
- * quadrature. By default the quadrature has one point more than the order needs. */
-static tvi_status resolve_free_quadrature(tvi_options *options, bool order_was_asked, const char **why)
+/* Sets the quadrature of a method for which the user may choose one, and the resulting order, which is the smaller one
+ * of the orders of the curve and of the quadrature. By default the quadrature has one point more than the order
+ * needs. */
+static tvi_status resolve_chosen_quadrature(tvi_options *options, bool order_was_asked, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
-    const int fixed = tvi_quadrature_only_point_count(options->quadrature);
+    const int fixed = tvi_quadrature_required_point_count(options->quadrature);
     if (fixed && options->quadrature_points != 0 && options->quadrature_points != fixed)
         return set_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
     if (fixed) options->quadrature_points = fixed;
@@ -163,7 +165,7 @@ static tvi_status resolve_free_quadrature(tvi_options *options, bool order_was_a
  * on. With a smaller limit, good steps would be refused (docs/adaptive.md). */
 static double default_max_tail(const tvi_options *options, const tvi_system *system)
 {
-    if (!system || !system->is_automatic) return TVI_MAX_TAIL;
+    if (!system || !system->has_automatic_scale) return TVI_MAX_TAIL;
     return fmin(TVI_MAX_TAIL,
                 exp2(AUTOMATIC_TAIL_FIRST_EXPONENT - fmin(options->order, AUTOMATIC_TAIL_LAST_ORDER) / 2));
 }
@@ -184,8 +186,8 @@ static tvi_status resolve_options(tvi_options *options, const tvi_system *system
     if (status != TVI_OK) return status;
     if (options->max_tail == 0) options->max_tail = default_max_tail(options, system);
     switch (descriptor->quadrature) {
-    case TVI_FREE_QUADRATURE: return resolve_free_quadrature(options, order_was_asked, why);
-    case TVI_GAUSS_OF_DEGREE: return resolve_gauss_of_degree(options, why);
+    case TVI_CHOSEN_QUADRATURE: return resolve_chosen_quadrature(options, order_was_asked, why);
+    case TVI_GAUSS_OF_DEGREE: return resolve_gauss_quadrature(options, why);
     default: return TVI_OK;
     }
 }

@@ -16,9 +16,10 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_step_origin;
 
-/* A state between steps, for a stepped system with N degrees of freedom. q[N] is the independent variable of the
- * steps: the time, or s of a rescaled system. If the user's system has n < N degrees of freedom, it is rescaled;
- * q[n] is then the time, and p[n] is e = -H. `_low` are low-order parts. */
+/* A state between steps, for a system in which steps are made (tvi_system.stepped_system) with N degrees of freedom.
+ * q[N] is the independent variable of the steps: the time, or s of a rescaled system. If the user's system has n < N
+ * degrees of freedom, it is rescaled; q[n] is then the time, and p[n] is e = -H. The arrays q_low and p_low are the
+ * low-order parts of the compensated sums. */
 typedef struct {
     double *q, *q_low; /* [N + 1] */
     double *p, *p_low; /* [N] */

@@ -9,19 +9,19 @@ void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *s
 }
 
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
-                                 const tvi_system *system, const tvi_options *options, int width, int points)
+                                 const tvi_system *system, const tvi_options *options, int width, int point_count)
 {
     const tvi_block *const blocks_of_batch = arena->first_block;
     const int slots[] = {system->field_values->slots, system->field_series->slots};
-    *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .width = width};
+    *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .batch_width = width};
     arena->first_block = NULL;
-    member_stepper->stepper_work = stepper->take(arena, system, options);
+    member_stepper->stepper_work = stepper->allocate(arena, system, options);
     member_stepper->first_block = arena->first_block;
     arena->first_block = blocks_of_batch;
     member_stepper->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(system));
     tvi_allocate_state_and_increments(arena, system->n, &member_stepper->start_state, &member_stepper->increments);
     member_stepper->member_block =
-        tvi_arena_allocate_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
+        tvi_arena_allocate_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)point_count);
 }
 
 void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper)
@@ -41,17 +41,18 @@ void tvi_scatter_member(int rows, int width, const double from[], int member, do
 }
 
 bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape,
-                                 const double *batch_block, int points, int member)
+                                 const double *batch_block, int point_count, int member)
 {
-    tvi_gather_member(tape->slots * points, member_stepper->width, batch_block, member, member_stepper->member_block);
-    return tape->sweeps->values(tape, member_stepper->member_block, points);
+    tvi_gather_member(tape->slots * point_count, member_stepper->batch_width, batch_block, member,
+                      member_stepper->member_block);
+    return tape->sweeps->values(tape, member_stepper->member_block, point_count);
 }
 
 bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *batch_block,
-                     int points, double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
-                     tvi_stats *stats)
+                     int point_count, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
+                     int member, tvi_stats *stats)
 {
-    const int n = member_stepper->system->n, width = member_stepper->width;
+    const int n = member_stepper->system->n, width = member_stepper->batch_width;
     const tvi_run_state *state = &member_stepper->start_state;
     const tvi_step_origin from = {origin->t[member], origin->t_low[member], state->q, state->q_low,
                                   state->p,          state->p_low};
@@ -60,7 +61,7 @@ bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *t
     tvi_gather_member(n, width, origin->q_low, member, state->q_low);
     tvi_gather_member(n, width, origin->p, member, state->p);
     tvi_gather_member(n, width, origin->p_low, member, state->p_low);
-    jet_tape_read_parameters(tape, batch_block, points * width, member, member_stepper->parameters);
+    jet_tape_read_parameters(tape, batch_block, point_count * width, member, member_stepper->parameters);
     tvi_blocks_set_parameters(member_stepper->first_block, tvi_system_parameters(member_stepper->system), 1,
                               member_stepper->parameters);
     results->status[member] =
@@ -71,6 +72,6 @@ bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *t
     tvi_scatter_member(n, width, member_stepper->increments.dq_low, member, results->increments.dq_low);
     tvi_scatter_member(n, width, member_stepper->increments.dp_low, member, results->increments.dp_low);
     results->tail[member] = stats->tail;
-    results->passes[member] = (int)(stats->passes - passes);
+    results->pass_counts[member] = (int)(stats->passes - passes);
     return true;
 }

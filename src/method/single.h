@@ -10,22 +10,23 @@ typedef struct tvi_member_stepper {
     const tvi_stepper *stepper;
     const tvi_system *system;
     void *stepper_work; /* The memory of `stepper`. */
-    /* The first block of the stepper's list of blocks, which get the parameters of the member. */
+    /* The first of the list of the stepper's blocks (algebra/block.h), in which the parameters of the member are
+     * set. */
     const tvi_block *first_block;
-    int width;                 /* Number of members of the batch. */
+    int batch_width;           /* Number of members of the batch. */
     double *parameters;        /* The values of the member's parameters. */
     tvi_run_state start_state; /* The state of the member at the start of its step. */
     tvi_increments increments; /* The increments of the member's step. */
-    double *member_block;      /* [slots][points] A copy of the member's lanes of a block of the batch. */
+    double *member_block;      /* [slots][point_count] The member's lanes of a block of the batch. */
 } tvi_member_stepper;
 
 /* Allocates the vectors of a state and of the increments of a step, with n components each. */
 void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments);
 
-/* Allocates the memory. `points` is the number of points of one member in a sweep. In a block of the batch, lane
+/* Allocates the memory. `point_count` is the number of points of one member in a sweep. In a block of the batch, lane
  * point * width + member belongs to the member. */
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
-                                 const tvi_system *system, const tvi_options *options, int width, int points);
+                                 const tvi_system *system, const tvi_options *options, int width, int point_count);
 /* Sets the constants of the blocks and the tables of the stepper, after the memory is obtained. */
 void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper);
 
@@ -35,12 +36,12 @@ void tvi_scatter_member(int rows, int width, const double from[], int member, do
 
 /* Tells whether all operations of the tape are inside their domains for this member of a block of the batch. */
 bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape,
-                                 const double *batch_block, int points, int member);
+                                 const double *batch_block, int point_count, int member);
 
 /* Makes the step of the member, with its parameters from a block of the batch. Returns false if the step fails; the
  * reason is then in results->status[member]. */
 bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *tape, const double *batch_block,
-                     int points, double h, const tvi_batch_origin *origin, const tvi_batch_results *results, int member,
-                     tvi_stats *stats);
+                     int point_count, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
+                     int member, tvi_stats *stats);
 
 #endif

@@ -8,8 +8,8 @@
 #include "method/origin.h"
 #include "system/system.h"
 
-/* Returns the rule with the limits of passes from the options. A tolerance other than 0 replaces the goal of the
- * corrections, and has their unit. */
+/* Returns the rule that decides when the passes of a step end, with the limits of passes from the options. A tolerance
+ * other than 0 replaces the goal of the corrections, and has their unit. */
 static inline tvi_passes_rule tvi_passes_rule_with_options(const tvi_passes_rule *rule, const tvi_options *options,
                                                            double tolerance)
 {
@@ -28,25 +28,25 @@ typedef struct {
     int first, end;
 } tvi_component_range;
 
-/* The tapes of a system that steps run, and the parts of each that generated code is to contain (src/compiled/). A
- * tape with the name NULL is not used. */
+/* The tapes of a system that the steps of a method run, and the parts of each that generated code is to contain
+ * (src/compiled/). A tape with the name NULL is not used. */
 typedef struct {
     jet_emission_request series, values, r_dot_Hp, hessian; /* One request for each tape (jet_emission_request). */
     /* The name of the field of tvi_code (compiled/code.h) that points to the generated loops of the method. NULL: the
      * method has no generated loops. */
-    const char *loops_field;
+    const char *loops_field_name;
     /* Writes the definition of these loops, which is called tvi_loops, after the sweeps of the tapes. NULL: the
      * method has no generated loops. */
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
-} tvi_used_tapes;
+} tvi_tapes_of_steps;
 
 /* The results of a step of several members. The stepper writes to nothing else except its own memory. */
 typedef struct {
     tvi_increments increments; /* The increments of all members, arrays [components][width]. */
     /* [width] Only lanes with TVI_OK are stepped. Nothing is written for other lanes. */
     tvi_status *status;
-    double *tail; /* [width] The tail of each member's step (tvi_stats.tail). */
-    int *passes;  /* [width] The number of passes of each member's step. */
+    double *tail;     /* [width] The tail of each member's step (tvi_stats.tail). */
+    int *pass_counts; /* [width] The number of passes of each member's step. */
 } tvi_batch_results;
 
 /* The functions that step several members of an ensemble at once. Lanes are independent: the bits of a member's
@@ -56,31 +56,31 @@ typedef struct {
     /* Returns the number of members of a batch, a power of two. 1: the members of this system are stepped faster one
      * by one. */
     int (*width)(const tvi_system *system, const tvi_options *options);
-    /* The next functions do what those of tvi_stepper with the same names do. The history is that of a batch, and
-     * all zeros before a first step. */
-    void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
+    /* The next functions do for a batch what those of tvi_stepper with the same names do. The history is that of a
+     * batch, and all zeros before a first step. */
+    void *(*allocate)(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
     void (*prepare)(void *work);
     /* Makes a step. Lanes that are not stepped contain a finite state, inside the domain as far as is known. The
      * statistics count all lanes together. */
     void (*step)(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats);
     /* Copy the history of a lane to the memory `scalar` of a stepper for single integrators, whose history is all
      * zeros before, and from there to a lane. NULL: steps leave no history. */
-    void (*lane_to_scalar)(const void *work, int lane, void *scalar);
-    void (*scalar_to_lane)(void *work, int lane, const void *scalar);
+    void (*copy_history_from_lane)(const void *work, int lane, void *scalar);
+    void (*copy_history_to_lane)(void *work, int lane, const void *scalar);
     /* Clears the history of a lane, as before a first step. NULL: steps leave no history. */
-    void (*forget)(void *work, int lane);
+    void (*clear_history)(void *work, int lane);
     /* Does what tvi_stepper.is_history_valid does, for the histories of all lanes. */
     bool (*is_history_valid)(const void *work);
-    /* Computes tvi_stepper.most_change of each lane, [width]. NULL: the stepper has no such bound. */
-    void (*most_change)(const void *work, double change[]);
+    /* Computes tvi_stepper.bound_energy_change of each lane, [width]. NULL: the stepper has no such bound. */
+    void (*bound_energy_change)(const void *work, double change[]);
 } tvi_batch_stepper;
 
 /* The functions that step one integrator. */
 typedef struct {
-    /* Allocates the stepper's memory in the arena. Returns NULL as long as the arena only measures. Everything that
-     * a step leaves to the next one is allocated in the arena's history. The history is restored after a step that
-     * failed, and is all zeros before a step that continues no other. */
-    void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
+    /* Allocates the stepper's memory, the `work` of the functions below, in the arena. Returns NULL as long as the
+     * arena only measures. Everything that a step leaves to the next one is allocated in the arena's history. The
+     * history is restored after a step that failed, and is all zeros before a step that continues no other. */
+    void *(*allocate)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
     /* Sets the tables in the stepper's memory, after the memory of the arena is obtained. NULL: there are no
      * tables. */
     void (*prepare)(void *work);
@@ -108,12 +108,12 @@ typedef struct {
     /* Returns a bound of the change of the energy in the last step. It holds if the forces are monotonic along the
      * step and the terms of the series decrease. If it is NULL, and in rescaled systems, the tail decides whether
      * the energy is computed (run/guard.c). */
-    double (*most_change)(const void *work);
+    double (*bound_energy_change)(const void *work);
     /* Tells whether all indices in the stepper's part of a loaded history are inside their arrays. NULL: the history
      * has no indices. */
     bool (*is_history_valid)(const void *work);
     /* Returns the tapes that steps run with these options. */
-    tvi_used_tapes (*uses)(const tvi_system *system, const tvi_options *options);
+    tvi_tapes_of_steps (*list_tapes)(const tvi_system *system, const tvi_options *options);
     /* The functions for batches; NULL: members of an ensemble are stepped one by one. */
     const tvi_batch_stepper *batch;
 } tvi_stepper;

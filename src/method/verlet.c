@@ -1,5 +1,6 @@
-/* verlet.c - Makes steps of Stormer-Verlet: half of a change of the momenta by the force, a drift, and the other
- * half. In a batch of an ensemble, the members are the lanes of all arrays. */
+/* verlet.c - Makes steps of Stormer-Verlet: the momenta change by half a step of the forces at the start, the
+ * coordinates by a step of these momenta, and the momenta by half a step of the forces at the end. In a batch of an
+ * ensemble, the members are the lanes of all arrays. */
 #include "method/list.h"
 #include "method/single.h"
 #include "vector.h"
@@ -10,9 +11,9 @@
 /* The memory of a stepper, for one integrator or for a batch. */
 typedef struct {
     const tvi_system *system;
-    tvi_member_stepper *single_stepper; /* Makes the steps that fail in a batch. */
+    tvi_member_stepper *single_stepper; /* Makes the steps of single members that fail in a batch. */
     int width;
-    double h;                              /* The size of the last step. */
+    double last_step_size;                 /* The size of the last step. */
     double *force_block;                   /* The block of the tape that computes the forces. */
     double *force_at_start, *force_at_end; /* [n][width] The forces at the ends of the step. */
     double *dq, *dp;                       /* [n][width] The increments of the step. */
@@ -64,7 +65,7 @@ JET_INLINE bool compute_forces(verlet_work *w, int width, const tvi_batch_origin
 JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi_batch_origin *origin)
 {
     const int n = w->system->n;
-    w->h = h;
+    w->last_step_size = h;
     memset(w->is_outside_domain, 0, (size_t)width * sizeof *w->is_outside_domain);
     memcpy(w->force_block, origin->q, (size_t)(n * width) * sizeof *w->force_block);
     if (!compute_forces(w, width, origin, 0, w->force_at_start)) return 1;
@@ -88,7 +89,7 @@ static void bound_energy_changes(const void *work, double bound[])
     const int width = w->width;
     for (int m = 0; m < width; m++) bound[m] = 0;
     for (int i = 0; i < w->system->n; i++) {
-        const double factor = w->h / w->system->mass[i];
+        const double factor = w->last_step_size / w->system->mass[i];
         for (int m = 0, at = i * width; m < width; m++, at++)
             bound[m] +=
                 fabs(w->force_at_end[at] - w->force_at_start[at]) * (fabs(w->dq[at]) + fabs(factor * w->dp[at])) / 2;
@@ -125,16 +126,16 @@ static void step_members(void *work, double h, const tvi_batch_origin *origin, c
             results->increments.dp[at] = w->dp[at];
         }
         results->tail[m] = 0;
-        results->passes[m] = 0;
+        results->pass_counts[m] = 0;
         stats->force_evaluations += forces;
     }
 }
 
 static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
-                                                .take = allocate_members,
+                                                .allocate = allocate_members,
                                                 .prepare = set_member_tables,
                                                 .step = step_members,
-                                                .most_change = bound_energy_changes};
+                                                .bound_energy_change = bound_energy_changes};
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
@@ -165,9 +166,10 @@ static void interpolate_one_member(void *work, double theta, double dq[], double
 {
     const verlet_work *w = work;
     for (int i = 0; i < w->system->n; i++) {
-        const double bend = w->h * w->h / (2 * w->system->mass[i]) * w->force_at_start[i];
+        const double bend = w->last_step_size * w->last_step_size / (2 * w->system->mass[i]) * w->force_at_start[i];
         dq[i] = theta * w->dq[i] - theta * (1 - theta) * bend;
-        dp[i] = w->h * theta * (w->force_at_start[i] + theta / 2 * (w->force_at_end[i] - w->force_at_start[i]));
+        dp[i] = w->last_step_size * theta *
+                (w->force_at_start[i] + theta / 2 * (w->force_at_end[i] - w->force_at_start[i]));
     }
 }
 
@@ -178,16 +180,17 @@ static double bound_energy_change(const void *work)
     return change;
 }
 
-static tvi_used_tapes list_used_tapes(const tvi_system *system, const tvi_options *options)
+static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_used_tapes){.values = {.name = "tvi_values", .lane_counts = {1, choose_batch_width(system, options)}}};
+    return (tvi_tapes_of_steps){
+        .values = {.name = "tvi_values", .lane_counts = {1, choose_batch_width(system, options)}}};
 }
 
-static const tvi_stepper single_stepper_functions = {.take = allocate_one_member,
+static const tvi_stepper single_stepper_functions = {.allocate = allocate_one_member,
                                                      .step = step_one_member,
                                                      .dense = interpolate_one_member,
-                                                     .most_change = bound_energy_change,
-                                                     .uses = list_used_tapes,
+                                                     .bound_energy_change = bound_energy_change,
+                                                     .list_tapes = list_used_tapes,
                                                      .batch = &batch_stepper};
 
 static const tvi_supported_forms supported_forms = {

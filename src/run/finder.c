@@ -22,12 +22,12 @@ tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
     finder->line_direction = finder->line_origin + size;
     finder->chord_midpoint = finder->line_direction + size;
     finder->scratch_state = finder->chord_midpoint + size;
-    return tvi_rates_open(&finder->rates_evaluator, it->system, it->parameters);
+    return tvi_state_rates_open(&finder->rates_evaluator, it->system, it->parameters);
 }
 
 void tvi_finder_close(tvi_event_finder *finder)
 {
-    tvi_rates_close(&finder->rates_evaluator);
+    tvi_state_rates_close(&finder->rates_evaluator);
     free(finder->line_origin);
 }
 
@@ -271,7 +271,7 @@ static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, co
 {
     const int last = finder->state_size - 1;
     const double h = finder->search->integrator->h;
-    const tvi_status status = tvi_rates_compute(&finder->rates_evaluator, state, finder->line_direction);
+    const tvi_status status = tvi_state_rates_compute(&finder->rates_evaluator, state, finder->line_direction);
     for (int i = 0; i < last; i++) finder->line_direction[i] *= h;
     finder->line_direction[last] = h;
     return status;

@@ -23,7 +23,7 @@ static bool has_conserved_energy_to_check(const tvi_integrator *it)
  * bound exceeds the allowed change. */
 static bool has_energy_change_bound(const tvi_integrator *it)
 {
-    return it->stepper->most_change && !tvi_is_rescaled(it);
+    return it->stepper->bound_energy_change && !tvi_is_rescaled(it);
 }
 
 /* ---- The reference energy ---------------------------------------------------------------------------------------- */
@@ -269,8 +269,8 @@ static void refuse_by_energy_changes(tvi_integrator *it)
 static void set_energy_change_bounds(tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
-    if (!batch) it->energy_change_bound[0] = it->stepper->most_change(it->work);
-    else if (batch->most_change) batch->most_change(it->work, it->energy_change_bound);
+    if (!batch) it->energy_change_bound[0] = it->stepper->bound_energy_change(it->work);
+    else if (batch->bound_energy_change) batch->bound_energy_change(it->work, it->energy_change_bound);
     else
         for (int member = 0; member < it->width; member++) it->energy_change_bound[member] = INFINITY;
 }
@@ -324,7 +324,7 @@ JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_
         if (!has_small_tail(it, tail)) {
             it->status[member] = jet_refuse(
                 TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
-                it->stepped->is_automatic ? ": the automatic g is too large here (give a g of your own)" : "");
+                it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
             continue;
         }
         it->needs_energy[member] = keeps && !may_skip_energy_check(it, member, step_used_series);

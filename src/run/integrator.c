@@ -35,12 +35,13 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
     tvi_increments *increments = &integrator->increments;
     allocate_state_arrays(arena, tvi_arena_allocate, dimension, width,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    allocate_state_arrays(arena, tvi_arena_allocate_in_history, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate_in_copied_history, dimension, width,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
     integrator->is_state_from_step =
-        tvi_arena_allocate_in_history(arena, members * sizeof *integrator->is_state_from_step);
-    integrator->run_start = tvi_arena_allocate_in_rings(arena, (2 * (size_t)n + 1) * row);
-    integrator->reference_energy = tvi_arena_allocate_in_history(arena, members * sizeof *integrator->reference_energy);
+        tvi_arena_allocate_in_copied_history(arena, members * sizeof *integrator->is_state_from_step);
+    integrator->run_start = tvi_arena_allocate_in_uncopied_history(arena, (2 * (size_t)n + 1) * row);
+    integrator->reference_energy =
+        tvi_arena_allocate_in_copied_history(arena, members * sizeof *integrator->reference_energy);
     integrator->status = tvi_arena_allocate(arena, members * sizeof *integrator->status);
     integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
     integrator->pass_counts = tvi_arena_allocate(arena, members * sizeof *integrator->pass_counts);
@@ -82,17 +83,17 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     tvi_integrator *integrator = tvi_arena_allocate(arena, sizeof *integrator);
     const tvi_stepper *stepper = tvi_choose_stepper(options);
     tvi_integrator laid = {.width = width, .system = system, .options = *options, .stepper = stepper};
-    laid.stepped = tvi_compiled_attach_to_copy(arena, system->stepped, options->compiled);
+    laid.stepped = tvi_compiled_attach_to_copy(arena, system->stepped_system, options->compiled);
     /* The stepper's work keeps a pointer to the options, so they must be those of the integrator. */
     if (integrator) integrator->options = *options, options = &integrator->options;
     allocate_member_arrays(&laid, arena);
     allocate_energy_memory(&laid, arena);
-    laid.state_bytes = arena->marked_bytes;
-    laid.work = width > 1 ? stepper->batch->take(arena, laid.stepped, options, width)
-                          : stepper->take(arena, laid.stepped, options);
+    laid.state_bytes = arena->copied_history_bytes;
+    laid.work = width > 1 ? stepper->batch->allocate(arena, laid.stepped, options, width)
+                          : stepper->allocate(arena, laid.stepped, options);
     laid.blocks = arena->first_block;
     laid.history = arena->history;
-    laid.history_before_bytes = width > 1 ? 0 : arena->marked_bytes;
+    laid.copied_history_bytes = width > 1 ? 0 : arena->copied_history_bytes;
     laid.history_bytes = tvi_arena_history_bytes(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
@@ -135,9 +136,9 @@ int tvi_integrator_best_batch_width(const tvi_integrator *it)
  * system, it returns a failure and sets *why to the reason. */
 static tvi_status resolve_options(const tvi_system *system, tvi_options *options, const char **why)
 {
-    const tvi_status status = tvi_options_resolve(options, system->stepped, why);
+    const tvi_status status = tvi_options_resolve(options, system->stepped_system, why);
     const char *mismatch =
-        status == TVI_OK ? tvi_compiled_why_unusable(options->compiled, system->stepped, options) : NULL;
+        status == TVI_OK ? tvi_compiled_why_unusable(options->compiled, system->stepped_system, options) : NULL;
     if (!mismatch) return status;
     if (why) *why = mismatch;
     return jet_refuse(TVI_EINVAL, "%s", mismatch);

@@ -59,11 +59,11 @@ struct tvi_integrator {
     const tvi_stepper *stepper;
     void *work;    /* the memory of the stepper, or for a batch that of stepper->batch */
     char *history; /* [history_bytes] all numbers that one step leaves to the next one: states, predictions */
-    /* [history_before_bytes] A copy of the first part of the history, as it was before the last step was tried. A
+    /* [copied_history_bytes] A copy of the first part of the history, as it was before the last step was tried. A
      * batch has none. */
     char *history_before;
     size_t history_bytes;        /* the size of the history in bytes */
-    size_t history_before_bytes; /* the size of the part of the history that is copied before each step, in bytes */
+    size_t copied_history_bytes; /* the size of the part of the history that is copied before each step, in bytes */
     /* The first state_bytes bytes of the history belong to the state; those of the stepper follow. */
     size_t state_bytes;
     /* [width] 1 if the member's `state` is the result of its last successful step, so that the history belongs to
@@ -102,7 +102,7 @@ struct tvi_integrator {
 /* Tells whether the system is rescaled, so that its steps are steps in s and not in the time. */
 static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
 {
-    return integrator->system->stepped != integrator->system;
+    return integrator->system->stepped_system != integrator->system;
 }
 
 /* Returns the stepper's functions for a batch, or NULL if the integrator has only one member. */

@@ -228,7 +228,7 @@ static tvi_status update_event_parameters(tvi_locator *locator)
     const tvi_integrator *it = locator->search.integrator;
     if (locator->partial_step.parameter_version == it->parameter_version) return TVI_OK;
     tvi_search_set_parameters(&locator->search);
-    tvi_rates_set_parameters(&locator->finder.rates_evaluator, it->parameters);
+    tvi_state_rates_set_parameters(&locator->finder.rates_evaluator, it->parameters);
     return tvi_partial_step_update_parameters(&locator->partial_step);
 }
 

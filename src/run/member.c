@@ -77,7 +77,7 @@ static void clear_member_history(tvi_integrator *it, int member)
         for (int row = 0; row < rows[a]; row++) *element_of_member(it, array[a], row, member) = 0;
     it->reference_energy[member] = (tvi_reference_energy){0};
     it->is_state_from_step[member] = false;
-    if (tvi_batch_stepper_of(it)->forget) tvi_batch_stepper_of(it)->forget(it->work, member);
+    if (tvi_batch_stepper_of(it)->clear_history) tvi_batch_stepper_of(it)->clear_history(it->work, member);
 }
 
 void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from, int member_from)
@@ -93,8 +93,9 @@ void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, cons
     to->reference_energy[member_to] = from->reference_energy[member_from];
     to->is_state_from_step[member_to] = from->is_state_from_step[member_from];
     const tvi_batch_stepper *batch = to->stepper->batch;
-    if (from->width > 1 && batch->lane_to_scalar) batch->lane_to_scalar(from->work, member_from, to->work);
-    if (to->width > 1 && batch->scalar_to_lane) batch->scalar_to_lane(to->work, member_to, from->work);
+    if (from->width > 1 && batch->copy_history_from_lane)
+        batch->copy_history_from_lane(from->work, member_from, to->work);
+    if (to->width > 1 && batch->copy_history_to_lane) batch->copy_history_to_lane(to->work, member_to, from->work);
     to->has_dense_output = false;
 }
 

@@ -24,8 +24,8 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
     partial_step->rates_output = partial_step->rates_input + wide;
     tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator, 1);
     if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
-        status = tvi_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped,
-                                full_step_integrator->parameters);
+        status = tvi_state_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped_system,
+                                      full_step_integrator->parameters);
     if (status != TVI_OK) tvi_partial_step_close(partial_step);
     return jet_explain_out_of_memory(status);
 }
@@ -33,7 +33,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
 void tvi_partial_step_close(tvi_partial_step *partial_step)
 {
     tvi_integrator_free(partial_step->partial_step_integrator);
-    tvi_rates_close(&partial_step->rates_evaluator);
+    tvi_state_rates_close(&partial_step->rates_evaluator);
     free(partial_step->q);
     *partial_step = (tvi_partial_step){0};
 }
@@ -45,7 +45,7 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     partial_step->parameter_version = it->parameter_version;
     partial_step->full_step_number = 0;
     if (partial_step->rates_evaluator.field_block)
-        tvi_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
+        tvi_state_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
@@ -56,7 +56,7 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->history_before_bytes;
+    const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->copied_history_bytes;
     const bool is_near = partial_step->uses_history_at_end && partial_step->full_step_number == it->stats.steps &&
                          partial_step->offset != it->h && partial_step->offset != 0 &&
                          fabs(offset - partial_step->offset) < PARTIAL_STEP_NEAR * fabs(it->h);
@@ -125,7 +125,7 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
     memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
     partial_step->rates_input[2 * n] = partial->state.q[n];
     const tvi_status status =
-        tvi_rates_compute(&partial_step->rates_evaluator, partial_step->rates_input, partial_step->rates_output);
+        tvi_state_rates_compute(&partial_step->rates_evaluator, partial_step->rates_input, partial_step->rates_output);
     *dt_ds = partial_step->rates_output[partial->system->n];
     return status;
 }

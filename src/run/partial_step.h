@@ -16,8 +16,9 @@ typedef struct {
     /* If true, partial steps use the corrector's history from the end of the full step. This saves corrector passes,
      * but changes the roundoff of the results. */
     bool uses_history_at_end;
-    double t, *q, *p;          /* the state (t, q[n], p[n]) that was computed last */
-    tvi_rates rates_evaluator; /* the function that computes dq/ds and dp/ds of a rescaled system; unused otherwise */
+    double t, *q, *p; /* the state (t, q[n], p[n]) that was computed last */
+    tvi_state_rates
+        rates_evaluator; /* the function that computes dq/ds and dp/ds of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
     long parameter_version;             /* full_step_integrator->parameter_version when the parameters were copied */
     long full_step_number;              /* the number of the full step that the state lies in; 0 if there is no state */

@@ -80,7 +80,7 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     const double t = it->state.q[n * it->width + member];
     tvi_member_load_one_lane_parameters(it, member);
     tvi_gather_member(n, it->width, it->state.q, member, it->field_block);
-    for (int i = n; i < system->inputs; i++) it->field_block[i] = 0;
+    for (int i = n; i < system->input_count; i++) it->field_block[i] = 0;
     if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field_block + n);
     tvi_system_write_time(system, it->field_block, 1, &t);
     bool is_finite = tape->interpreter_sweeps->values(tape, it->field_block, 1);
@@ -186,7 +186,7 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     int made = 0;
     it->has_dense_output = false;
     for (int member = 0; member < width; member++) it->is_stepped[member] = it->status[member] == TVI_OK;
-    tvi_arena_copy_history(it->history_before, it->history, it->history_before_bytes);
+    tvi_arena_copy_history(it->history_before, it->history, it->copied_history_bytes);
     compute_increments(it, width, tolerance, &h);
     check_new_states(it, width, h, it->stats.expansions != expansions);
     add_increments(it, width);
@@ -195,7 +195,7 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
         it->is_state_from_step[member] = true;
         made++;
     }
-    if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->history_before_bytes);
+    if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
     it->stats.steps += made;
     it->has_dense_output = made > 0;
     it->h = h;
@@ -263,7 +263,7 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy_history(it->history, it->history_before, it->history_before_bytes);
+    tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
     it->has_dense_output = false;
     it->stats.steps--;
     tvi_integrator_copy_state(it, t, q, p);

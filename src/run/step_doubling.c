@@ -29,12 +29,12 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     doubling->scout_states = doubling->half_step_orbit.q + state;
     if (!doubling->is_rescaled) return TVI_OK;
     return jet_explain_out_of_memory(
-        tvi_rates_open(&doubling->rates_evaluator, system, doubling->full_step_orbit.integrator->parameters));
+        tvi_state_rates_open(&doubling->rates_evaluator, system, doubling->full_step_orbit.integrator->parameters));
 }
 
 void tvi_step_doubling_close(tvi_step_doubling *doubling)
 {
-    tvi_rates_close(&doubling->rates_evaluator);
+    tvi_state_rates_close(&doubling->rates_evaluator);
     free(doubling->rates_input);
     tvi_integrator_free(doubling->half_step_orbit.integrator);
     tvi_integrator_free(doubling->full_step_orbit.integrator);
@@ -57,7 +57,7 @@ static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
     memcpy(doubling->rates_input, doubling->full_step_orbit.q, n * sizeof *doubling->rates_input);
     memcpy(doubling->rates_input + n, doubling->full_step_orbit.p, n * sizeof *doubling->rates_input);
     doubling->rates_input[2 * n] = doubling->full_step_orbit.t;
-    return tvi_rates_compute(&doubling->rates_evaluator, doubling->rates_input, doubling->rates_output);
+    return tvi_state_rates_compute(&doubling->rates_evaluator, doubling->rates_input, doubling->rates_output);
 }
 
 static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *orbit, double h)

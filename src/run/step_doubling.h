@@ -14,7 +14,8 @@ typedef struct {
     bool is_rescaled;
     tvi_integrated_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
     double largest_q, largest_p; /* the largest |q_i| and |p_i| so far, by which differences are divided */
-    tvi_rates rates_evaluator;   /* the function that computes dq/dt and dp/dt of a rescaled system; unused otherwise */
+    tvi_state_rates
+        rates_evaluator; /* the function that computes dq/dt and dp/dt of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
     double *scout_states;               /* memory for tvi_orbit_scout.states */
     double largest_relative_rate;       /* the largest |dq_i/dt| / largest_q or |dp_i/dt| / largest_p so far */

@@ -1,18 +1,19 @@
-/* automatic.c - Records the automatic time scale g from the linear motion near a state (docs/adaptive.md). With H_pp
- * held constant and A = H_pq, the linear motion is dq'' = C dq' + D dq, where
+/* automatic.c - Records the automatic time scale g from the linear motion near a state (docs/adaptive.md). H_qq, H_pq
+ * and H_pp are the blocks of H'', the matrix of second derivatives of the Hamiltonian H, and dq is a small change of
+ * the coordinates. With H_pp held constant and A = H_pq, dq moves by dq'' = C dq' + D dq, where
  *     C = A - H_pp A^T H_pp^-1 = H_pp Omega,  Omega^T = -Omega,
  *     D = -H_pp (H_qq - A^T H_pp^-1 A) = -H_pp W,  W^T = W,
- * and g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes H_pp =
- * diag(d). Then
+ * and g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes H_pp = diag(d_1,
+ * ..., d_n). Then
  *     tr D^2 = sum_ij d_i d_j W_ij^2,  -tr C^2 = sum_ij d_i d_j Omega_ij^2,  Omega_ij = A_ij / d_i - A_ji / d_j.
- * No term is negative if H_pp is definite. If H_pp is singular everywhere, g^-4 = tr (J H'')^4 / 2. rescaled.c
- * calls the file for systems whose user gives no time scale. */
+ * No term is negative if H_pp is definite. If H_pp is singular everywhere, g^-4 = tr (J H'')^4 / 2 with J = [0 I; -I
+ * 0]. rescaled.c calls the file for systems whose user gives no time scale. */
 #include "system/system.h"
 
 #include <stdlib.h>
 
-/* The matrices [n][n] of the linear motion near a state, as jets. W contains H_qq until the part of A is
- * subtracted. */
+/* The matrices [n][n] of the linear motion near a state, as jets. A is H_pq. W is H_qq at first, and then H_qq - A^T
+ * H_pp^-1 A. */
 typedef struct {
     int n;
     jet *H_pp, *A, *W;
@@ -28,8 +29,8 @@ static void add_multiple(jet *x, jet c, jet y)
 
 /* ---- H'' --------------------------------------------------------------------------------------------------------- */
 
-/* Records the second derivatives of H in the three matrices. The inputs of the graph are q, t, p, e. gradient and row
- * [2n + 1] are scratch. */
+/* Records the second derivatives of H: H_pp, A = H_pq, and H_qq in W. The inputs of the graph are q, t, p, e. gradient
+ * and row [2n + 1] are scratch. */
 static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_motion *motion, jet gradient[],
                                       jet row[])
 {
@@ -51,7 +52,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 
 /* Replaces coordinate i by q_i - factor q_j. With the matrix E of this transformation, A becomes E A E^-1, and W
  * becomes E^-T W E^-1. */
-static void subtract_coordinate(const linearised_motion *motion, int i, int j, jet factor)
+static void subtract_coordinate_multiple(const linearised_motion *motion, int i, int j, jet factor)
 {
     const int n = motion->n;
     const jet negative_factor = jet_neg(factor);
@@ -61,8 +62,8 @@ static void subtract_coordinate(const linearised_motion *motion, int i, int j, j
     for (int k = 0; k < n; k++) add_multiple(&motion->W[j * n + k], factor, motion->W[i * n + k]);
 }
 
-/* Makes H_pp = diag(d) by elimination below the diagonal, and transforms the other matrices. The entries above the
- * diagonal are not used any more. */
+/* Makes H_pp = diag(d) by elimination below the diagonal, and transforms A and W in the same way. The entries of H_pp
+ * above its diagonal are not used any more. */
 static void diagonalise_H_pp(const linearised_motion *motion)
 {
     const int n = motion->n;
@@ -72,13 +73,13 @@ static void diagonalise_H_pp(const linearised_motion *motion)
             if (is_zero(row[j])) continue;
             const jet l = jet_div(row[j], motion->H_pp[j * n + j]), negative_l = jet_neg(l);
             for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->H_pp[k * n + j]);
-            subtract_coordinate(motion, i, j, l);
+            subtract_coordinate_multiple(motion, i, j, l);
         }
 }
 
 /* Computes W = H_qq - A^T H_pp^-1 A, except for the terms A_ii^2 / d_i of the diagonal. record_stiffness_term adds
  * them without a division. A system with one degree of freedom then needs no division at all. */
-static void subtract_gyroscopic_part(const linearised_motion *motion)
+static void subtract_gyroscopic_part_of_W(const linearised_motion *motion)
 {
     const int n = motion->n;
     for (int k = 0; k < n; k++)
@@ -121,10 +122,10 @@ static jet record_symmetric_sum(const linearised_motion *motion, jet term(const 
     return jet_sum(terms, count);
 }
 
-static jet record_sum_for_regular_H_pp(const linearised_motion *motion, jet terms[])
+static jet record_traces_for_regular_H_pp(const linearised_motion *motion, jet terms[])
 {
     diagonalise_H_pp(motion);
-    subtract_gyroscopic_part(motion);
+    subtract_gyroscopic_part_of_W(motion);
     const jet square = record_symmetric_sum(motion, record_stiffness_term, terms);
     return jet_add(square, jet_mul(0.25, jet_sqr(record_symmetric_sum(motion, record_gyroscopic_term, terms))));
 }
@@ -132,23 +133,23 @@ static jet record_sum_for_regular_H_pp(const linearised_motion *motion, jet term
 /* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
 
 /* Records the entry (i, j) of the matrix product x y. */
-static jet record_product_entry(int n, const jet x[], const jet y[], int i, int j)
+static jet record_matrix_product_entry(int n, const jet x[], const jet y[], int i, int j)
 {
     jet sum = jet_const(0);
     for (int k = 0; k < n; k++) sum = jet_add(sum, jet_mul(x[i * n + k], y[k * n + j]));
     return sum;
 }
 
-/* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2. Here (J H'')^2 has the blocks P, Q; R, P^T with P =
- * A^2 - H_pp W, Q = A H_pp - (A H_pp)^T, R = (W A)^T - W A. */
-static jet record_hessian_power_term(const linearised_motion *motion, int i, int j)
+/* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2, where (J H'')^2 = [P Q; R P^T] with P = A^2 - H_pp W, Q =
+ * A H_pp - (A H_pp)^T, R = (W A)^T - W A, and W = H_qq. */
+static jet record_hessian_trace_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet *A = motion->A, *H_pp = motion->H_pp, *W = motion->W;
-    const jet P = jet_sub(record_product_entry(n, A, A, i, j), record_product_entry(n, H_pp, W, i, j));
-    const jet Pt = jet_sub(record_product_entry(n, A, A, j, i), record_product_entry(n, H_pp, W, j, i));
-    const jet Q = jet_sub(record_product_entry(n, A, H_pp, i, j), record_product_entry(n, A, H_pp, j, i));
-    const jet R = jet_sub(record_product_entry(n, W, A, i, j), record_product_entry(n, W, A, j, i));
+    const jet P = jet_sub(record_matrix_product_entry(n, A, A, i, j), record_matrix_product_entry(n, H_pp, W, i, j));
+    const jet Pt = jet_sub(record_matrix_product_entry(n, A, A, j, i), record_matrix_product_entry(n, H_pp, W, j, i));
+    const jet Q = jet_sub(record_matrix_product_entry(n, A, H_pp, i, j), record_matrix_product_entry(n, A, H_pp, j, i));
+    const jet R = jet_sub(record_matrix_product_entry(n, W, A, i, j), record_matrix_product_entry(n, W, A, j, i));
     return jet_add(jet_mul(P, Pt), jet_mul(Q, R));
 }
 
@@ -166,8 +167,8 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     jet *terms = jets + 3 * n * n, *gradient = terms + n * n, *row = gradient + 2 * n + 1;
     if (!graph) sum = jet_const(0); /* All jets are plain numbers, and so is H: its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
-        sum = base->regular ? record_sum_for_regular_H_pp(&motion, terms)
-                            : record_symmetric_sum(&motion, record_hessian_power_term, terms);
+        sum = base->is_regular ? record_traces_for_regular_H_pp(&motion, terms)
+                               : record_symmetric_sum(&motion, record_hessian_trace_term, terms);
     free(jets);
     return jet_pow(sum, -0.25);
 }

@@ -64,7 +64,7 @@ static bool evaluate_energy_tape(const tvi_energy_work *work, double sign, const
     double *block = work->tape_block;
     memcpy(block, q, numbers * sizeof *q);
     if (x) memcpy(block + numbers, x, numbers * sizeof *x);
-    const size_t inputs = (size_t)work->system->energy_inputs;
+    const size_t inputs = (size_t)work->system->energy_input_count;
     if ((size_t)tape->inputs > inputs) memcpy(block + inputs * width, t, width * sizeof *t);
     const bool is_inside = jet_sweep_values(tape, block, work->lane_count);
     for (size_t lane = 0; lane < width; lane++) value[lane] = sign * block[(size_t)tape->output_slot[0] * width + lane];
@@ -84,7 +84,7 @@ bool tvi_energy_compute_lanes(const tvi_energy_work *work, const double t[], con
     return is_inside;
 }
 
-/* Computes H = p.v - L(q, v), with the v that belongs to p. */
+/* Computes H = p.v - L(q, v), with the velocity v for which L_v(q, v) = p. */
 static tvi_status compute_lagrangian_energy(tvi_energy_work *work, double t, const double q[], const double p[],
                                             double *H)
 {
@@ -122,8 +122,8 @@ long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, cons
     return work->long_double_values[tape->output_slot[0]];
 }
 
-/* Allocates the memory for one energy, which the caller frees. `parameters` NULL stands for the values in the
- * recording. */
+/* Allocates the memory in which the energy of one state is computed, and sets the parameters. The caller frees the
+ * memory that is returned. `parameters` NULL stands for the values in the recording. */
 static void *create_energy_work(tvi_energy_work *work, const tvi_system *system, const double parameters[])
 {
     tvi_arena arena = {0};

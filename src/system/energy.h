@@ -13,7 +13,8 @@ typedef struct {
     tvi_legendre legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
     /* [n] The velocities of a Lagrangian, which Newton's method finds from the momenta. */
     double *velocity;
-    /* [slots of the tape] The values of all slots in long double, for a Hamiltonian. NULL: they are not needed. */
+    /* [slots of the energy's tape] The values of all slots in long double, for a Hamiltonian. NULL: the energy is
+     * computed in double only. */
     long double *long_double_values;
 } tvi_energy_work;
 
@@ -29,7 +30,7 @@ TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, co
 TVI_NODISCARD tvi_status tvi_apply_legendre_transform(const tvi_system *system, const double parameters[], double t,
                                                       const double q[], const double input[], double output[],
                                                       bool to_momenta);
-/* Computes the energy of a finite state, as tvi_energy does. */
+/* Computes the energy of a state whose numbers are finite, as tvi_energy does, in the memory `work`. */
 TVI_NODISCARD tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[],
                                             double *H);
 

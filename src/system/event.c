@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Calls the user's function, and creates its tapes. */
+/* Calls the user's function g on jets, and creates the tapes of its values and of its Taylor series. */
 static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void *ctx)
 {
     const int n = event->n, inputs = 2 * n + 1;

@@ -31,14 +31,14 @@ static inline bool tvi_event_skips_a_direction(const tvi_event *event) { return 
  * has no finite value. */
 TVI_NODISCARD tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const double *x, double *g);
 /* Creates one tape for several events with the same n. Its inputs are q, p, t, and its outputs the values g of the
- * events. Sets used [2n + 1], which tells whether an event depends on the input. */
+ * events. Sets used[i] for i < 2n + 1, which tells whether one of the events depends on input i. */
 TVI_NODISCARD tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_event *const events[], int count,
                                                      bool used[]);
 
 /* The memory in which g is expanded near one state. */
 typedef struct {
-    double *series_block; /* [orders][slots] A block of the event's series. */
-    double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] Tangents of the values. */
+    double *series_block; /* [orders][slots] The Taylor coefficients of all slots of event->series. */
+    double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots in as many directions. */
 } tvi_event_expansion;
 /* Allocates the memory. Returns TVI_ENOMEM if memory is lacking; the caller closes the expansion in this case, too. */
 TVI_NODISCARD tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event);

@@ -8,7 +8,7 @@
  * row. Also makes room in system->hessian for the entries of the row. */
 static bool grow_hessian_arrays(tvi_system *system, jet **jets)
 {
-    const size_t room = (size_t)system->hessian_entries + 6 * (size_t)system->n;
+    const size_t room = (size_t)system->hessian_entry_count + 6 * (size_t)system->n;
     jet *more = realloc(*jets, room * sizeof *more);
     if (more) *jets = more;
     tvi_hessian_entry *hessian = realloc(system->hessian, room * sizeof *hessian);
@@ -22,29 +22,29 @@ static jet *append_gradient(tvi_system *system, jet x, jet **jets)
 {
     const int rows = 2 * system->n;
     if (!grow_hessian_arrays(system, jets)) return NULL;
-    jet *gradient = *jets + 2 * rows + system->hessian_entries;
+    jet *gradient = *jets + 2 * rows + system->hessian_entry_count;
     return jet_record_gradient(system->graph, x, rows, gradient) ? gradient : NULL;
 }
 
-/* Appends a second derivative, unless it is 0 everywhere. */
+/* Appends the second derivative x to jets, and its row and column to system->hessian, unless it is 0 everywhere. */
 static void append_entry(tvi_system *system, jet jets[], int row, int column, jet x)
 {
     if (!x.node && x.number == 0) return;
-    jets[2 * system->n + system->hessian_entries] = x;
-    system->hessian[system->hessian_entries++] = (tvi_hessian_entry){row, column};
+    jets[2 * system->n + system->hessian_entry_count] = x;
+    system->hessian[system->hessian_entry_count++] = (tvi_hessian_entry){row, column};
 }
 
 tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
 {
     const int rows = 2 * system->n;
-    system->hessian_entries = 0;
+    system->hessian_entry_count = 0;
     for (int row = 0; row < rows; row++) {
         const jet *hessian_row = append_gradient(system, system->field[row], jets);
         if (!hessian_row) return TVI_ENOMEM;
         (*jets)[row] = system->field[row];
         for (int column = 0; column <= row; column++) append_entry(system, *jets, row, column, hessian_row[column]);
     }
-    return jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets);
+    return jet_graph_accept_outputs(system->graph, rows + system->hessian_entry_count, *jets);
 }
 
 /* Records a row of g f'' + g' f'^T + f' g'^T, and then the component g f' + f g' of the field, since the two share
@@ -72,22 +72,23 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
     const bool derived = jet_record_gradient(system->graph, factor[0], rows, gradient_g) &&
                          jet_record_gradient(system->graph, factor[1], rows, gradient_f);
     tvi_status status = derived ? TVI_OK : TVI_ENOMEM;
-    system->hessian_entries = 0;
+    system->hessian_entry_count = 0;
     for (int row = 0; row < rows && status == TVI_OK; row++)
         status = record_product_row(system, row, factor, gradient_g, gradient_f, jets);
     free(gradient_g);
-    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, rows + system->hessian_entries, *jets) : status;
+    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, rows + system->hessian_entry_count, *jets)
+                            : status;
 }
 
-/* Drops the second derivatives if they cost too much beside the field (HESSIAN_MAX_COST). */
+/* Drops the second derivatives if the field with them has too many operations for HESSIAN_MAX_COST. */
 static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
     jet_tape *field = jet_tape_create(system->graph, rows, rows, system->field, JET_TAPE_VALUES);
     jet_tape *with_hessian =
-        jet_tape_create(system->graph, rows, rows + system->hessian_entries, jets, JET_TAPE_VALUES);
+        jet_tape_create(system->graph, rows, rows + system->hessian_entry_count, jets, JET_TAPE_VALUES);
     const bool created = field && with_hessian;
-    if (!created || 4 * with_hessian->slots > HESSIAN_MAX_COST * field->slots) system->hessian_entries = 0;
+    if (!created || 4 * with_hessian->slots > HESSIAN_MAX_COST * field->slots) system->hessian_entry_count = 0;
     jet_tape_free(field);
     jet_tape_free(with_hessian);
     return created ? TVI_OK : TVI_ENOMEM;
@@ -102,7 +103,7 @@ tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2]
         status = tvi_hessian_record(system, jets);
         if (status == TVI_OK) status = drop_expensive_hessian(system, *jets);
     }
-    system->hessian_is_complete = system->hessian_entries > 0;
+    system->hessian_is_complete = system->hessian_entry_count > 0;
     if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
     status = record_product_hessian(system, factor, jets);
     return status == TVI_OK ? drop_expensive_hessian(system, *jets) : status;
@@ -111,8 +112,8 @@ tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2]
 tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
-    if (system->hessian_entries == 0) return TVI_OK;
+    if (system->hessian_entry_count == 0) return TVI_OK;
     system->hessian_values =
-        jet_tape_create(system->graph, rows, rows + system->hessian_entries, jets, JET_TAPE_VALUES);
+        jet_tape_create(system->graph, rows, rows + system->hessian_entry_count, jets, JET_TAPE_VALUES);
     return system->hessian_values ? TVI_OK : TVI_ENOMEM;
 }

@@ -16,8 +16,8 @@ void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_s
     legendre->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     legendre->tangents = tvi_arena_allocate_doubles(arena, slots * n);
     legendre->correction = tvi_arena_allocate_doubles(arena, n);
-    legendre->moved = tvi_arena_allocate_doubles(arena, n);
-    legendre->value = tvi_arena_allocate_doubles(arena, n);
+    legendre->trial = tvi_arena_allocate_doubles(arena, n);
+    legendre->transform_of_x = tvi_arena_allocate_doubles(arena, n);
     tvi_factor_allocate(&legendre->jacobian_factor, arena, system->n, 1);
     tvi_roundoff_allocate(&legendre->roundoff, arena, system);
 }
@@ -55,11 +55,11 @@ static tvi_status factor_jacobian(tvi_legendre *legendre)
     return tvi_factor_compute(&legendre->jacobian_factor);
 }
 
-/* Returns |y - f(x)| in the maximum norm. legendre->value contains f(x). */
-static double residual_norm(const tvi_legendre *legendre, const double y[])
+/* Returns |y - f(x)| in the maximum norm. legendre->transform_of_x is f(x). */
+static double compute_residual_norm(const tvi_legendre *legendre, const double y[])
 {
     double largest = 0;
-    for (int i = 0; i < legendre->system->n; i++) largest = fmax(largest, fabs(y[i] - legendre->value[i]));
+    for (int i = 0; i < legendre->system->n; i++) largest = fmax(largest, fabs(y[i] - legendre->transform_of_x[i]));
     return largest;
 }
 
@@ -71,13 +71,14 @@ static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, cons
     const int n = legendre->system->n;
     tvi_status status = TVI_OK;
     for (int halving = 0; halving < LEGENDRE_MAX_HALVINGS; halving++) {
-        for (int i = 0; i < n; i++) legendre->moved[i] = x[i] + legendre->correction[i];
-        status = tvi_legendre_evaluate(legendre, t, q, legendre->moved, legendre->value);
-        if (status == TVI_OK && (residual_norm(legendre, y) < old_residual || halving >= LEGENDRE_MAX_GROWTH_HALVINGS))
+        for (int i = 0; i < n; i++) legendre->trial[i] = x[i] + legendre->correction[i];
+        status = tvi_legendre_evaluate(legendre, t, q, legendre->trial, legendre->transform_of_x);
+        if (status == TVI_OK &&
+            (compute_residual_norm(legendre, y) < old_residual || halving >= LEGENDRE_MAX_GROWTH_HALVINGS))
             break;
         for (int i = 0; i < n; i++) legendre->correction[i] /= 2;
     }
-    if (status == TVI_OK) memcpy(x, legendre->moved, (size_t)n * sizeof *x);
+    if (status == TVI_OK) memcpy(x, legendre->trial, (size_t)n * sizeof *x);
     return status;
 }
 
@@ -86,23 +87,23 @@ static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, cons
 static tvi_status compute_newton_correction(tvi_legendre *legendre, const double y[], bool with_new_jacobian)
 {
     const int n = legendre->system->n;
-    for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->value[i];
+    for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->transform_of_x[i];
     const tvi_status status = with_new_jacobian ? factor_jacobian(legendre) : TVI_OK;
     if (status == TVI_OK) tvi_factor_solve(&legendre->jacobian_factor, legendre->correction);
     return status;
 }
 
-/* Estimates the roundoff of the corrections. */
+/* Returns ROUNDOFF_MAX_UNITS times the size of a correction that the roundoff of y and f(x) causes. */
 static double estimate_correction_roundoff(tvi_legendre *legendre, const double y[])
 {
     const tvi_system *system = legendre->system;
     tvi_roundoff *roundoff = &legendre->roundoff;
     (void)tvi_roundoff_estimate_field(roundoff, system, legendre->field_block, 1, 1);
     for (int i = 0; i < system->n; i++)
-        legendre->moved[i] =
+        legendre->trial[i] =
             tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[system->n + i] + DBL_EPSILON * fabs(y[i]));
-    tvi_factor_solve(&legendre->jacobian_factor, legendre->moved);
-    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(system->n, legendre->moved, 1);
+    tvi_factor_solve(&legendre->jacobian_factor, legendre->trial);
+    return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(system->n, legendre->trial, 1);
 }
 
 /* Tells whether the correction that was just computed is the last one. */
@@ -112,7 +113,7 @@ static bool is_last_correction(tvi_legendre *legendre, const double x[], const d
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
                                   .max_trusted_ratio = PASSES_MAX_CONTRACTION,
                                   .stall_ratio = TVI_PASSES_ALL,
-                                  .stall_lag = 1};
+                                  .stall_comparison_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
@@ -127,16 +128,16 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    /* `scale` is the larger of |y| and |f(x)| at the start. `reuse_limit` is the residual down from which the last
-     * matrix is still good enough; it is negative if there is none. */
+    /* `scale` is the larger of |y| and |f(x)| at the start. `reuse_limit` is the largest residual for which the last
+     * Jacobian matrix is used again; it is negative if there is no matrix. */
     double scale = tvi_largest_magnitude(n, y, 1), reuse_limit = -1;
     tvi_passes passes;
     bool was_singular = false;
     tvi_passes_begin(&passes, 0);
-    tvi_status status = tvi_legendre_evaluate(legendre, t, q, x, legendre->value);
-    if (status == TVI_OK) scale = fmax(scale, tvi_largest_magnitude(n, legendre->value, 1));
+    tvi_status status = tvi_legendre_evaluate(legendre, t, q, x, legendre->transform_of_x);
+    if (status == TVI_OK) scale = fmax(scale, tvi_largest_magnitude(n, legendre->transform_of_x, 1));
     for (int step = 0; step < LEGENDRE_MAX_ITERATIONS && status == TVI_OK; step++) {
-        const double residual = residual_norm(legendre, y);
+        const double residual = compute_residual_norm(legendre, y);
         status = compute_newton_correction(legendre, y, !(residual <= reuse_limit));
         const bool is_singular = status == TVI_ESINGULAR && !was_singular && residual > 0;
         if (status != TVI_OK && !is_singular) return status;
@@ -152,8 +153,8 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
-tvi_status tvi_legendre_compute_start_data(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
-                                           const double q[], const double p[], double velocity[], double z[])
+tvi_status tvi_legendre_compute_curve_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
+                                            const double q[], const double p[], double velocity[], double z[])
 {
     const int n = system->n;
     double *z_v = z + n;
@@ -190,11 +191,11 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
     return TVI_OK;
 }
 
-/* Computes dy/dx at pseudo-random points in (-1, 1), which are the same in each call. Points at which the field has
- * no value are left out. */
+/* Computes dy/dx at pseudo-random points (q, x) with components in (-1, 1), which are the same in each call. Points at
+ * which the field has no value are left out. */
 tvi_status tvi_legendre_test_regularity(tvi_system *system)
 {
-    system->regular = true;
+    system->is_regular = true;
     if (system->form == TVI_SEPARABLE) return TVI_OK;
     tvi_legendre legendre;
     void *memory;
@@ -202,7 +203,7 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
     double *point = malloc(3 * (size_t)system->n * sizeof *point);
     if (status == TVI_OK && point) {
         unsigned random = 1;
-        bool stated = false, regular = false;
+        bool has_tested_point = false, regular = false;
         for (int probe = 0; probe < LEGENDRE_PROBES && !regular; probe++) {
             for (int i = 0; i < 2 * system->n; i++) {
                 random = random * 1664525u + 1013904223u;
@@ -210,15 +211,15 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
             }
             if (tvi_legendre_evaluate(&legendre, 0.5, point, point + system->n, point + 2 * system->n) != TVI_OK)
                 continue;
-            stated = true;
+            has_tested_point = true;
             regular = factor_jacobian(&legendre) == TVI_OK &&
                       tvi_factor_least_pivot(&legendre.jacobian_factor) > LEGENDRE_REGULAR_MIN_PIVOT;
         }
-        system->regular = regular || !stated;
+        system->is_regular = regular || !has_tested_point;
     }
     if (status == TVI_OK) free(memory);
     free(point);
     if (status != TVI_OK || !point) return TVI_ENOMEM;
-    if (system->regular || system->form != TVI_LAGRANGIAN) return TVI_OK;
+    if (system->is_regular || system->form != TVI_LAGRANGIAN) return TVI_OK;
     return jet_refuse(TVI_ESINGULAR, "L_vv of the Lagrangian is singular at all of %d points", LEGENDRE_PROBES);
 }

@@ -13,10 +13,11 @@ typedef struct {
     const tvi_system *system;
     /* The block of the field at one point, with q and the argument x as inputs. */
     double *field_block;
-    double *tangents;                   /* Tangents of the block in n directions, those of x. */
-    double *correction, *moved, *value; /* Scratch vectors with n components. */
-    tvi_lu_factor jacobian_factor;      /* The factored Jacobian matrix dy/dx = L_vv or H_pp. */
-    tvi_roundoff roundoff;              /* Estimates the roundoff of the field. */
+    double *tangents; /* [slots][n] The derivatives of all slots of the block by x. */
+    /* [n] Scratch: Newton's correction of x, the x that is tried, and f(x). */
+    double *correction, *trial, *transform_of_x;
+    tvi_lu_factor jacobian_factor; /* The factored Jacobian matrix dy/dx = L_vv or H_pp. */
+    tvi_roundoff roundoff;         /* Estimates the roundoff of the field. */
 } tvi_legendre;
 
 void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system);
@@ -30,19 +31,20 @@ TVI_NODISCARD tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t,
 TVI_NODISCARD tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[],
                                             double x[]);
 
-/* Computes the data z [2n] of a curve that starts at (q, p): (q, tau v), or (q, p) of a Hamiltonian. velocity [n] is
- * the first iterate of Newton's method, and its result. Only Lagrangians use `legendre`. */
-TVI_NODISCARD tvi_status tvi_legendre_compute_start_data(tvi_legendre *legendre, const tvi_system *system, double tau,
-                                                         double t, const double q[], const double p[],
-                                                         double velocity[], double z[]);
+/* Computes the coefficients z [2n] with which a Taylor curve starts at (q, p): (q, tau v) with the velocity v and the
+ * time unit tau of the curve, or (q, p) for a Hamiltonian. velocity [n] is the first iterate of Newton's method, and
+ * becomes its result v. Only Lagrangians use `legendre` and `velocity`. */
+TVI_NODISCARD tvi_status tvi_legendre_compute_curve_start(tvi_legendre *legendre, const tvi_system *system, double tau,
+                                                          double t, const double q[], const double p[],
+                                                          double velocity[], double z[]);
 
 /* Creates a transform outside of an integrator, with these values of the parameters; NULL stands for those in the
  * recording. The caller frees *memory. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
                                              const double parameters[], void **memory);
 
-/* Sets system->regular if dy/dx is regular at one of several points. Returns TVI_ESINGULAR if L_vv of a Lagrangian is
- * singular at all of them. */
+/* Sets system->is_regular if dy/dx is regular at one of several points. Returns TVI_ESINGULAR if L_vv of a Lagrangian
+ * is singular at all of them. */
 TVI_NODISCARD tvi_status tvi_legendre_test_regularity(tvi_system *system);
 
 #endif

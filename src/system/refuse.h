@@ -6,7 +6,7 @@
 #include "refusal.h"
 #include "tvi.h"
 
-/* The arguments that all functions of a run have. */
+/* The arguments that all functions of a run have: the addresses of the integrator and of the state, and the step. */
 typedef struct {
     const void *integrator, *t, *q, *p;
     double h; /* The step; a function without a step sets any number but 0. */

@@ -32,7 +32,7 @@ static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, in
 
 /* Returns the magnitude to which the roundoff of an operation of a run is relative: the magnitude of its result, or
  * for a sum that of its terms. */
-static double roundoff_scale(const jet_tape *tape, const jet_run *run, int operation, const double *x)
+static double compute_roundoff_scale(const jet_tape *tape, const jet_run *run, int operation, const double *x)
 {
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
     if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + operation]);
@@ -47,8 +47,8 @@ static double roundoff_scale(const jet_tape *tape, const jet_run *run, int opera
     return sum;
 }
 
-/* Adds a unit of roundoff of this magnitude to the tangents of a slot, with a sign for each sample. The signs are
- * bits of a hash of the value's digits. Therefore they depend neither on units nor on the order of slots, and equal
+/* Adds DBL_EPSILON times `size` to the tangents dx of a slot with the value x, with a sign for each sample. The signs
+ * are bits of a hash of the value's digits. Therefore they depend neither on units nor on the order of slots, and equal
  * values have equal errors. */
 static void add_roundoff_unit(const double *x, double *dx, int slot, double size)
 {
@@ -59,53 +59,56 @@ static void add_roundoff_unit(const double *x, double *dx, int slot, double size
         dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
 }
 
-void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double input_sizes[], const double *x, double *dx)
+void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double input_sizes[], const double *x,
+                             double *dx)
 {
-    memset(dx, 0, (size_t)inputs * SAMPLES * sizeof *dx);
-    for (int i = 0; i < inputs; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
+    memset(dx, 0, (size_t)input_count * SAMPLES * sizeof *dx);
+    for (int i = 0; i < input_count; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->runs; r++) {
         jet_tape one_run = *tape;
-        one_run.sweeps = tape->interpreter_sweeps; /* Generated code cannot run a part of a tape. */
+        /* Generated code runs only whole tapes, so that the interpreter runs this run. */
+        one_run.sweeps = tape->interpreter_sweeps;
         one_run.run = tape->run + r;
         one_run.runs = 1;
         jet_sweep_tangents(&one_run, x, dx, 0, SAMPLES);
         for (int i = 0; i < one_run.run->operation_count; i++)
-            add_roundoff_unit(x, dx, one_run.run->z + i, roundoff_scale(tape, one_run.run, i, x));
+            add_roundoff_unit(x, dx, one_run.run->z + i, compute_roundoff_scale(tape, one_run.run, i, x));
     }
 }
 
 int tvi_roundoff_estimate_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
-                                int points)
+                                int point_count)
 {
     const jet_tape *tape = system->field_series;
     const int outputs = tvi_system_output_count(system);
     roundoff->random_state = 1;
     memset(roundoff->field_change, 0, (size_t)outputs * sizeof *roundoff->field_change);
-    for (int point = 0; point < points; point++) {
-        for (int i = 0; i < system->inputs + system->uses_time; i++)
+    for (int point = 0; point < point_count; point++) {
+        for (int i = 0; i < system->input_count + system->uses_time; i++)
             roundoff->field_block[i] = inputs[i * lanes + point];
         if (!jet_sweep_values(tape, roundoff->field_block, 1)) continue;
-        tvi_roundoff_sweep_tape(tape, system->inputs, NULL, roundoff->field_block, roundoff->tangents);
+        tvi_roundoff_sweep_tape(tape, system->input_count, NULL, roundoff->field_block, roundoff->tangents);
         for (int i = 0; i < outputs; i++)
             roundoff->field_change[i] =
                 fmax(roundoff->field_change[i],
                      tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output_slot[i] * SAMPLES, 1));
     }
-    return points * (1 + SAMPLES);
+    return point_count * (1 + SAMPLES);
 }
 
-/* Tells whether all points of the rows [n][lanes] differ from the start by at most this distance in each
- * component. */
-static bool are_close_to_start(int n, double distance, const double start[], const double *rows, int lanes, int points)
+/* Tells whether the vectors of n components at all points, which are columns of rows [n][lanes], differ from start [n]
+ * by at most this distance in each component. */
+static bool are_close_to_start(int n, double distance, const double start[], const double *rows, int lanes,
+                               int point_count)
 {
     for (int i = 0; i < n; i++)
-        for (int point = 0; point < points; point++)
+        for (int point = 0; point < point_count; point++)
             if (!(fabs(rows[i * lanes + point] - start[i]) <= distance)) return false;
     return true;
 }
 
 bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
-                                  const double *q, const double *p, int lanes, int points)
+                                  const double *q, const double *p, int lanes, int point_count)
 {
     const int n = system->n;
     const bool separable = system->form == TVI_SEPARABLE;
@@ -113,6 +116,6 @@ bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const doub
     if (separable)
         for (int i = 0; i < n; i++) distance = fmax(distance, fabs(h * p_start[i] / system->mass[i]));
     return are_close_to_start(n, tvi_largest_magnitude(n, q_start, 1) + ROUNDOFF_MAX_SPEED_GROWTH * distance, q_start,
-                              q, lanes, points) ||
-           (!separable && are_close_to_start(n, tvi_largest_magnitude(n, p_start, 1), p_start, p, lanes, points));
+                              q, lanes, point_count) ||
+           (!separable && are_close_to_start(n, tvi_largest_magnitude(n, p_start, 1), p_start, p, lanes, point_count));
 }

@@ -9,8 +9,9 @@
 /* The memory in which roundoff is estimated. */
 typedef struct {
     double *field_change; /* [outputs of the field] The estimate of the change of each output by roundoff. */
-    double *field_block;  /* The block of the field's series at one point. */
-    /* Tangents of the block, one for each random choice of the signs of the rounding errors. */
+    double *field_block;  /* The values of all slots of field_series at one point. */
+    /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots by rounding errors, for each random choice of their
+     * signs. */
     double *tangents;
     /* The state of a pseudo-random sequence. Each estimate restarts the sequence, so that no step depends on earlier
      * steps. */
@@ -21,12 +22,13 @@ typedef struct {
 enum { TVI_ROUNDOFF_SAMPLES = 4 };
 
 /* Computes dx [slots][TVI_ROUNDOFF_SAMPLES], the effect on every slot of a unit of roundoff in each input and in each
- * operation. The roundoff of an input is relative to input_sizes [inputs], or to the input itself if input_sizes is
- * NULL. x [slots] contains the values, in a block of a tape of series. The caller has set dx of the constants to
- * 0. */
-void tvi_roundoff_sweep_tape(const jet_tape *tape, int inputs, const double input_sizes[], const double *x, double *dx);
+ * operation. The roundoff of an input is relative to input_sizes [input_count], or to the input itself if input_sizes
+ * is NULL. x is a block of a tape of series, in which the values of all slots are set. The caller has set dx of the
+ * constants to 0. */
+void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double input_sizes[], const double *x,
+                             double *dx);
 
-/* Allocates the memory in an arena. */
+/* Allocates the memory of the estimate in an arena. */
 void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system);
 
 /* Computes field_change[i]: the largest change of output i of the field at any of the points, if each coordinate,
@@ -35,17 +37,18 @@ void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_s
  * lanes + point] are the inputs of the field, followed by the time if it is used. The change is 0 at points where
  * the field has no value. Returns the number of evaluations of the field. */
 int tvi_roundoff_estimate_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
-                                int points);
+                                int point_count);
 
-/* Returns `size` with the next random sign. tvi_roundoff_estimate_field has restarted the sequence. */
+/* Returns `size` or -`size` by the next number of the pseudo-random sequence, which tvi_roundoff_estimate_field
+ * restarts. */
 double tvi_roundoff_sign_randomly(tvi_roundoff *roundoff, double size);
 
 /* Tells whether the motion in a step is so small that roundoff at the nodes may exceed it. This is the case if the
- * coordinates, rows q [n][lanes] with `points` columns, stay closer to q_start than |q_start| plus a multiple of |h
- * v_start|, or if the momenta p stay closer to p_start than |p_start|. The velocities of a system that is not
- * separable count as 0, and the momenta of a separable system are not used. The caller needs this to exclude passes
- * that have diverged to states at which the field is nothing but roundoff. */
+ * coordinates, rows q [n][lanes] with `point_count` columns, stay closer to q_start than |q_start| plus a multiple of
+ * |h v_start|, or if the momenta p stay closer to p_start than |p_start|. For a system that is not separable, v_start
+ * counts as 0; for a separable system, the momenta are ignored. The caller needs this to exclude passes that have
+ * diverged to states at which the field is nothing but roundoff. */
 bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
-                                  const double *q, const double *p, int lanes, int points);
+                                  const double *q, const double *p, int lanes, int point_count);
 
 #endif

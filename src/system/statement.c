@@ -17,7 +17,7 @@ typedef struct {
     tvi_factors_fn *factors;
     const double *mass;
     void *ctx;
-    const tvi_system *base;     /* The system to lift. */
+    const tvi_system *base;     /* The system whose lift is created. */
     bool has_conjugate_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
     tvi_drive_fn *drive;        /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
@@ -28,10 +28,10 @@ typedef struct {
     tvi_system *system;
     /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
     jet *q, *v, *r, t;
-    jet stated;                /* V, L or H, as the user stated it. */
+    jet original_function;     /* The user's V, L or H. */
     jet *field;                /* [2n] The field, which belongs to the system. */
     jet *gradient_of_r_dot_Hp; /* [2n] The gradient of r.H_p. */
-    jet *field_and_hessian;    /* [2n + hessian_entries] The field, and then the second derivatives. */
+    jet *field_and_hessian;    /* [2n + hessian_entry_count] The field, and then the second derivatives. */
 } system_recording;
 
 static tvi_status check_masses(int n, const double mass[])
@@ -45,7 +45,7 @@ static tvi_status check_masses(int n, const double mass[])
 }
 
 /* Returns the name of the user's function, for texts of refusals. */
-static const char *statement_name(const system_statement *statement)
+static const char *user_function_name(const system_statement *statement)
 {
     if (statement->force) return "force";
     return statement->potential ? "potential" : statement->lagrangian ? "Lagrangian" : "Hamiltonian";
@@ -61,7 +61,7 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     if (!system) return TVI_ENOMEM;
     system->n = n;
     system->has_masses = !general;
-    system->stepped = system;
+    system->stepped_system = system;
     system->mass = malloc(count * sizeof *system->mass);
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     recording->q = malloc(3 * count * sizeof *recording->q);
@@ -69,14 +69,14 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     recording->gradient_of_r_dot_Hp = malloc(2 * count * sizeof *recording->gradient_of_r_dot_Hp);
     if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->gradient_of_r_dot_Hp)
         return TVI_ENOMEM;
-    jet_graph_set_output_name(system->graph, statement_name(statement));
+    jet_graph_set_output_name(system->graph, user_function_name(statement));
     recording->v = recording->q + n;
     recording->r = recording->v + n;
-    const int inputs = general ? 2 * n : n;
-    for (int i = 0; i < inputs; i++) recording->q[i] = jet_graph_input(system->graph, i);
-    recording->t = jet_graph_input(system->graph, inputs);
+    const int input_count = general ? 2 * n : n;
+    for (int i = 0; i < input_count; i++) recording->q[i] = jet_graph_input(system->graph, i);
+    recording->t = jet_graph_input(system->graph, input_count);
     for (int i = 0; i < n; i++) {
-        if (general) recording->r[i] = jet_graph_input(system->graph, inputs + 1 + i);
+        if (general) recording->r[i] = jet_graph_input(system->graph, input_count + 1 + i);
         recording->field[i] = jet_make_unset_poison();
         system->mass[i] = statement->mass ? statement->mass[i] : 1;
     }
@@ -103,15 +103,16 @@ static tvi_status record_full_gradient(const system_recording *recording, jet *x
 static tvi_status record_force(system_recording *recording)
 {
     tvi_system *system = recording->system;
-    return jet_record_gradient(system->graph, jet_neg(recording->stated), system->n, recording->field) ? TVI_OK
-                                                                                                       : TVI_ENOMEM;
+    return jet_record_gradient(system->graph, jet_neg(recording->original_function), system->n, recording->field)
+               ? TVI_OK
+               : TVI_ENOMEM;
 }
 
 static tvi_status record_potential(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
-    recording->stated = statement->potential(recording->q, recording->t, statement->ctx);
-    const tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->stated);
+    recording->original_function = statement->potential(recording->q, recording->t, statement->ctx);
+    const tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->original_function);
     return status == TVI_OK ? record_force(recording) : status;
 }
 
@@ -127,7 +128,7 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
     statement->drive(recording->q, v, recording->t, force, statement->drive_ctx);
     jet_graph_set_output_name(system->graph, "driving force");
     const tvi_status status = jet_graph_accept_outputs(system->graph, n, force);
-    jet_graph_set_output_name(system->graph, statement_name(statement));
+    jet_graph_set_output_name(system->graph, user_function_name(statement));
     for (int i = 0; i < n; i++) recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
     free(force);
     system->is_driven = true;
@@ -148,8 +149,8 @@ static tvi_status find_masses(const system_recording *recording, const system_st
 static tvi_status record_lagrangian(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
-    recording->stated = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
-    tvi_status status = record_full_gradient(recording, &recording->stated, recording->field);
+    recording->original_function = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = record_full_gradient(recording, &recording->original_function, recording->field);
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive) status = add_driving_force(recording, statement, recording->v, 1);
@@ -174,9 +175,9 @@ static tvi_status record_factored_hamiltonian(system_recording *recording, const
     tvi_system *system = recording->system;
     jet factor[2];
     statement->factors(recording->q, recording->v, recording->t, statement->ctx, factor);
-    recording->stated = jet_mul(factor[0], factor[1]);
+    recording->original_function = jet_mul(factor[0], factor[1]);
     system->form = TVI_HAMILTONIAN;
-    tvi_status status = record_full_gradient(recording, &recording->stated, recording->field);
+    tvi_status status = record_full_gradient(recording, &recording->original_function, recording->field);
     if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->field_and_hessian);
     return status == TVI_OK ? record_gradient_of_r_dot_Hp(recording) : status;
 }
@@ -187,8 +188,8 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
 {
     tvi_system *system = recording->system;
     const int n = system->n;
-    recording->stated = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
-    tvi_status status = record_full_gradient(recording, &recording->stated, recording->field);
+    recording->original_function = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = record_full_gradient(recording, &recording->original_function, recording->field);
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive)
@@ -202,7 +203,8 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
 
-/* Sets the jets in the lift's graph that stand for the inputs of the base, and the directions in which these move. */
+/* Sets the jets in the lift's graph that stand for the inputs of the base (the system that is lifted), and those that
+ * stand for their components of the tangent vector (`direction`). */
 static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time = inputs == n + 1 ? n : 2 * n;
@@ -219,9 +221,9 @@ static void set_lift_inputs(const system_recording *recording, const tvi_system 
     direction[time] = jet_const(0);
 }
 
-/* Sets the field of the lift. For a Hamiltonian it is ((H_q)', H_q) and (H_p, (H_p)'), where ' is the derivative
- * along the tangent vector. For a Lagrangian it is ((L_q)', L_q) and ((L_v)', L_v). For a separable base H_q = -F
- * and H_p = M^-1 p. For a separable lift it is F and F'. */
+/* Sets the field of the lift from that of the base (`value`) and its derivative (`rate`) along the tangent vector,
+ * marked by '. For a Hamiltonian it is ((H_q)', H_q) and (H_p, (H_p)'), for a Lagrangian ((L_q)', L_q) and ((L_v)',
+ * L_v). For a separable base H_q = -F and H_p = M^-1 p. For a separable lift it is F and F'. */
 static void set_lift_field(system_recording *recording, const tvi_system *base, const jet value[], const jet rate[])
 {
     const int n = base->n;
@@ -239,7 +241,7 @@ static void set_lift_field(system_recording *recording, const tvi_system *base, 
     }
 }
 
-/* Records the parameters of the lift: the values of the base, then their rates, which are 0 unless they are set. */
+/* Records the parameters of the lift: those of the base, then their part of the tangent vector, 0 by default. */
 static void add_lift_parameters(const system_recording *recording, int parameter_count, jet parameter_direction[])
 {
     for (int i = 0; i < parameter_count; i++)
@@ -251,11 +253,11 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     const tvi_system *base = statement->base;
     tvi_system *system = recording->system;
     const int parameters = jet_graph_parameter_count(base->graph);
-    system->regular = base->regular;
+    system->is_regular = base->is_regular;
     system->has_masses = !statement->has_conjugate_momenta;
     if (!system->has_masses) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
-    const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->inputs;
+    const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->input_count;
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
     if (!jets) return TVI_ENOMEM;
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
@@ -263,15 +265,16 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     set_lift_inputs(recording, base, input, direction);
     add_lift_parameters(recording, parameters, parameter_direction);
     bool lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction,
-                                                 base->inputs, base->field, value, rate);
+                                                 base->input_count, base->field, value, rate);
     if (lifted) set_lift_field(recording, base, value, rate);
-    /* The Hamiltonian of the lift is the derivative of H along the tangent vector. */
+    /* The Hamiltonian of the lift is the derivative of the base's H along the tangent vector. */
     if (lifted && base->form == TVI_HAMILTONIAN)
         lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction, 1,
-                                                &base->stated, value, &recording->stated);
+                                                &base->original_function, value, &recording->original_function);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    if (base->form == TVI_HAMILTONIAN && jet_graph_accept_outputs(system->graph, 1, &recording->stated) != TVI_OK)
+    if (base->form == TVI_HAMILTONIAN &&
+        jet_graph_accept_outputs(system->graph, 1, &recording->original_function) != TVI_OK)
         return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_gradient_of_r_dot_Hp(recording)
            : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
@@ -297,12 +300,12 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     const tvi_status status = jet_graph_accept_outputs(system->graph, outputs, recording->field);
     if (status != TVI_OK) return status;
     jet_graph_close(system->graph);
-    system->inputs = outputs;
+    system->input_count = outputs;
     system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
     system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
     if (tvi_system_find_subsystems(system, statement->factors != NULL) != TVI_OK) return TVI_ENOMEM;
-    system->compares_movements = system->has_masses;
+    system->has_tail_shares_without_momenta = system->has_masses;
     system->uses_time = system->field_series->inputs > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->r_dot_Hp_values =
@@ -311,9 +314,10 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     }
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
     if (statement->force || (statement->base && statement->base->form != TVI_HAMILTONIAN)) return TVI_OK;
-    system->energy_inputs = statement->potential ? n : 2 * n;
-    system->stated = recording->stated;
-    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &recording->stated, JET_TAPE_VALUES);
+    system->energy_input_count = statement->potential ? n : 2 * n;
+    system->original_function = recording->original_function;
+    system->energy =
+        jet_tape_create(system->graph, system->energy_input_count, 1, &recording->original_function, JET_TAPE_VALUES);
     return system->energy ? TVI_OK : TVI_ENOMEM;
 }
 
@@ -334,7 +338,7 @@ static tvi_status record_system_and_tapes(tvi_system **out, int n, const system_
     return jet_explain_out_of_memory(status);
 }
 
-/* Creates a system after it has checked the statement. */
+/* Checks the user's statement, and creates the system. */
 static tvi_status create_system_from_statement(tvi_system **out, int n, const system_statement *statement)
 {
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
@@ -384,13 +388,13 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system || !drive) return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "drive" : "system");
-    const char *const unsupported = !system->energy             ? "a force has no energy: state the potential"
-                                    : system->stepped != system ? "the system is rescaled"
-                                    : system->is_driven         ? "the system is driven already: add the forces in one"
-                                                                : NULL;
+    const char *const unsupported = !system->energy                    ? "a force has no energy: state the potential"
+                                    : system->stepped_system != system ? "the system is rescaled"
+                                    : system->is_driven ? "the system is driven already: add the forces in one"
+                                                        : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     system_statement statement = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
-    if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_stated_lagrangian;
-    else statement.hamiltonian = tvi_record_stated_hamiltonian;
+    if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_original_lagrangian;
+    else statement.hamiltonian = tvi_record_original_hamiltonian;
     return create_system_from_statement(out, system->n, &statement);
 }

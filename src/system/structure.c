@@ -17,9 +17,9 @@ static void mark_nodes_dependent_on_inputs(const jet_graph *graph, int first_inp
 }
 
 /* Tells whether x = coefficient v + other terms, with v the input velocity_input, coefficient > 0, and other terms that
- * do not depend on velocities. Nodes that depend on velocities are marked. *has_other_terms is set if there are other
- * terms. The coefficient is computed by one walk back through the graph. node_factors is scratch with one number for
- * each node. */
+ * do not depend on velocities. The caller has marked the nodes that depend on velocities. *has_other_terms is set if
+ * there are other terms. The coefficient is computed by one walk back through the graph. node_factors is scratch with
+ * one number for each node. */
 static bool find_velocity_coefficient(const jet_graph *graph, jet x, int velocity_input, double node_factors[],
                                       double *coefficient, bool *has_other_terms)
 {

@@ -6,7 +6,7 @@
 void tvi_system_free(tvi_system *system)
 {
     if (!system) return;
-    if (system->stepped != system) tvi_system_free(system->stepped);
+    if (system->stepped_system != system) tvi_system_free(system->stepped_system);
     jet_tape_free(system->field_series);
     jet_tape_free(system->field_values);
     jet_tape_free(system->r_dot_Hp_values);
@@ -16,10 +16,10 @@ void tvi_system_free(tvi_system *system)
     jet_graph_free(system->graph);
     free(system->field);
     free(system->mass);
-    free(system->parts.component);
-    free(system->parts.end);
-    free(system->tail_parts.component);
-    free(system->tail_parts.end);
+    free(system->subsystems.component);
+    free(system->subsystems.end);
+    free(system->tail_subsystems.component);
+    free(system->tail_subsystems.end);
     free(system);
 }
 
@@ -27,7 +27,7 @@ int tvi_system_parameters(const tvi_system *system)
 {
     if (!system) return 0;
     const int own = jet_graph_parameter_count(system->graph),
-              of_steps = jet_graph_parameter_count(system->stepped->graph);
+              of_steps = jet_graph_parameter_count(system->stepped_system->graph);
     return own > of_steps ? own : of_steps;
 }
 
@@ -49,7 +49,7 @@ static void read_parameters(const jet_graph *graph, double value[])
 void tvi_system_read_recorded_parameters(const tvi_system *system, double value[])
 {
     read_parameters(system->graph, value);
-    read_parameters(system->stepped->graph, value);
+    read_parameters(system->stepped_system->graph, value);
 }
 
 int tvi_system_dimension(const tvi_system *system) { return system ? system->n : 0; }

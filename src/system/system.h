@@ -24,58 +24,58 @@ typedef struct {
  * of a Hamiltonian; and then t if it is used. The outputs of the field are F; or L_q, L_v; or H_q, H_p. */
 struct tvi_system {
     int n;
-    /* The system in which steps are made: itself, or the system with the Hamiltonian K in n + 1 coordinates if it is
-     * rescaled (rescaled.c). */
-    tvi_system *stepped;
+    /* The system in which steps are made: this system itself, or, if it is rescaled, the system with the Hamiltonian K
+     * in n + 1 coordinates (rescaled.c). */
+    tvi_system *stepped_system;
     tvi_form form;
     /* The number of inputs of the field without the time. If the time is used, it is the next input. */
-    int inputs;
+    int input_count;
     bool uses_time; /* The field depends on t. */
     bool is_driven; /* The field contains forces that do not come from the energy. */
     /* [n] The masses of a separable system, and of others with has_masses. */
     double *mass;
     /* p = M v + f(q, t) with M diagonal and constant, as in a rotating frame or in a driven system. */
     bool has_masses;
-    /* The shares of components in the tail are computed from movements and masses, without momenta
-     * (algebra/tail.h). */
-    bool compares_movements;
-    tvi_subsystems parts; /* The subsystems that do not interact. */
-    /* The subsystems for the tail: those of `parts`, except that the time of a rescaled system is a subsystem of its
-     * own. */
-    tvi_subsystems tail_parts;
+    /* A component's share of the motion, by which the tail of a step weighs it (algebra/tail.h), is computed from the
+     * change of its coordinate alone, without its momentum. */
+    bool has_tail_shares_without_momenta;
+    tvi_subsystems subsystems; /* The parts of the system that do not interact. */
+    /* The subsystems whose components the tail of a step compares (algebra/tail.h): those of `subsystems`, except that
+     * the time of a rescaled system is a subsystem of its own. */
+    tvi_subsystems tail_subsystems;
     /* L_vv of the Lagrangian, or H_pp of the Hamiltonian, is regular somewhere. */
-    bool regular;
-    bool is_automatic; /* The time scale in K is the automatic one (automatic.c). */
+    bool is_regular;
+    bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
     /* The finished recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
     jet_graph *graph;
     /* [inputs] The outputs of the field in the graph. */
     jet *field;
     jet_tape *field_series; /* Computes the Taylor series of the field. */
     jet_tape *field_values; /* Computes the values of the field. */
-    /* Computes the gradient of r.H_p by q and p, which truncated nodes of a Hamiltonian need. The inputs are q, p, t,
-     * r. */
+    /* Computes the gradient of r.H_p by q and p, for a vector r. The node rule TVI_NODES_TRUNCATED of a Hamiltonian
+     * needs it. The inputs are q, p, t, r. */
     jet_tape *r_dot_Hp_values;
     /* Computes the field and then second derivatives. Lagrangian: those of L in (q, v) that are not 0 everywhere,
      * one of each symmetric pair. Hamiltonian: those that tvi_hessian_record_of_product describes, or
      * NULL. */
     jet_tape *hessian_values;
-    tvi_hessian_entry *hessian; /* [hessian_entries] Rows and columns of the second derivatives. */
-    int hessian_entries;
-    bool hessian_is_complete; /* Hamiltonian: the second derivatives are complete. */
+    tvi_hessian_entry *hessian; /* [hessian_entry_count] Rows and columns of the second derivatives. */
+    int hessian_entry_count;
+    bool hessian_is_complete; /* hessian_values contains the complete K'' of a rescaled Hamiltonian. */
     /* Computes V of a separable system, L of a Lagrangian, or H of a Hamiltonian; NULL for a force. */
     jet_tape *energy;
-    /* V, L or H in the graph; unset for a force, and for a lift unless it is a Hamiltonian. */
-    jet stated;
+    /* The user's V, L or H as a jet of `graph`; unset for a force, and for a lift unless it is a Hamiltonian. */
+    jet original_function;
     /* -1 if a Lagrangian became separable, since the energy tape then gives -V; otherwise 1. */
     double energy_sign;
     const struct tvi_code *code; /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
     /* The number of inputs of the energy tape without t: n, or 2n. In a separable system with 2n inputs, V is the
      * energy at v = 0 or p = 0, up to its sign. */
-    int energy_inputs;
+    int energy_input_count;
 };
 
-/* Creates a system with the Hamiltonian g f, factor = {g, f}, for solutions with f = 0. It has second derivatives if
- * they are cheap (tvi_hessian_record_of_product). */
+/* Creates a system with the Hamiltonian g f for solutions with f = 0. The function `factors` records factor = {g, f}.
+ * The system has second derivatives if they are cheap (tvi_hessian_record_of_product). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
 TVI_NODISCARD tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
 
@@ -94,22 +94,21 @@ void tvi_system_prepare_blocks(const tvi_system *system, const tvi_block *blocks
  * stay as they are. */
 void tvi_system_read_recorded_parameters(const tvi_system *system, double value[]);
 
-/* Record H, or L of a Lagrangian. `ctx` is the system (const tvi_system *), which must have an energy. H of a
- * separable system is sum p_i^2 / (2 m_i) + V. */
-jet tvi_record_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
-jet tvi_record_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
+/* Record the H or the L of an existing system in the graph of q. `ctx` is that system (const tvi_system *), which must
+ * have an energy. H of a separable system is sum p_i^2 / (2 m_i) + V. */
+jet tvi_record_original_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
+jet tvi_record_original_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 
 /* Records the automatic time scale g from H, in the graph of the rescaled Hamiltonian K, whose inputs are q, t, p and
  * e = -H (automatic.c). The result is a jet that makes the recording fail if g exists nowhere. */
 jet tvi_record_automatic_scale(const tvi_system *base, jet H);
 
-/* Records the second derivatives into the system's open graph. *jets [2n + hessian_entries] becomes the field,
+/* Records the second derivatives into the system's open graph. *jets [2n + hessian_entry_count] becomes the field,
  * followed by the derivatives. The caller frees it, whatever the status. */
 TVI_NODISCARD tvi_status tvi_hessian_record(tvi_system *system, jet **jets);
 
-/* Records the second derivatives of K = g f, factor = {g, f}, for solutions with f = 0. If the complete K'' is too
- * expensive, it records g f'' + g' f'^T + f' g'^T, which leaves out f g''. If that is too expensive, it records
- * none. */
+/* Does the same for K = g f with factor = {g, f}, for solutions with f = 0. If the complete K'' is too expensive, it
+ * records g f'' + g' f'^T + f' g'^T, which leaves out f g''. If that is too expensive, it records none. */
 TVI_NODISCARD tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets);
 
 /* Creates the tape of the second derivatives if there are any. The recording must be finished (jet_graph_close). */
@@ -121,9 +120,9 @@ TVI_NODISCARD tvi_status tvi_hessian_create_tape(tvi_system *system, const jet j
 TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[], const jet other_field[],
                                                 bool *is_separable);
 
-/* Finds the subsystems of the field, and sets system->parts and tail_parts. If the last coordinate is the time, as in a
- * rescaled system, it becomes a subsystem of its own in tail_parts: its share is then the largest one, so that its
- * ratio is not reduced. Returns TVI_ENOMEM if memory is lacking. */
+/* Finds the subsystems of the field, and sets system->subsystems and tail_subsystems. If the last coordinate is the
+ * time, as in a rescaled system, it becomes a subsystem of its own in tail_subsystems: its share is then the largest
+ * one, so that its ratio is not reduced. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate);
 
 /* Returns the number of outputs of the field. */
@@ -132,11 +131,12 @@ static inline int tvi_system_output_count(const tvi_system *system)
     return system->form == TVI_SEPARABLE ? system->n : 2 * system->n;
 }
 
-/* Writes the time to all lanes of order 0 of a block, whose tape begins with the inputs of the system. */
+/* Writes the times t [lanes] to the input for the time, at order 0, of a block whose tape begins with the inputs of the
+ * system. It does nothing if the field does not depend on the time. */
 static inline void tvi_system_write_time(const tvi_system *system, double *block, int lanes, const double t[])
 {
     if (!system->uses_time) return;
-    for (int lane = 0; lane < lanes; lane++) block[system->inputs * lanes + lane] = t[lane];
+    for (int lane = 0; lane < lanes; lane++) block[system->input_count * lanes + lane] = t[lane];
 }
 
 #endif

@@ -112,11 +112,11 @@ START_TEST(rates_are_those_of_steps)
     memcpy(x, r.x.q, (size_t)n * sizeof *x);
     memcpy(x + n, r.x.p, (size_t)n * sizeof *x);
     x[2 * n] = r.x.t;
-    tvi_rates rates;
-    ck_assert_int_eq(tvi_rates_open(&rates, r.system, NULL), TVI_OK);
+    tvi_state_rates rates;
+    ck_assert_int_eq(tvi_state_rates_open(&rates, r.system, NULL), TVI_OK);
     ck_assert(!rates.field_block == (r.system->form == TVI_LAGRANGIAN));
     if (rates.field_block) {
-        ck_assert_int_eq(tvi_rates_compute(&rates, x, rate), TVI_OK);
+        ck_assert_int_eq(tvi_state_rates_compute(&rates, x, rate), TVI_OK);
         for (int side = -1; side <= 1; side += 2) {
             double t = x[2 * n], *q = side < 0 ? before : after;
             memcpy(q, x, 2 * (size_t)n * sizeof *q);
@@ -125,7 +125,7 @@ START_TEST(rates_are_those_of_steps)
         for (int i = 0; i < 2 * n; i++)
             ck_assert_double_eq_tol(rate[i], (after[i] - before[i]) / (2 * h), 1e-6 * fabs(rate[i]) + 1e-9);
     }
-    tvi_rates_close(&rates);
+    tvi_state_rates_close(&rates);
     run_close(&r);
 }
 END_TEST

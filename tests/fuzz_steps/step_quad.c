@@ -267,7 +267,7 @@ static bool generated_step(quad_series *s, const tvi_options *options, quad h, q
 {
     const int n = s->source->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
     const tvi_scaled_span span = tvi_find_method(options)->curve.span;
-    const quad from = span.from / ((quad)span.to - span.from);
+    const quad from = span.start_s / ((quad)span.end_s - span.start_s);
     task x = {s, options, n, N, p_degree, size_of(n, q), t, h, from, .rule = {.points = 2}};
     quad z[DATA] = {0}, Q[COEFFICIENTS], P[COEFFICIENTS];
     x.rule = quad_method_gauss(TVI_AT_START, TVI_NODES_ON_CURVE, 1, options->quadrature_points);

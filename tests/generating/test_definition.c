@@ -70,7 +70,7 @@ START_TEST(step_is_that_of_the_definition)
                               .degree = degree,
                               .t = 0.3,
                               .h = which < RULES ? 0.0625 : 0.0117,
-                              .centre = -span.from / ((real)span.to - span.from)};
+                              .centre = -span.start_s / ((real)span.end_s - span.start_s)};
             check_step(system, &m);
         }
     tvi_system_free(system);

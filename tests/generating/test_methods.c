@@ -20,9 +20,9 @@ START_TEST(descriptors_are_whole)
         ck_assert_msg(0 <= d->least_degree && d->least_degree <= d->most_degree, "%s", d->title);
         ck_assert_msg(!adjoint == (d->quadrature == TVI_NO_QUADRATURE), "%s", d->title);
         ck_assert_msg(!adjoint || adjoint->adjoint == d, "%s", d->title);
-        ck_assert_msg(d->quadrature != TVI_FREE_QUADRATURE || d->needs_conjugate_momenta, "%s", d->title);
-        ck_assert_msg(d->quadrature != TVI_FREE_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
-        ck_assert_msg(!expands(d) || (adjoint && d->curve.span.to > d->curve.span.from), "%s", d->title);
+        ck_assert_msg(d->quadrature != TVI_CHOSEN_QUADRATURE || d->needs_conjugate_momenta, "%s", d->title);
+        ck_assert_msg(d->quadrature != TVI_CHOSEN_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
+        ck_assert_msg(!expands(d) || (adjoint && d->curve.span.end_s > d->curve.span.start_s), "%s", d->title);
     }
 }
 END_TEST
@@ -34,8 +34,8 @@ START_TEST(adjoints_are_mirrored)
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         if (!expands(d)) continue;
         const tvi_scaled_span a = d->curve.span, b = adjoint->curve.span;
-        ck_assert_msg(a.from == -b.to && a.to == -b.from && a.tau == b.tau, "%s", d->title);
-        ck_assert_double_eq_tol((a.to - a.from) * a.tau, 1, 1e-15);
+        ck_assert_msg(a.start_s == -b.end_s && a.end_s == -b.start_s && a.tau == b.tau, "%s", d->title);
+        ck_assert_double_eq_tol((a.end_s - a.start_s) * a.tau, 1, 1e-15);
         ck_assert_msg(d->curve.action == adjoint->curve.action && d->supports == adjoint->supports, "%s", d->title);
         ck_assert_mem_eq(&d->nodes[0].order_slope, &adjoint->nodes[0].order_slope, 2 * sizeof(int));
     }
@@ -59,7 +59,7 @@ START_TEST(curves_are_expanded_where_they_are_called)
     const tvi_options options = {.method = places[_i].method, .expansion = places[_i].expansion};
     const tvi_descriptor *d = tvi_find_method(&options);
     ck_assert_ptr_nonnull(d);
-    ck_assert_double_eq(-d->curve.span.from * d->curve.span.tau, places[_i].before);
+    ck_assert_double_eq(-d->curve.span.start_s * d->curve.span.tau, places[_i].before);
 }
 END_TEST
 

@@ -101,7 +101,7 @@ START_TEST(statements_cost_the_same)
     for (int statement = POTENTIAL; statement < STATEMENTS; statement++) {
         tvi_system *system = stated(m, statement);
         ck_assert_int_eq(system->form, TVI_SEPARABLE);
-        ck_assert_int_eq(system->inputs, m->n);
+        ck_assert_int_eq(system->input_count, m->n);
         ck_assert_int_eq(system->uses_time, m == &model_chain);
         for (int i = 0; i < m->n; i++) ck_assert_double_eq_tol(system->mass[i], problem_mass(m->problem, i), 1e-15);
         check_tape(system->field_series, first->field_series);

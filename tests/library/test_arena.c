@@ -21,8 +21,8 @@ static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
         x->piece[i] = tvi_arena_allocate(&x->arena, sizes[i]);
-        x->ring[i] = tvi_arena_allocate_in_rings(&x->arena, sizes[i]);
-        x->history[i] = tvi_arena_allocate_in_history(&x->arena, sizes[PIECES - 1 - i]);
+        x->ring[i] = tvi_arena_allocate_in_uncopied_history(&x->arena, sizes[i]);
+        x->history[i] = tvi_arena_allocate_in_copied_history(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
 
@@ -35,8 +35,9 @@ static open_arena open_all(void)
     x.memory = tvi_arena_obtain_memory(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
     take_all(&x);
-    ck_assert(x.arena.plain_bytes == measured.plain_bytes && x.arena.marked_bytes == measured.marked_bytes);
-    ck_assert(x.arena.ring_bytes == measured.ring_bytes);
+    ck_assert(x.arena.bytes_outside_history == measured.bytes_outside_history &&
+              x.arena.copied_history_bytes == measured.copied_history_bytes);
+    ck_assert(x.arena.uncopied_history_bytes == measured.uncopied_history_bytes);
     return x;
 }
 
@@ -61,12 +62,13 @@ static void check_piece(char *piece, size_t bytes, size_t alignment, const char 
 START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
-    char *const end = x.memory + x.arena.plain_bytes, *const end_of_marked = end + x.arena.marked_bytes,
+    char *const end = x.memory + x.arena.bytes_outside_history,
+                *const end_of_marked = end + x.arena.copied_history_bytes,
                 *const end_of_rings = end + tvi_arena_history_bytes(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
         check_piece(x.piece[i], sizes[i], ARENA_ALIGNMENT, is_last ? end : x.piece[i + 1]);
-        check_piece(x.history[i], sizes[PIECES - 1 - i], ARENA_MARKED_ALIGNMENT,
+        check_piece(x.history[i], sizes[PIECES - 1 - i], ARENA_COPIED_ALIGNMENT,
                     is_last ? end_of_marked : x.history[i + 1]);
         check_piece(x.ring[i], sizes[i], ARENA_ALIGNMENT, is_last ? end_of_rings : x.ring[i + 1]);
     }

@@ -26,9 +26,9 @@ static open_factor open_of_size(int n)
     open_factor x = {0};
     tvi_arena arena = {0};
     tvi_factor_allocate(&x.factor, &arena, n, 1);
-    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.plain_bytes);
+    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_outside_history);
     ck_assert_ptr_nonnull(x.memory);
-    arena.plain_bytes = 0;
+    arena.bytes_outside_history = 0;
     tvi_factor_allocate(&x.factor, &arena, n, 1);
     return x;
 }

@@ -18,9 +18,9 @@ typedef struct {
 
 /* Rules by which passes that do not contract by a half are stuck; by which the next correction is predicted; by which
  * passes are stuck if two alternating corrections do not shrink; and by which small corrections show nothing. */
-#define HALVES       .correction_goal = 1e-16, .stall_ratio = 0.5, .stall_lag = 1
+#define HALVES       .correction_goal = 1e-16, .stall_ratio = 0.5, .stall_comparison_lag = 1
 #define EXPECTS      HALVES, .max_trusted_ratio = 0.5
-#define TURNS(STUCK) .correction_goal = 1e-24, .max_trusted_ratio = 0.5, .stall_ratio = STUCK, .stall_lag = 2
+#define TURNS(STUCK) .correction_goal = 1e-24, .max_trusted_ratio = 0.5, .stall_ratio = STUCK, .stall_comparison_lag = 2
 #define NOISE        TURNS(TVI_PASSES_ALL), .roundoff_level = 1e-14
 
 static const passes_case cases[] = {
@@ -67,7 +67,7 @@ static const passes_case cases[] = {
      .verdicts = ".....E"},
     {.name = "stuck", .rule = {HALVES}, .sizes = {1e-3, 5e-4, 2.6e-4}, .verdicts = "..S"},
     {.name = "all is left",
-     .rule = {.stall_ratio = TVI_PASSES_ALL, .stall_lag = 1},
+     .rule = {.stall_ratio = TVI_PASSES_ALL, .stall_comparison_lag = 1},
      .sizes = {1, 0.999, 0.999},
      .verdicts = "..S"},
     {.name = "not in turns", .rule = {HALVES}, .sizes = {1e-3, 1e-5, 9e-6}, .verdicts = "..S"},

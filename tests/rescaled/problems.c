@@ -77,7 +77,7 @@ double scale_at(const tvi_system *rescaled, const state *x)
     for (int i = 0; i < n; i++) q[i] = x->q[i], p[i] = x->p[i];
     ck_assert_int_eq(tvi_energy(rescaled, x->t, x->q, x->p, &H), TVI_OK);
     q[n] = x->t, p[n] = -H;
-    ck_assert_int_eq(tvi_velocity(rescaled->stepped, 0, q, p, v), TVI_OK);
+    ck_assert_int_eq(tvi_velocity(rescaled->stepped_system, 0, q, p, v), TVI_OK);
     return v[n];
 }
 

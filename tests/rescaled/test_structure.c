@@ -45,7 +45,7 @@ START_TEST(steps_are_symplectic)
         extended_start(rescaled, q, p);
         p[2] += off_orbit[k];
         for (int i = 0; i < ROWS; i++) M[i][i] = 1;
-        ck_assert_int_eq(tvi_integrator_create(&integrator, rescaled->stepped, &options), TVI_OK);
+        ck_assert_int_eq(tvi_integrator_create(&integrator, rescaled->stepped_system, &options), TVI_OK);
         for (int step = 0; step < 3; step++)
             ck_assert_int_eq(tvi_step_tangent(integrator, 0.25, &s, q, p, &M[0][0], ROWS), TVI_OK);
         const bool is_symplectic = strcmp(all_served[_i].name, "taylor") != 0;
