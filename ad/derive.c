@@ -1,5 +1,6 @@
 /* derive.c - Records the gradient of a scalar into the scalar's own graph, by reverse accumulation (docs/jets.md,
- * section 1). The systems call it, as in F = -V_q. */
+ * section 1). The systems call it: they record the force F = -V_q as the negative gradient of the potential V, for
+ * example. */
 #include "graph.h"
 #include "rule.h"
 
@@ -16,8 +17,8 @@ typedef struct {
     adjoint_contribution *contributions;
     int contribution_count, contribution_capacity;
     int *newest_contribution; /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
-    jet *sum_terms;           /* Scratch for the contributions to one node. */
-    int sum_capacity;
+    jet *sum_terms;           /* [sum_term_capacity] Scratch for the contributions to one node. */
+    int sum_term_capacity;
     bool is_out_of_memory;
 } adjoint_lists;
 
@@ -43,28 +44,29 @@ static jet sum_adjoint_contributions(adjoint_lists *lists, int node_index)
 {
     int count = 0;
     for (int i = lists->newest_contribution[node_index]; i >= 0; i = lists->contributions[i].next_index) count++;
-    if (count > lists->sum_capacity) {
+    if (count > lists->sum_term_capacity) {
         jet *sum_terms = realloc(lists->sum_terms, (size_t)count * sizeof *sum_terms);
         if (!sum_terms) {
             lists->is_out_of_memory = true;
             return jet_const(0);
         }
         lists->sum_terms = sum_terms;
-        lists->sum_capacity = count;
+        lists->sum_term_capacity = count;
     }
     int free_index = count;
-    /* sum_terms has room for all contributions, which were counted. NOLINTNEXTLINE(clang-analyzer-core.NullDereference)
-     * */
+    /* The loop above has counted the contributions, and sum_terms has room for all of them.
+     * NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
     for (int i = lists->newest_contribution[node_index]; i >= 0; i = lists->contributions[i].next_index)
         lists->sum_terms[--free_index] = lists->contributions[i].value;
     const jet sum = jet_sum(lists->sum_terms, count);
-    /* If memory is lacking for the sum, the whole gradient fails, even if no input depends on this node. */
+    /* If memory is lacking for the sum, it is a poison node whose index is TVI_ENOMEM. The whole gradient then fails,
+     * even if this node depends on no input. */
     lists->is_out_of_memory |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM;
     return sum;
 }
 
-/* Splits a jet into a constant factor, which it returns, and the rest. In sums, constant factors are then added, and
- * not multiplied one by one. */
+/* Splits a jet into a constant factor, which it returns, and the rest, which it stores in *product. The factor can
+ * then become the coefficient of a term of a sum, and needs no multiplication of its own. */
 static double extract_constant_factor(jet *product)
 {
     double factor = 1;
@@ -84,19 +86,20 @@ static void propagate_adjoint_to_operands(adjoint_lists *lists, struct jet_node 
         add_adjoint_contribution(lists, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = jet_rules[z->op];
     if (!rule) return;
-    /* The contributions are linear in z-bar, so that its constant factor can be multiplied in at the end. */
+    /* The contributions are linear in zbar, the adjoint of z. A constant factor of zbar can therefore be multiplied in
+     * at the end. */
     const double factor = extract_constant_factor(&zbar);
     add_adjoint_contribution(lists, z->a, jet_mul(factor, rule->record_pullback(z, zbar, 0)));
     if (z->b) add_adjoint_contribution(lists, z->b, jet_mul(factor, rule->record_pullback(z, zbar, 1)));
 }
 
-bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
+bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[])
 {
-    for (int i = 0; i < inputs; i++) gradient[i] = jet_const(0);
+    for (int i = 0; i < input_count; i++) gradient[i] = jet_const(0);
     if (!output.node) return true;
     if (output.node->graph !=
         graph) { /* If the output is poison or belongs to another recording, the gradient is poison. */
-        for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_make_unset_poison() : output;
+        for (int i = 0; i < input_count; i++) gradient[i] = output.node->graph ? jet_make_unset_poison() : output;
         return true;
     }
     adjoint_lists lists = {0};
@@ -108,7 +111,7 @@ bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[
     for (int i = count - 1; i >= 0 && !lists.is_out_of_memory; i--) {
         if (lists.newest_contribution[i] < 0) continue;
         const jet zbar = sum_adjoint_contributions(&lists, i);
-        if (i < inputs) gradient[i] = zbar;
+        if (i < input_count) gradient[i] = zbar;
         if (!lists.is_out_of_memory) propagate_adjoint_to_operands(&lists, jet_graph_node_at(graph, i), zbar);
     }
     free(lists.contributions);

@@ -18,7 +18,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* A range of magnitudes |a|. The range jet_nowhere contains no number. */
+/* A range of magnitudes: the numbers a with least <= |a| <= most. The range jet_nowhere contains no number. */
 typedef struct {
     double least, most;
 } jet_magnitude_range;
@@ -105,8 +105,8 @@ JET_INLINE void jet_apply_to_vector(jet_vector_function *function, double expone
     memcpy(result, &x, sizeof x);
 }
 
-/* Computes the function for those of `count` numbers, at most one vector, that are in the range. The vector has 1 in
- * the place of all other numbers, whose results stay as they were. */
+/* Computes the function for those of `count` numbers, at most one vector, that are in the range. The results of all
+ * other numbers stay as they were; in the vector, 1 takes the place of these numbers. */
 JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, double exponent, jet_magnitude_range range,
                                               int count, const double *argument, double *result)
 {
@@ -123,7 +123,8 @@ JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, dou
         if (is_in[i]) result[i] = z[i];
 }
 
-/* Computes the function for numbers of every size, each by the method for its range. */
+/* Computes the function for numbers of every size: by the vector function in the two ranges, and by the scalar function
+ * elsewhere. */
 JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar,
                                         jet_magnitude_range near_zero, jet_magnitude_range far_from_zero,
                                         double exponent, int count, const double *argument, double *result)
@@ -177,7 +178,8 @@ JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude
     }
 JET_ELEMENTARY_LIST(JET_ALL)
 
-/* Set result = argument^exponent, by SLEEF's pow if the argument and the result are far from overflow and underflow. */
+/* The following functions set result = argument^exponent. They call SLEEF's pow for arguments in jet_pow_base_range,
+ * which keeps the argument and the result far from overflow and underflow. */
 extern jet_native_vector JET_SLEEF_OF(pow)(jet_native_vector, jet_native_vector);
 JET_INLINE jet_native_vector jet_vector_pow(double exponent, jet_native_vector x)
 {

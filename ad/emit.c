@@ -6,13 +6,14 @@
 
 #include <stdlib.h>
 
-/* The numbers of lanes of one vector register: REGISTER is a multiple that every instruction set can process in
- * whole vectors, and the other two are the least and the greatest number. */
+/* Numbers of lanes. A vector register holds from LEAST_REGISTER lanes to MOST_REGISTER lanes, depending on the
+ * instruction set. Multiples of REGISTER lanes are processed in whole vectors: on a wider machine, a shorter vector
+ * takes the last lanes. */
 enum { REGISTER = 4, LEAST_REGISTER = 2, MOST_REGISTER = 8 };
 
 extern const char *const jet_embedded_rules[];
 
-const char *const *jet_embedded_source_lines(void) { return jet_embedded_rules; }
+const char *const *jet_rule_source_lines(void) { return jet_embedded_rules; }
 
 void jet_emit_rule_source(jet_text *text)
 {
@@ -42,7 +43,7 @@ static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
     jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
-                    run->is_scattered, run->first_constant_term, run->terms, run->term);
+                    run->is_scattered, run->first_constant_term, run->term_count, run->first_term);
 }
 
 typedef struct {
@@ -54,25 +55,27 @@ typedef struct {
 } tape_emitter;
 
 /* Writes the arrays of the tape as constants. Each array begins with an extra 0, since C has no empty arrays. */
-static void emit_tape_constants(const tape_emitter *emitter)
+static void emit_tape_arrays(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
     const char *name = emitter->request->name;
-    emit_int_array(emitter->text, name, "slot", tape->terms, tape->term_slot);
-    emit_int_array(emitter->text, name, "operand_b", tape->terms, tape->term_operand_b);
-    emit_int_array(emitter->text, name, "output", tape->outputs, tape->output_slot);
-    emit_double_array(emitter->text, name, "coefficient", tape->terms, tape->term_coefficient);
-    emit_double_array(emitter->text, name, "base", tape->linear_operations, tape->constant_terms);
+    emit_int_array(emitter->text, name, "slot", tape->term_count, tape->term_slot);
+    emit_int_array(emitter->text, name, "operand_b", tape->term_count, tape->term_operand_b);
+    emit_int_array(emitter->text, name, "output", tape->output_count, tape->output_slot);
+    emit_double_array(emitter->text, name, "coefficient", tape->term_count, tape->term_coefficient);
+    emit_double_array(emitter->text, name, "base", tape->linear_operation_count, tape->constant_terms);
     jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run_initialiser(emitter->text, run);
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+        emit_run_initialiser(emitter->text, run);
     jet_text_append(emitter->text, "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_is_split = %d };\n", name,
-                    tape->slots, name, tape->outputs, name, emitter->splits_operations);
+                    tape->slot_count, name, tape->output_count, name, emitter->splits_operations);
     jet_text_append(
         emitter->text,
-        "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
+        "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .run = (jet_run "
+        "*)%s_run,\n"
         "    .constant_terms = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1,\n"
         "    .term_operand_b = (int *)%s_operand_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
-        name, tape->inputs, tape->constants, tape->slots, name, name, name, name, name);
+        name, tape->input_count, tape->constant_count, tape->slot_count, name, name, name, name, name);
 }
 
 /* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
@@ -80,10 +83,10 @@ static void emit_tape_constants(const tape_emitter *emitter)
 /* Tells whether a run is a single sum, on a tape on which each sum is a run of its own. */
 static bool is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
 
-/* Tells whether a sum has a term in this slot or in a later one. */
-static bool reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
+/* Tells whether a sum has a term that it reads from this slot or from a later one. */
+static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
 {
-    for (int term = run->term; term < run->term + run->terms; term++)
+    for (int term = run->first_term; term < run->first_term + run->term_count; term++)
         if (tape->term_slot[term] >= slot) return true;
     return false;
 }
@@ -94,25 +97,25 @@ static const jet_run *first_adjacent_sum(const jet_tape *tape, const jet_run *ru
     const jet_run *first = run;
     while (first > tape->run && is_single_sum(first - 1)) first--;
     for (const jet_run *next = first; next <= run; next++)
-        if (reads_slot_at_or_after(tape, next, first->z)) first = next;
+        if (sum_reads_slot_at_or_after(tape, next, first->z)) first = next;
     return first;
 }
 
 /* Returns the end of the sequence of adjacent sums that begins with `first`. */
 static const jet_run *end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
 {
-    const jet_run *const end = tape->run + tape->runs, *next = first;
+    const jet_run *const end = tape->run + tape->run_count, *next = first;
     while (next < end && is_single_sum(next) && first_adjacent_sum(tape, next) == first) next++;
     return next;
 }
 
-/* Writes one statement that adds the contributions of these sums to the adjoint of a slot. */
-static void emit_adjoint_contributions(jet_text *text, const jet_tape *tape, const jet_run *first, const jet_run *end,
-                                       int slot)
+/* Writes one statement. It adds the contributions of the sums `first`, ..., end - 1 to the adjoint of a slot. */
+static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *tape, const jet_run *first,
+                                               const jet_run *end, int slot)
 {
     bool has_any = false;
     for (const jet_run *run = first; run < end; run++)
-        for (int term = run->term; term < run->term + run->terms; term++) {
+        for (int term = run->first_term; term < run->first_term + run->term_count; term++) {
             if (tape->term_slot[term] != slot) continue;
             if (!has_any) jet_text_append(text, "    bar[%d] = bar[%d]", slot, slot);
             jet_text_append(text, " + %a * bar[%d]", tape->term_coefficient[term], run->z);
@@ -126,12 +129,12 @@ static void emit_adjoint_contributions(jet_text *text, const jet_tape *tape, con
 static void emit_adjoints_of_sums(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
-    for (const jet_run *first = tape->run; first < tape->run + tape->runs; first++) {
+    for (const jet_run *first = tape->run; first < tape->run + tape->run_count; first++) {
         if (!is_single_sum(first) || first_adjacent_sum(tape, first) != first) continue;
         jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", emitter->request->name,
                         (int)(first - tape->run));
         for (int slot = 0; slot < first->z; slot++)
-            emit_adjoint_contributions(emitter->text, tape, first, end_of_adjacent_sums(tape, first), slot);
+            emit_adjoint_contributions_of_sums(emitter->text, tape, first, end_of_adjacent_sums(tape, first), slot);
         jet_text_append(emitter->text, "}\n");
     }
 }
@@ -146,7 +149,8 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
 {
     const char *name = emitter->request->name;
     const int index = (int)(run - emitter->tape->run);
-    if (run->op == OP_LINEAR) jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
+    if (run->op == OP_LINEAR)
+        jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->term_count);
     else if (run->is_scattered)
         jet_text_append(emitter->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
                         run->terms);
@@ -154,10 +158,10 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
         jet_text_append(emitter->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_names[run->op]);
     else
         jet_text_append(emitter->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
-                        run->terms);
+                        run->term_count);
 }
 
-static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run *run)
+static void emit_adjoint_list_entry(const tape_emitter *emitter, const jet_run *run)
 {
     const jet_run *first = is_single_sum(run) ? first_adjacent_sum(emitter->tape, run) : NULL;
     if (!first) emit_run_macro_call(emitter, run);
@@ -170,13 +174,13 @@ static void emit_run_of_adjoint_list(const tape_emitter *emitter, const jet_run 
 
 static void emit_run_lists(const tape_emitter *emitter)
 {
-    const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->runs;
+    const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->run_count;
     jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, SCATTERED, LINEAR)", emitter->request->name);
     for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
     jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, SCATTERED, LINEAR, SUMS)",
                     emitter->request->name);
     for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
-        emit_run_of_adjoint_list(emitter, run);
+        emit_adjoint_list_entry(emitter, run);
     jet_text_append(emitter->text, "\n");
 }
 
@@ -262,7 +266,7 @@ static bool requests_only_vector_values(const jet_emission_request *request)
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request)
 {
     const char *name = request->name;
-    const int operation_count = tape->slots - tape->inputs - tape->constants;
+    const int operation_count = tape->slot_count - tape->input_count - tape->constant_count;
     const bool splits_operations =
         JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_OPERATIONS && requests_only_vector_values(request);
     const jet_split_mode mode = splits_operations                                           ? JET_SPLIT_ALL
@@ -274,7 +278,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
         return;
     }
     const tape_emitter emitter = {text, &split, request, operation_count, splits_operations};
-    emit_tape_constants(&emitter);
+    emit_tape_arrays(&emitter);
     if (request->has_adjoints) emit_adjoints_of_sums(&emitter);
     emit_run_lists(&emitter);
     emit_inlined_functions(&emitter);
@@ -292,12 +296,12 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     jet_free_split_tape(&split);
 }
 
-const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code)
+const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *generated)
 {
     *merged = *interpreted;
-    if (code->values) merged->values = code->values;
-    if (code->series) merged->series = code->series;
-    if (code->tangents) merged->tangents = code->tangents;
-    if (code->adjoints) merged->adjoints = code->adjoints;
+    if (generated->values) merged->values = generated->values;
+    if (generated->series) merged->series = generated->series;
+    if (generated->tangents) merged->tangents = generated->tangents;
+    if (generated->adjoints) merged->adjoints = generated->adjoints;
     return merged;
 }

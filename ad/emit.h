@@ -1,5 +1,5 @@
 /* emit.h - Writes the sweeps of a tape as C text. The compiler of this text then knows every size, slot and number of
- * the tape. src/compiled/ and the generated steps of the methods call it (docs/compiled.md).
+ * the tape as a constant. src/compiled/ and the generated steps of the methods call it (docs/compiled.md).
  *
  * The text begins with the source of the rules themselves (embed.awk), as functions to be inlined. The generated code
  * calls these functions in the order of the tape, with constants for arguments. Each rule is therefore written once. On
@@ -15,19 +15,19 @@
 /* The parts of a tape that generated code is to compute. The interpreter runs all others. */
 typedef struct {
     const char *name; /* Prefix of all names in the generated text. */
-    /* The numbers of lanes of the value functions, and the numbers of directions of the tangent functions; a 0 ends
-     * each list. */
+    /* One value function is written for each of these numbers of lanes, and one tangent function for each of these
+     * numbers of directions; a 0 ends each list. */
     int lane_counts[3], direction_counts[3];
     int top_order;                 /* Highest order of the series. */
-    bool has_series, has_adjoints; /* The sweeps of series and of adjoints, with one lane, are requested. */
+    bool has_series, has_adjoints; /* Requests the sweep of series, and that of adjoints, with one lane. */
 } jet_emission_request;
 
 /* Sets *merged to the sweeps of the generated code, and to those of the interpreter where the code has none. Returns
  * merged. */
-const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code);
+const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *generated);
 
 /* Returns the source text of the rules, as an array of lines that ends with NULL. */
-const char *const *jet_embedded_source_lines(void);
+const char *const *jet_rule_source_lines(void);
 
 /* Writes the source text of the rules. The generated text begins with it. */
 void jet_emit_rule_source(jet_text *text);

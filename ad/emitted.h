@@ -3,9 +3,10 @@
  *
  * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each run
  * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); SCATTERED(T, i, squares, terms) for
- * products with scattered operands, on tapes of values; or LINEAR(T, i, terms). For adjoints it defines T_RUNS_BACK,
- * the same list in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on, whose adjoint function
- * is T_sums_back_i. */
+ * products with scattered operands, on tapes of values; or LINEAR(T, i, terms). `name` is the name of the rule, `terms`
+ * the number of terms, and `squares` 1 for SQUARES, 0 for PRODUCTS. For adjoints it defines T_RUNS_BACK, the same list
+ * in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on, whose adjoint function is
+ * T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -18,35 +19,36 @@
 #define VALUES_SCATTERED(T, i, squares, terms)                                                                         \
     compute_scattered_product_values(&T, &T##_run[i], x, lanes, squares, terms);
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
-    compute_linear_order(&T, &T##_run[i], x, lanes, terms);                                                            \
+    compute_sums_without_constants(&T, &T##_run[i], x, lanes, terms);                                                  \
     add_constant_terms(&T, &T##_run[i], x, lanes);
 
-#define ORDER_LINEAR(T, i, x, terms) compute_linear_order(&T, &T##_run[i], x + k * T.slots * lanes, lanes, terms);
+#define ORDER_LINEAR(T, i, x, terms)                                                                                   \
+    compute_sums_without_constants(&T, &T##_run[i], x + k * T.slot_count * lanes, lanes, terms);
 
-#define SERIES_RULE(T, i, name) name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
+#define SERIES_RULE(T, i, name) name##_series(&T##_run[i], x, k, (size_t)T.slot_count, lanes);
 #define SERIES_PRODUCTS(T, i, squares, terms)                                                                          \
     compute_product_series_order(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
 #define SERIES_LINEAR(T, i, terms) ORDER_LINEAR(T, i, x, terms)
 
-#define TANGENTS_RULE(T, i, name) name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
+#define TANGENTS_RULE(T, i, name) name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slot_count, lanes);
 #define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
     compute_product_tangents(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
-/* Compute the tangents of order 0, along one direction for each lane of x. */
+/* The following macros compute the tangents of order 0, along one direction for each lane of x. */
 #define PER_LANE_RULE(T, i, name)                                                                                      \
     {                                                                                                                  \
         const jet_run all = jet_make_run_over_all_lanes(&T##_run[i], lanes);                                           \
-        name##_tangent(&all, x, dx, 0, (size_t)(T.slots * lanes), 1);                                                  \
+        name##_tangent(&all, x, dx, 0, (size_t)(T.slot_count * lanes), 1);                                             \
     }
 #define PER_LANE_PRODUCTS(T, i, squares, terms)                                                                        \
     compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
-#define PER_LANE_LINEAR(T, i, terms) compute_linear_order(&T, &T##_run[i], dx, lanes, terms);
+#define PER_LANE_LINEAR(T, i, terms) compute_sums_without_constants(&T, &T##_run[i], dx, lanes, terms);
 
-#define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
+#define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slot_count);
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) add_product_adjoints(&T, &T##_run[i], x, bar, k, top, squares, terms);
-#define ADJOINTS_LINEAR(T, i, terms)            add_linear_adjoints(&T, &T##_run[i], bar + k * T.slots, terms);
-#define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
+#define ADJOINTS_LINEAR(T, i, terms)            add_linear_adjoints(&T, &T##_run[i], bar + k * T.slot_count, terms);
+#define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slot_count);
 
 /* The instruction set for which this code is compiled. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
@@ -71,7 +73,7 @@
         return inside;                                                                                                 \
     }
 
-/* Calls the value function for the lanes of one register. */
+/* Calls the value function for the `width` lanes of one vector register. */
 #define VALUES_OF(T, x, width) ((width) == 8 ? T##_values_8(x) : (width) == 4 ? T##_values_4(x) : T##_values_2(x))
 
 /* The following macros define a value function that processes the lanes of one register after the other, so that all
@@ -80,7 +82,7 @@
     {                                                                                                                  \
         enum { width = sizeof(V) / sizeof(double) };                                                                   \
         _Alignas(64) double y[T##_slots * width];                                                                      \
-        JET_UNROLL(256) for (int i = 0; i < T.inputs + T.constants; i++)                                               \
+        JET_UNROLL(256) for (int i = 0; i < T.input_count + T.constant_count; i++)                                     \
         {                                                                                                              \
             *(V *)(y + i * width) = *(const V *)(x + i * lanes + here);                                                \
         }                                                                                                              \

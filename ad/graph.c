@@ -12,18 +12,18 @@
 enum { CHUNK = 128 };
 
 struct jet_graph {
-    bool open;
-    const char *name;              /* Name of the outputs, for the texts of refusals. */
-    const char *derived_part_name; /* Name of the operations from derived_part_start on, or NULL. */
-    int derived_part_start;
-    bool out_of_memory; /* An operation could not be stored. All outputs are refused from then on. */
-    int inputs, parameters, count, capacity;
+    bool is_open;
+    const char *output_name;       /* Name of the outputs, for the texts of refusals. */
+    const char *derived_part_name; /* Name of the operations that the library derives from the user's, or NULL. */
+    int derived_part_start;        /* Index of the first of these operations. */
+    bool is_out_of_memory;         /* An operation could not be stored. All outputs are refused from then on. */
+    int input_count, parameter_count, count, capacity;
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
     struct jet_node **nodes;
     int table_size; /* Size of the hash table: a power of two greater than twice the number of nodes. */
     struct jet_node **table;
-    /* Number of times that the search for a node in the hash table met another node. */
-    long collisions;
+    /* Number of times that the search for a node in the hash table met a different node. */
+    long collision_count;
 };
 
 /* ---- Poison: an operation that could not be recorded, and the reason --------------------------------------------- */
@@ -52,7 +52,7 @@ jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph)
         }
         if (*graph && x[i].node->graph != *graph) return jet_make_poison(JET_FOREIGN);
         *graph = x[i].node->graph;
-        if (!(*graph)->open) return jet_make_poison(JET_FOREIGN);
+        if (!(*graph)->is_open) return jet_make_poison(JET_FOREIGN);
     }
     return jet_const(0);
 }
@@ -64,25 +64,25 @@ struct jet_node *jet_graph_node_at(const jet_graph *graph, int index)
     return &graph->nodes[index / CHUNK][index % CHUNK];
 }
 
-int jet_graph_input_count(const jet_graph *graph) { return graph->inputs; }
+int jet_graph_input_count(const jet_graph *graph) { return graph->input_count; }
 int jet_graph_node_count(const jet_graph *graph) { return graph->count; }
 jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_graph_node_at(graph, i)); }
-long jet_graph_hash_collisions(const jet_graph *graph) { return graph->collisions; }
-void jet_graph_close(jet_graph *graph) { graph->open = false; }
-void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->name = name; }
+long jet_graph_hash_collision_count(const jet_graph *graph) { return graph->collision_count; }
+void jet_graph_close(jet_graph *graph) { graph->is_open = false; }
+void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->output_name = name; }
 void jet_graph_begin_derived_part(jet_graph *graph, const char *name)
 {
     graph->derived_part_start = graph->count;
     graph->derived_part_name = name;
 }
 
-const char *jet_graph_get_derived_part(const jet_graph *graph, int *first_index)
+const char *jet_graph_get_derived_part_name(const jet_graph *graph, int *first_index)
 {
     *first_index = graph->derived_part_start;
     return graph->derived_part_name;
 }
 
-void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->out_of_memory = true; }
+void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->is_out_of_memory = true; }
 
 static uint64_t mix_into_hash(uint64_t hash, uint64_t word)
 {
@@ -129,7 +129,7 @@ static struct jet_node **find_table_entry(jet_graph *graph, const struct jet_nod
 {
     const uint64_t mask = (uint64_t)graph->table_size - 1;
     uint64_t i = hash_node(node) & mask;
-    for (; graph->table[i] && !are_nodes_equal(graph->table[i], node); i = (i + 1) & mask) graph->collisions++;
+    for (; graph->table[i] && !are_nodes_equal(graph->table[i], node); i = (i + 1) & mask) graph->collision_count++;
     return &graph->table[i];
 }
 
@@ -189,15 +189,15 @@ jet jet_graph_record_node(jet_graph *graph, struct jet_node wanted)
     return node ? jet_from_node(node) : jet_make_poison(JET_NO_MEMORY);
 }
 
-jet_graph *jet_graph_create(int inputs)
+jet_graph *jet_graph_create(int input_count)
 {
     jet_graph *graph = calloc(1, sizeof *graph);
     if (!graph) return NULL;
-    graph->open = true;
-    graph->name = "output";
-    for (int i = 0; i < inputs; i++) (void)jet_graph_record_node(graph, (struct jet_node){.op = OP_INPUT});
-    graph->inputs = inputs;
-    if (graph->out_of_memory) {
+    graph->is_open = true;
+    graph->output_name = "output";
+    for (int i = 0; i < input_count; i++) (void)jet_graph_record_node(graph, (struct jet_node){.op = OP_INPUT});
+    graph->input_count = input_count;
+    if (graph->is_out_of_memory) {
         jet_graph_free(graph);
         return NULL;
     }
@@ -233,21 +233,21 @@ jet jet_graph_record_parameter(jet_graph *graph, int parameter_index, double val
 {
     const struct jet_node *same = find_parameter_node(graph, parameter_index);
     if (same && double_bits(same->number) != double_bits(value)) return jet_make_poison(JET_TWO_VALUES);
-    if (parameter_index >= graph->parameters) graph->parameters = parameter_index + 1;
+    if (parameter_index >= graph->parameter_count) graph->parameter_count = parameter_index + 1;
     return jet_graph_record_node(
         graph, (struct jet_node){.op = OP_PARAMETER, .parameter_index = parameter_index, .number = value});
 }
 
-int jet_graph_parameter_count(const jet_graph *graph) { return graph->parameters; }
+int jet_graph_parameter_count(const jet_graph *graph) { return graph->parameter_count; }
 
-tvi_status jet_graph_accept_outputs(jet_graph *graph, int outputs, jet output[])
+tvi_status jet_graph_check_outputs(jet_graph *graph, int output_count, jet output[])
 {
-    for (int i = 0; i < outputs; i++) {
+    for (int i = 0; i < output_count; i++) {
         const bool is_number = !output[i].node && isfinite(output[i].number);
         if (is_number) output[i] = jet_graph_record_constant(graph, output[i].number);
-        if (graph->out_of_memory) return jet_explain_out_of_memory(TVI_ENOMEM);
+        if (graph->is_out_of_memory) return jet_explain_out_of_memory(TVI_ENOMEM);
         if (!output[i].node || output[i].node->graph != graph)
-            return jet_explain_refused_output(graph->name, outputs, i, output[i]);
+            return jet_explain_refused_output(graph->output_name, output_count, i, output[i]);
     }
     return TVI_OK;
 }

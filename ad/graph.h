@@ -12,8 +12,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The operations that remain after folding. All sums, differences, multiples and added numbers become LINEAR nodes.
- * A partner w is another series that the recurrence of z needs (rule.h). */
+/* The operations that remain after folding. All sums, differences, multiples and added numbers become LINEAR nodes. In
+ * the formulas, z is the result, a and b are the operands, and a prime is the derivative by the variable of the power
+ * series. A partner w is another series that the recurrence of z needs (rule.h); `number` is the member of jet_node. */
 typedef enum {
     OP_INPUT,
     OP_CONST,
@@ -50,8 +51,8 @@ typedef enum {
 
 typedef struct jet_graph jet_graph;
 
-/* Lists the reasons why a jet has no value, each with its status and text. JET_OUTSIDE + op is the reason of an
- * operation outside its domain, where it has no power series. */
+/* Lists the reasons why a jet has no value, each with its status and text. The reason JET_OUTSIDE + op means that the
+ * operand of the operation op is outside the domain, where the operation has no power series. */
 #define JET_REASON_LIST(ROW)                                                                                           \
     ROW(JET_UNSET, TVI_EINVAL, "was not set")                                                                          \
     ROW(JET_FOREIGN, TVI_EINVAL, "is made of jets of another recording, or of one that has ended")                     \
@@ -84,13 +85,13 @@ struct jet_node {
     struct jet_node *w; /* Partner, or NULL. */
     jet_term *terms;    /* LINEAR: the terms. */
     int count;          /* Number of terms. Poison node: its jet_reason. */
-    int mark;           /* Scratch while a sum is recorded: the node's place among the terms. */
+    int mark;           /* Scratch while a sum is recorded: index of the node's term in the sum. */
     /* PARAMETER: its index. It must be the last member, since test_sharing.c compares all members up to it. */
     int parameter_index;
 };
 
 /* Creates an open graph, whose first nodes are its inputs. Returns NULL if memory is lacking. */
-jet_graph *jet_graph_create(int inputs);
+jet_graph *jet_graph_create(int input_count);
 void jet_graph_close(jet_graph *graph);
 /* Sets the name of the outputs in texts of refusals. The name must be static. */
 void jet_graph_set_output_name(jet_graph *graph, const char *name);
@@ -99,7 +100,7 @@ void jet_graph_set_output_name(jet_graph *graph, const char *name);
 void jet_graph_begin_derived_part(jet_graph *graph, const char *name);
 /* Returns the name set by jet_graph_begin_derived_part, and in *first_index the index of the first operation recorded
  * after it. Returns NULL if no name was set. */
-const char *jet_graph_get_derived_part(const jet_graph *graph, int *first_index);
+const char *jet_graph_get_derived_part_name(const jet_graph *graph, int *first_index);
 void jet_graph_free(jet_graph *graph);
 
 /* Returns the node that equals `wanted`, and records it if there is none. The graph then owns the terms of `wanted`.
@@ -113,14 +114,14 @@ jet jet_graph_record_constant(jet_graph *graph, double value);
 jet jet_graph_record_parameter(jet_graph *graph, int parameter_index, double value);
 /* Returns 1 + the largest index of a parameter, or 0 if the graph has no parameters. */
 int jet_graph_parameter_count(const jet_graph *graph);
-/* Records that an operation was lost for want of memory. No output is accepted any more. */
+/* Notes that an operation could not be recorded, for want of memory. All outputs are refused from then on. */
 void jet_graph_mark_out_of_memory(jet_graph *graph);
 
 int jet_graph_input_count(const jet_graph *graph);
 jet jet_graph_input(const jet_graph *graph, int i);
 int jet_graph_node_count(const jet_graph *graph);
-/* Returns the number of times that a search for a node met another node in the hash table. */
-long jet_graph_hash_collisions(const jet_graph *graph);
+/* Returns the number of times that a search for a node in the hash table met a different node. */
+long jet_graph_hash_collision_count(const jet_graph *graph);
 struct jet_node *jet_graph_node_at(const jet_graph *graph, int index);
 
 static inline jet jet_from_node(struct jet_node *node) { return (jet){0, node}; }
@@ -131,31 +132,31 @@ jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph);
 /* Returns a poison jet, which belongs to no graph and holds the reason. All jets made from it are the same poison.
  * The index of its node is the status. */
 jet jet_make_poison(jet_reason reason);
-/* Returns the poison of an operation outside its domain, with the operand. */
+/* Returns the poison of an operation outside its domain. Its number is the operand. */
 jet jet_make_domain_poison(jet_op op, double operand);
 bool jet_is_poison(jet x);
 /* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
  * set. */
 static inline jet jet_make_unset_poison(void) { return jet_make_poison(JET_UNSET); }
-/* Makes jets outputs of the open graph. Nodes of the graph stay as they are, and finite numbers become constant
- * nodes. Any other jet is refused, with a text (jet_last_refusal_text). */
-tvi_status jet_graph_accept_outputs(jet_graph *graph, int outputs, jet output[]);
+/* Checks that all outputs are nodes of the open graph, and records the finite numbers among them as constant nodes.
+ * Refuses any other jet, with a text (jet_last_refusal_text). */
+tvi_status jet_graph_check_outputs(jet_graph *graph, int output_count, jet output[]);
 
 /* Records one of the operations from OP_SQRT on, except OP_POW. b is ignored if the operation has one operand. */
 jet jet_record_operation(jet_op op, jet a, jet b);
 
 /* Records the sum of coefficient[i] x[i]. Terms with equal nodes are merged, and numbers are added up. */
 jet jet_record_linear_combination(int count, const double coefficient[], const jet x[]);
-/* Records gradient[i] = d output / d input_i, i < inputs, into the open graph of the output, by reverse
+/* Records gradient[i] = d output / d input_i, i < input_count, into the open graph of the output, by reverse
  * accumulation. The gradient is poison if the output is no jet of the graph. Returns false if memory is lacking. */
-bool jet_record_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
+bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[]);
 
-/* Records outputs of the closed graph `source` once more into the open graph `target`, with the jets `input`, all
- * different, in the place of the inputs. value[i] is output i. rate[i] is its derivative by forward accumulation, as
- * the inputs move along `direction` and the parameters along `parameter_direction`; NULL: the parameters do not
- * move. Results are poison if one of their inputs is. Returns false if memory is lacking. */
+/* Records outputs of the closed graph `source` once more into the open graph `target`. The jets `input`, which are all
+ * different, take the place of the inputs. value[i] is output i. rate[i] is its derivative by forward accumulation, as
+ * the inputs move along `direction` and the parameters along `parameter_direction`; NULL: the parameters do not move.
+ * Results are poison if one of their inputs is. Returns false if memory is lacking. */
 bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
-                                    const jet direction[], const jet parameter_direction[], int outputs,
+                                    const jet direction[], const jet parameter_direction[], int output_count,
                                     const jet output[], jet value[], jet rate[]);
 
 #endif

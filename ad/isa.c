@@ -1,5 +1,5 @@
-/* isa.c - Chooses the instruction set with which tapes run. The rules and the sweeps are compiled once for each
- * instruction set. */
+/* isa.c - Chooses the instruction set with which tapes run, when a tape is created (tape.c). The rules and the sweeps
+ * are compiled once for each instruction set. */
 #include "tape.h"
 
 #include <stdlib.h>

@@ -15,8 +15,8 @@ enum { INTEGER_POWER_MAX = INT_MAX };
  * added. */
 static void add_term_to_sum(struct jet_node *sum, double coefficient, struct jet_node *node)
 {
-    if (node->op == OP_LINEAR && node->count == 1 &&
-        node->number == 0) { /* A node that is a multiple of another one is replaced by the other one. */
+    if (node->op == OP_LINEAR && node->count == 1 && node->number == 0) {
+        /* The node is a multiple of another node, which takes its place in the term. */
         coefficient *= node->terms[0].coefficient;
         node = node->terms[0].node;
     }
@@ -25,7 +25,7 @@ static void add_term_to_sum(struct jet_node *sum, double coefficient, struct jet
         return;
     }
     node->mark = sum->count;
-    /* The caller has allocated room for all terms. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+    /* The caller has allocated sum->terms for all terms. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
     sum->terms[sum->count++] = (jet_term){coefficient, node};
 }
 
@@ -37,7 +37,7 @@ static void drop_zero_terms(struct jet_node *sum)
     sum->count = kept;
 }
 
-static bool are_terms_finite(const struct jet_node *sum)
+static bool are_sum_coefficients_finite(const struct jet_node *sum)
 {
     bool finite = isfinite(sum->number);
     for (int i = 0; i < sum->count; i++) finite = finite && isfinite(sum->terms[i].coefficient);
@@ -59,7 +59,7 @@ jet jet_record_linear_combination(int count, const double coefficient[], const j
         else sum.number += coefficient[i] * x[i].number;
     }
     drop_zero_terms(&sum);
-    const bool finite = are_terms_finite(&sum);
+    const bool finite = are_sum_coefficients_finite(&sum);
     const bool is_number = sum.count == 0;
     const bool is_one_node = sum.count == 1 && sum.terms[0].coefficient == 1 && sum.number == 0;
     if (finite && !is_number && !is_one_node) return jet_graph_record_node(graph, sum);
@@ -79,9 +79,9 @@ jet jet_record_sub(jet a, jet b)
     return jet_record_linear_combination(2, (const double[]){1, -1}, (const jet[]){a, b});
 }
 
-/* Returns the poison of an operation for which memory is lacking, and marks the graph of x so that all its outputs
- * are refused. */
-static jet make_memory_poison(int count, const jet x[])
+/* Returns the poison of an operation for which memory is lacking. Marks the graph of the operands x, so that all its
+ * outputs are refused. */
+static jet make_out_of_memory_poison(int count, const jet x[])
 {
     jet_graph *graph;
     if (!jet_find_graph_or_poison(count, x, &graph).node && graph) jet_graph_mark_out_of_memory(graph);
@@ -92,7 +92,7 @@ jet jet_sum(const jet x[], int count)
 {
     if (count <= 0) return jet_const(0);
     double *ones = calloc((size_t)count, sizeof *ones);
-    if (!ones) return make_memory_poison(count, x);
+    if (!ones) return make_out_of_memory_poison(count, x);
     for (int i = 0; i < count; i++) ones[i] = 1;
     const jet sum = jet_record_linear_combination(count, ones, x);
     free(ones);
@@ -103,7 +103,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
 {
     if (count <= 0) return jet_const(0);
     jet *products = calloc((size_t)count, sizeof *products);
-    if (!products) return make_memory_poison(count, x);
+    if (!products) return make_out_of_memory_poison(count, x);
     for (int i = 0; i < count; i++) products[i] = jet_mul(x[i], y[i]);
     const jet sum = jet_sum(products, count);
     free(products);
@@ -112,18 +112,18 @@ jet jet_dot(const jet x[], const jet y[], int count)
 
 /* ---- Products, quotients, powers, functions ---------------------------------------------------------------------- */
 
-static jet number_or_poison(double value)
+static jet finite_constant_or_poison(double value)
 {
     return isfinite(value) ? jet_const(value) : jet_make_poison(JET_NOT_FINITE);
 }
 
-/* Computes an operation on numbers at once, by the value rule that tapes use. */
+/* Computes an operation whose operands are numbers, instead of recording it. It calls the value rule that tapes use. */
 static jet fold_constant_operation(jet_op op, double exponent, double a, double b)
 {
     double z;
     if (!jet_rules[op]->compute_values(exponent, 1, &a, &b, &z))
         return jet_make_domain_poison(op, op == OP_DIV ? b : a);
-    return number_or_poison(z);
+    return finite_constant_or_poison(z);
 }
 
 enum { PARAMETERS_MAX = 1000 };
@@ -184,7 +184,7 @@ jet jet_record_pow(jet a, double c)
     if (refused.node) return refused;
     if (!isfinite(c)) return jet_make_poison(JET_NOT_FINITE);
     const bool natural = c >= 0 && c == floor(c);
-    if (!graph && natural) return number_or_poison(pow(a.number, c));
+    if (!graph && natural) return finite_constant_or_poison(pow(a.number, c));
     if (!graph) return fold_constant_operation(OP_POW, c, a.number, 0);
     if (c == 0) return jet_const(1);
     if (c == 0.5) return jet_sqrt(a);

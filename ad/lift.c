@@ -11,13 +11,13 @@ typedef struct {
     const jet *parameter_direction; /* Direction of each parameter; NULL: all are 0. */
     bool *is_node_needed;           /* [nodes] Tells whether an output depends on the node of `source`. */
     jet *value, *rate;              /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
-    jet *term_jets;                 /* Scratch: the operands of a sum, and 1 for its constant term. */
-    double *term_coefficients;
+    jet *term_jets;                 /* Scratch: the operands of a sum, then its constant term. */
+    double *term_coefficients;      /* Scratch: the coefficients of a sum, then 1 for its constant term. */
 } forward_recording;
 
-static void mark_needed_nodes(forward_recording *recording, int node_count, int outputs, const jet output[])
+static void mark_needed_nodes(forward_recording *recording, int node_count, int output_count, const jet output[])
 {
-    for (int i = 0; i < outputs; i++) recording->is_node_needed[output[i].node->index] = true;
+    for (int i = 0; i < output_count; i++) recording->is_node_needed[output[i].node->index] = true;
     for (int i = node_count - 1; i >= 0; i--) {
         const struct jet_node *z = jet_graph_node_at(recording->source, i);
         if (!recording->is_node_needed[i]) continue;
@@ -60,8 +60,9 @@ static jet record_value(const forward_recording *recording, const struct jet_nod
     }
 }
 
-/* Records dz = z_a da + z_b db. A rule's pullback is z-bar times z_a or z_b for any z-bar; here da or db takes the
- * place of z-bar. */
+/* Records the derivative of z, dz = z_a da + z_b db, from those of its operands a and b; z_a and z_b are the partial
+ * derivatives of z by a and b. A rule's pullback multiplies any jet zbar by z_a or z_b; here da or db takes the place
+ * of zbar. */
 static jet record_derivative(const forward_recording *recording, const struct jet_node *z, jet value)
 {
     if (z->op == OP_CONST) return jet_const(0);
@@ -105,16 +106,16 @@ static void record_all_nodes(forward_recording *recording, int node_count, const
 }
 
 bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
-                                    const jet direction[], const jet parameter_direction[], int outputs,
+                                    const jet direction[], const jet parameter_direction[], int output_count,
                                     const jet output[], jet value[], jet rate[])
 {
     forward_recording recording = {.source = source, .target = target, .parameter_direction = parameter_direction};
     const int node_count = jet_graph_node_count(source);
     const bool allocated = allocate_forward_recording(&recording, node_count);
     if (allocated) {
-        mark_needed_nodes(&recording, node_count, outputs, output);
+        mark_needed_nodes(&recording, node_count, output_count, output);
         record_all_nodes(&recording, node_count, input, direction);
-        for (int i = 0; i < outputs; i++) {
+        for (int i = 0; i < output_count; i++) {
             value[i] = recording.value[output[i].node->index];
             rate[i] = recording.rate[output[i].node->index];
         }

@@ -1,5 +1,6 @@
-/* lowering.c - Gives the nodes of a graph their slots on a tape (lowering.h). It drops the nodes that no output
- * needs, sorts the others into levels, and gives equal operations with adjacent operands adjacent slots. */
+/* lowering.c - Gives the nodes of a graph their slots on a tape (lowering.h). It drops the nodes that no output needs,
+ * sorts the others into levels, so that each operation reads lower levels only, and gives equal operations with
+ * adjacent operands adjacent slots. */
 #include "devices.h"
 #include "lowering.h"
 
@@ -12,10 +13,10 @@ static int larger_int(int a, int b) { return a > b ? a : b; }
 
 /* Marks all nodes that the outputs depend on. A partner may have been recorded after the node that needs it; the
  * walk is therefore repeated until it finds nothing new. */
-static void mark_needed_nodes(graph_lowering *lowering, int inputs, int outputs, const jet output[])
+static void mark_needed_nodes(graph_lowering *lowering, int input_count, int output_count, const jet output[])
 {
-    for (int i = 0; i < inputs; i++) lowering->is_node_needed[i] = true;
-    for (int i = 0; i < outputs; i++) lowering->is_node_needed[output[i].node->index] = true;
+    for (int i = 0; i < input_count; i++) lowering->is_node_needed[i] = true;
+    for (int i = 0; i < output_count; i++) lowering->is_node_needed[output[i].node->index] = true;
     bool again;
     do {
         again = false;
@@ -32,9 +33,9 @@ static void mark_needed_nodes(graph_lowering *lowering, int inputs, int outputs,
     } while (again);
 }
 
-static void count_node_uses(graph_lowering *lowering, int outputs, const jet output[])
+static void count_node_uses(graph_lowering *lowering, int output_count, const jet output[])
 {
-    for (int i = 0; i < outputs; i++) lowering->use_counts[output[i].node->index]++;
+    for (int i = 0; i < output_count; i++) lowering->use_counts[output[i].node->index]++;
     for (int i = 0; i < lowering->node_count; i++) {
         if (!lowering->is_node_needed[i]) continue;
         const struct jet_node *z = jet_graph_node_at(lowering->graph, i);
@@ -62,21 +63,22 @@ static jet_op choose_tape_operation(const graph_lowering *lowering, const struct
     return op;
 }
 
-/* Returns an operand of the node: the first (factor = 0) or second factor (factor = 1) of a pair. The partner counts
- * as the second operand if it is read at the order that is being computed. NULL: there is no such operand. */
-static const struct jet_node *operand_node(const graph_lowering *lowering, const tape_placement *z, int pair,
-                                           int factor)
+/* Returns an operand of the node: the first (factor_index = 0) or second factor (factor_index = 1) of a pair. The
+ * partner counts as the second operand if it is read at the order that is being computed. NULL: there is no such
+ * operand. */
+static const struct jet_node *operand_node(const graph_lowering *lowering, const tape_placement *z, int pair_index,
+                                           int factor_index)
 {
-    const struct jet_node *read = sum_term(z, pair).node;
-    if (factor == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
+    const struct jet_node *read = sum_term(z, pair_index).node;
+    if (factor_index == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
     return reads_partner_at_same_order(lowering, read) ? read->w : read->b;
 }
 
 /* Chooses the operations of all needed nodes. Products that become terms of a sum of products are no longer needed
  * themselves. */
-static void choose_all_operations(graph_lowering *lowering, int outputs, const jet output[])
+static void choose_all_operations(graph_lowering *lowering, int output_count, const jet output[])
 {
-    count_node_uses(lowering, outputs, output);
+    count_node_uses(lowering, output_count, output);
     for (int i = 0; i < lowering->node_count; i++) {
         if (!lowering->is_node_needed[i]) continue;
         tape_placement *z = &lowering->placements[i];
@@ -92,7 +94,7 @@ static void choose_all_operations(graph_lowering *lowering, int outputs, const j
             lowering->is_node_needed[z->node->terms[term].node->index] = false;
     }
     memset(lowering->use_counts, 0, (size_t)lowering->node_count * sizeof *lowering->use_counts);
-    for (int i = outputs; i-- > 0;) lowering->placements[output[i].node->index].output_number = i + 1;
+    for (int i = output_count; i-- > 0;) lowering->placements[output[i].node->index].output_number = i + 1;
 }
 
 /* ---- The order --------------------------------------------------------------------------------------------------- */
@@ -107,9 +109,10 @@ static void assign_levels(graph_lowering *lowering)
     for (int i = 0; i < lowering->node_count; i++) {
         if (!lowering->is_node_needed[i]) continue;
         tape_placement *z = &lowering->placements[i];
-        for (int pair = 0; pair < z->operand_pair_count; pair++)
-            for (int factor = 0; factor < 2; factor++)
-                z->level = larger_int(z->level, node_level(lowering, operand_node(lowering, z, pair, factor)) + 1);
+        for (int pair_index = 0; pair_index < z->operand_pair_count; pair_index++)
+            for (int factor_index = 0; factor_index < 2; factor_index++)
+                z->level =
+                    larger_int(z->level, node_level(lowering, operand_node(lowering, z, pair_index, factor_index)) + 1);
         if (z->operand_pair_count == 0)
             for (int term = 0; term < z->node->count; term++)
                 z->level = larger_int(z->level, node_level(lowering, z->node->terms[term].node) + 1);
@@ -128,62 +131,64 @@ static void set_subgroup_if_unset(const graph_lowering *lowering, const struct j
     if (node && lowering->placements[node->index].subgroup < 0) lowering->placements[node->index].subgroup = subgroup;
 }
 
-/* Divides the operations of a level into subgroups, whose operations read adjacent slots. The subgroup of an operation
- * with two operands is the number of operations before it that read one of these operands. An operation with fewer
- * operands gets the subgroup of the first two-operand operation that reads it, or its position among the terms of the
- * first sum that reads it. As an example, let x, y and z be the components of the distances of many pairs; they are
- * squared and summed, and each is multiplied by a function of its pair. Then all x form one subgroup, all y the next,
- * and all z the third. */
+/* Divides the operations of a level into subgroups, so that the operations of a subgroup can read adjacent slots. The
+ * subgroup is a number; that of an operation with two operands is the number of operations before it that read one of
+ * these operands. An operation with fewer operands gets the subgroup of the first two-operand operation that reads it,
+ * or its position among the terms of the first sum that reads it. As an example, let x, y and z be the components of
+ * the distances of many pairs of bodies; they are squared and summed, and each is multiplied by a function of its pair.
+ * Then all x form one subgroup, all y the next, and all z the third. */
 static void assign_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
-        for (int pair = 0; pair < z->operand_pair_count; pair++) {
-            const struct jet_node *a = operand_node(lowering, z, pair, 0), *b = operand_node(lowering, z, pair, 1);
+        for (int pair_index = 0; pair_index < z->operand_pair_count; pair_index++) {
+            const struct jet_node *a = operand_node(lowering, z, pair_index, 0),
+                                  *b = operand_node(lowering, z, pair_index, 1);
             if (b)
                 z->subgroup = larger_int(
                     z->subgroup, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
             if (!b && z->operand_pair_count == 1) continue;
-            set_subgroup_if_unset(lowering, a, z->operand_pair_count > 1 ? pair : z->subgroup);
-            set_subgroup_if_unset(lowering, b, z->operand_pair_count > 1 ? pair : z->subgroup);
+            set_subgroup_if_unset(lowering, a, z->operand_pair_count > 1 ? pair_index : z->subgroup);
+            set_subgroup_if_unset(lowering, b, z->operand_pair_count > 1 ? pair_index : z->subgroup);
         }
     }
     for (int i = 0; i < count; i++)
-        for (int pair = 0; pair < level[i]->operand_pair_count; pair++)
-            for (int factor = 0; factor < 2; factor++) {
-                const struct jet_node *read = operand_node(lowering, level[i], pair, factor);
+        for (int pair_index = 0; pair_index < level[i]->operand_pair_count; pair_index++)
+            for (int factor_index = 0; factor_index < 2; factor_index++) {
+                const struct jet_node *read = operand_node(lowering, level[i], pair_index, factor_index);
                 if (read) lowering->use_counts[read->index] = 0;
             }
 }
 
 static int compare_numbers(double a, double b) { return (a > b) - (a < b); }
 
-static int compare_coefficients(const tape_placement *x, const tape_placement *y)
+static int compare_term_coefficients(const tape_placement *x, const tape_placement *y)
 {
-    for (int pair = 0; pair < x->operand_pair_count; pair++) {
-        const int order = compare_numbers(sum_term(x, pair).coefficient, sum_term(y, pair).coefficient);
+    for (int pair_index = 0; pair_index < x->operand_pair_count; pair_index++) {
+        const int order = compare_numbers(sum_term(x, pair_index).coefficient, sum_term(y, pair_index).coefficient);
         if (order) return order;
     }
     return 0;
 }
 
-/* Compares two nodes of a level for sorting. The result is 0 if they can be operations of one run. */
-static int compare_run_groups(const tape_placement *x, const tape_placement *y)
+/* Compares two nodes of a level for sorting. A group consists of the nodes that can be operations of one run, if their
+ * operands are adjacent; the result is 0 for two nodes of one group. */
+static int compare_by_run_group(const tape_placement *x, const tape_placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
     /* Sums of equally many terms are sorted together. */
     if (x->operand_pair_count == 0) return x->node->count - y->node->count;
     if (x->operand_pair_count != y->operand_pair_count) return x->operand_pair_count - y->operand_pair_count;
-    return jet_rules[x->node->op] ? compare_numbers(x->node->number, y->node->number) : compare_coefficients(x, y);
+    return jet_rules[x->node->op] ? compare_numbers(x->node->number, y->node->number) : compare_term_coefficients(x, y);
 }
 
 /* Compares two nodes of a level for qsort: by group and subgroup, then by the slots of their operands, so that adjacent
- * results have adjacent operands. compare_by_first_operand compares the slots of operand a first, and
- * compare_by_second_operand those of operand b. Sums that are outputs come last, in the order of the outputs. */
+ * results have adjacent operands. This function compares the slots of operand a first, and compare_by_second_operand
+ * those of operand b. Sums that are outputs come last, in the order of the outputs. */
 static int compare_by_first_operand(const void *first, const void *second)
 {
     const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
-    const int group = compare_run_groups(x, y);
+    const int group = compare_by_run_group(x, y);
     if (group) return group;
     if (x->level > 0 && x->subgroup != y->subgroup) return x->subgroup - y->subgroup;
     if (x->operand_pair_count == 0)
@@ -203,16 +208,17 @@ static int compare_by_second_operand(const void *first, const void *second)
 
 static void assign_next_slot(graph_lowering *lowering, tape_placement *z)
 {
-    z->slot = lowering->slots;
-    lowering->nodes_by_slot[lowering->slots++] = z;
+    z->slot = lowering->slot_count;
+    lowering->nodes_by_slot[lowering->slot_count++] = z;
 }
 
-static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count, int pair,
-                                  int factor)
+static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count,
+                                  int pair_index, int factor_index)
 {
-    if (!operand_node(lowering, group[0], pair, factor)) return true;
+    if (!operand_node(lowering, group[0], pair_index, factor_index)) return true;
     for (int i = 1; i < count; i++)
-        if (group[i]->operand[pair][factor] != group[0]->operand[pair][factor] + i) return false;
+        if (group[i]->operand[pair_index][factor_index] != group[0]->operand[pair_index][factor_index] + i)
+            return false;
     return true;
 }
 
@@ -221,26 +227,27 @@ static bool are_operands_adjacent_in_subgroups(const graph_lowering *lowering, t
 {
     for (int begin = 0, end = 0; begin < count; begin = end, ++*subgroup_count) {
         while (end < count && group[end]->subgroup == group[begin]->subgroup) end++;
-        for (int pair = 0; pair < group[0]->operand_pair_count; pair++)
-            for (int factor = 0; factor < 2; factor++)
-                if (!are_operands_adjacent(lowering, group + begin, end - begin, pair, factor)) return false;
+        for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
+            for (int factor_index = 0; factor_index < 2; factor_index++)
+                if (!are_operands_adjacent(lowering, group + begin, end - begin, pair_index, factor_index))
+                    return false;
     }
     return true;
 }
 
 /* Copies an operand that the operations of a group read at scattered slots to adjacent slots, so that the group
  * becomes one run. */
-static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_placement *group[], int count, int pair,
-                                            int factor)
+static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_placement *group[], int count,
+                                            int pair_index, int factor_index)
 {
-    if (are_operands_adjacent(lowering, group, count, pair, factor)) return;
+    if (are_operands_adjacent(lowering, group, count, pair_index, factor_index)) return;
     for (int i = 0; i < count; i++) {
-        tape_placement *copy = &lowering->placements[lowering->node_count + lowering->copies++];
+        tape_placement *copy = &lowering->placements[lowering->node_count + lowering->copy_count++];
         *copy = (tape_placement){
             .op = OP_LINEAR, .level = group[i]->level, .operand = lowering->operands + lowering->operand_pair_count++};
-        copy->operand[0][0] = group[i]->operand[pair][factor];
+        copy->operand[0][0] = group[i]->operand[pair_index][factor_index];
         assign_next_slot(lowering, copy);
-        group[i]->operand[pair][factor] = copy->slot;
+        group[i]->operand[pair_index][factor_index] = copy->slot;
     }
 }
 
@@ -259,15 +266,15 @@ static void arrange_group_operands(graph_lowering *lowering, tape_placement *gro
     if (in_subgroups || is_scattered) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
-    for (int pair = 0; pair < group[0]->operand_pair_count; pair++)
-        for (int factor = 0; factor < 2; factor++)
-            copy_operands_to_adjacent_slots(lowering, group, count, pair, factor);
+    for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
+        for (int factor_index = 0; factor_index < 2; factor_index++)
+            copy_operands_to_adjacent_slots(lowering, group, count, pair_index, factor_index);
 }
 
 static int find_group_end(tape_placement *const level[], int begin, int end)
 {
     int last = begin + 1;
-    while (last < end && compare_run_groups(level[begin], level[last]) == 0) last++;
+    while (last < end && compare_by_run_group(level[begin], level[last]) == 0) last++;
     return last;
 }
 
@@ -275,9 +282,10 @@ static int find_group_end(tape_placement *const level[], int begin, int end)
 static void assign_slots_of_level(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++)
-        for (int pair = 0; pair < level[i]->operand_pair_count; pair++)
-            for (int factor = 0; factor < 2; factor++)
-                level[i]->operand[pair][factor] = node_slot(lowering, operand_node(lowering, level[i], pair, factor));
+        for (int pair_index = 0; pair_index < level[i]->operand_pair_count; pair_index++)
+            for (int factor_index = 0; factor_index < 2; factor_index++)
+                level[i]->operand[pair_index][factor_index] =
+                    node_slot(lowering, operand_node(lowering, level[i], pair_index, factor_index));
     qsort(level, (size_t)count, sizeof *level, compare_by_first_operand);
     for (int i = 0; i < count; i++)
         if (level[i]->operand_pair_count == 0) assign_next_slot(lowering, level[i]);
@@ -309,10 +317,10 @@ static void assign_slots_by_level(graph_lowering *lowering)
     call_for_each_level(lowering, assign_slots_of_level);
 }
 
-void jet_assign_slots(graph_lowering *lowering, int inputs, int outputs, const jet output[])
+void jet_assign_slots(graph_lowering *lowering, int input_count, int output_count, const jet output[])
 {
-    mark_needed_nodes(lowering, inputs, outputs, output);
-    choose_all_operations(lowering, outputs, output);
+    mark_needed_nodes(lowering, input_count, output_count, output);
+    choose_all_operations(lowering, output_count, output);
     assign_levels(lowering);
     assign_slots_by_level(lowering);
 }

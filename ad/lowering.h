@@ -8,10 +8,10 @@
 
 /* The position of a node, or of a copy of one, on the tape. */
 typedef struct {
-    const struct jet_node *node; /* The node; NULL for a copy of the first operand. */
+    const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level;         /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    int subgroup;      /* Operations of a level with equal subgroups read adjacent slots (assign_subgroups). */
+    int subgroup;      /* Number of the subgroup: its operations read adjacent slots (assign_subgroups). */
     int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
     /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */
@@ -29,24 +29,25 @@ typedef struct {
     jet_tape_kind kind;
     int node_count;       /* Number of nodes in the graph. */
     bool *is_node_needed; /* [node_count] Tells whether an output depends on the node. */
-    int *use_counts; /* [node_count] Number of operations that read the node. Later scratch, which is 0 between uses. */
+    int *use_counts;      /* [node_count] Number of operations that read the node; later scratch of assign_subgroups. */
     tape_placement *placements;      /* Placements of all nodes by their index, followed by those of the copies. */
     tape_placement **nodes_by_level; /* [needed_count] The needed nodes, sorted by level. */
-    tape_placement **nodes_by_slot;  /* [slots] Nodes and copies, sorted by slot. */
+    tape_placement **nodes_by_slot;  /* [slot_count] Nodes and copies, sorted by slot. */
     int (*operands)[2];              /* Memory for tape_placement.operand of all placements. */
-    int needed_count, copies, slots, operand_pair_count;
+    int needed_count, copy_count, slot_count, operand_pair_count;
 } graph_lowering;
 
-/* Chooses the nodes that the outputs need, the operations that compute them, and their slots. */
-void jet_assign_slots(graph_lowering *lowering, int inputs, int outputs, const jet output[]);
+/* Chooses the nodes that the outputs depend on, the operations that compute them, and their slots. The first
+ * `input_count` inputs of the graph get slots even if no output depends on them. */
+void jet_assign_slots(graph_lowering *lowering, int input_count, int output_count, const jet output[]);
 
 /* Lengthens the runs of a tape to whole vectors of eight (tape_pad.c). Repeats the last operation of each run whose
  * length is just below a multiple of eight, on tapes with runs of eight operations or more. Sweeps process a run in
- * vectors, and the three short vectors at its end (4, 2, 1) take as long as three whole ones. The operands of the
- * repeated operations are copied, too. Nothing reads the repeated results, whose adjoints are therefore 0. Runs of
+ * vectors, and the three short vectors at its end (4, 2, 1) take as long together as three whole ones. The operands of
+ * the repeated operations are copied, too. Nothing reads the repeated results, whose adjoints are therefore 0. Runs of
  * whole vectors begin at slots that are multiples of eight, as each order of a block does; slots that this leaves empty
  * are never read. Returns false if memory is lacking; the tape is then unchanged. */
-bool jet_pad_tape_runs(jet_tape *tape);
+bool jet_pad_runs_to_whole_vectors(jet_tape *tape);
 
 /* Tells whether the tape needs the partner of z, as all tapes of series do. */
 static inline bool needs_partner(const graph_lowering *lowering, const struct jet_node *z)
@@ -62,7 +63,7 @@ static inline bool reads_partner_at_same_order(const graph_lowering *lowering, c
 
 static inline bool is_sum_of_products_op(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
 
-/* Returns a term of a sum of products. A product that stands alone is a sum of one term. */
+/* Returns the term number `term`, from 0 on, of a sum of products. A product that stands alone is a sum of one term. */
 static inline jet_term sum_term(const tape_placement *z, int term)
 {
     return z->node->op == OP_LINEAR ? z->node->terms[term] : (jet_term){1, (struct jet_node *)z->node};

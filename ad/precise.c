@@ -1,12 +1,13 @@
-/* precise.c - Computes the values of a tape in long double, for energies in which large terms cancel
- * (jet_sweep_long_double_values). */
+/* precise.c - Computes the values of a tape in long double, for energies in which large terms cancel.
+ * src/system/energy.c calls jet_sweep_long_double_values. */
 #include "measured.h"
 #include "tape.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Computes a^c. For c = k/2 it uses no powl, which costs as much as twenty products. */
+/* Computes a^c. If 2 c is a small integer, it multiplies and takes a square root: powl costs as much as twenty
+ * products. */
 static long double power_of_long_double(long double a, double c)
 {
     int k = (int)fmax(-2 * TAPE_POWER_MAX_EXPONENT, fmin(2 * c, 2 * TAPE_POWER_MAX_EXPONENT));
@@ -48,28 +49,30 @@ static long double evaluate_operation(const jet_run *run, long double a, long do
     }
 }
 
-static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run, int i, const long double *values)
+static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run, int operation_index,
+                                       const long double *values)
 {
-    long double sum = tape->constant_terms[run->first_constant_term + i];
-    for (int k = run->term + i * run->terms, end = k + run->terms; k < end; k++)
+    long double sum = tape->constant_terms[run->first_constant_term + operation_index];
+    for (int k = run->first_term + operation_index * run->term_count, end = k + run->term_count; k < end; k++)
         sum += tape->term_coefficient[k] * values[tape->term_slot[k]];
     return sum;
 }
 
-static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run, int i, const long double *values)
+static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run, int operation_index,
+                                        const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_operand_b;
     const int k0 = run->term + (run->is_scattered ? i * run->terms : 0), at = run->is_scattered ? 0 : i;
     long double sum = 0;
-    for (int k = k0; k < k0 + run->terms; k++)
+    for (int k = k0; k < k0 + run->term_count; k++)
         sum += tape->term_coefficient[k] * values[tape->term_slot[k] + at] * values[second[k] + at];
     return sum;
 }
 
-void jet_sweep_long_double_values(const jet_tape *tape, const double *x, long double *values)
+void jet_sweep_long_double_values(const jet_tape *tape, const double *block, long double *values)
 {
-    for (int i = tape->inputs; i < tape->inputs + tape->constants; i++) values[i] = x[i];
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+    for (int i = tape->input_count; i < tape->input_count + tape->constant_count; i++) values[i] = block[i];
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++)
             values[run->z + i] = run->op == OP_LINEAR ? evaluate_linear_sum(tape, run, i, values)
                                  : run->op == OP_PRODUCTS || run->op == OP_SQUARES

@@ -33,34 +33,35 @@ static const char *const operation_names[OP_COUNT] = {JET_RULE_LIST(NAME)};
 #define REASON(reason, status, text) [reason] = text,
 static const char *const reason_texts[] = {JET_REASON_LIST(REASON)};
 
-tvi_status jet_explain_refused_output(const char *name, int outputs, int i, jet x)
+tvi_status jet_explain_refused_output(const char *name, int output_count, int output_index, jet x)
 {
     const bool is_poison = jet_is_poison(x);
     const jet_reason reason = is_poison ? (jet_reason)x.node->count : x.node ? JET_FOREIGN : JET_NOT_FINITE;
     const tvi_status status = is_poison ? (tvi_status)x.node->index : x.node ? TVI_EINVAL : TVI_ENONFINITE;
     char called[64];
-    (void)snprintf(called, sizeof called, outputs > 1 ? "%s[%d]" : "%s", name, i);
+    (void)snprintf(called, sizeof called, output_count > 1 ? "%s[%d]" : "%s", name, output_index);
     if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s", called, reason_texts[reason]);
     return jet_refuse(status, "%s is made of jet_%s, which has no power series at %g", called,
                       operation_names[reason - JET_OUTSIDE], x.number);
 }
 
 /* Returns the operand that is outside the domain: the divisor of a division, or the first operand of any other
- * operation. */
-static double operand_outside_domain(const jet_run *run, const double *x, int lanes, int index)
+ * operation. number_index counts the numbers of the run from 0: all lanes of its first operation, then those of the
+ * next. */
+static double operand_outside_domain(const jet_run *run, const double *block, int lanes, int number_index)
 {
-    return x[(run->op == OP_DIV ? run->b : run->a) * lanes + index];
+    return block[(run->op == OP_DIV ? run->b : run->a) * lanes + number_index];
 }
 
-bool jet_explain_failed_sweep(const jet_tape *tape, double *x, int lanes)
+bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
 {
     double z;
-    /* Generated code does not store all slots; the interpreter therefore computes them again. */
-    (void)tape->interpreter_sweeps->values(tape, x, lanes);
+    /* Generated code does not store the values of all slots; the interpreter therefore computes all of them again. */
+    (void)tape->interpreter_sweeps->values(tape, block, lanes);
     (void)jet_refuse(TVI_EDOMAIN, "an operation has no power series");
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
         if (!operation_names[run->op]) continue;
-        const double *a = x + (size_t)run->a * (size_t)lanes, *b = x + (size_t)run->b * (size_t)lanes;
+        const double *a = block + (size_t)run->a * (size_t)lanes, *b = block + (size_t)run->b * (size_t)lanes;
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int operation = i / lanes;
@@ -68,7 +69,7 @@ bool jet_explain_failed_sweep(const jet_tape *tape, double *x, int lanes)
                 tape->derived_part_name && tape->recording_index[run->z + operation] >= tape->derived_part_start;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
                              is_part ? tape->derived_part_name : "", is_part ? ": " : "", operation_names[run->op],
-                             operand_outside_domain(run, x, lanes, i), tape->recording_index[run->z + operation]);
+                             operand_outside_domain(run, block, lanes, i), tape->recording_index[run->z + operation]);
             return false;
         }
     }

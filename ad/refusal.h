@@ -13,8 +13,8 @@ tvi_status jet_explain_out_of_memory(tvi_status status);
 /* Returns the text, which is "" before the first refusal. */
 const char *jet_last_refusal_text(void);
 
-/* Sets the text that explains why output i of `outputs` is refused: it is poison, a number that is not finite, or a
- * jet of another graph. Returns the status. */
-tvi_status jet_explain_refused_output(const char *name, int outputs, int i, jet x);
+/* Sets the text that explains why an output, of `output_count` outputs with this name, is refused: it is poison, a
+ * number that is not finite, or a jet of another graph. Returns the status. */
+tvi_status jet_explain_refused_output(const char *name, int output_count, int output_index, jet x);
 
 #endif

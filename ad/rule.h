@@ -3,22 +3,25 @@
  * rule_*.c.
  *
  * Series are normalised: x(s) = sum_k x_k s^k. The macros below make the loops of a rule from a body that is written
- * for a vector type V (vector.h). The parameter S of a body is the macro with which it reads a number that all lanes of
- * a tangent share. */
+ * for a vector type V (vector.h). A body reads the numbers of a series by its parameter S, a macro: JET_OF, or
+ * JET_ONE_OF if one number of the series serves all lanes of a tangent. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 
 #include "tape.h"
 #include "vector.h"
 
-/* In the rules, a is the first operand, b the second one, w the partner, and z the result. */
+/* In the rules, a is the first operand, b the second one, w the partner, and z the result. a_k is the coefficient of
+ * order k of the series of a, da_k that of its tangent along a direction, and abar_k its adjoint: the derivative of a
+ * scalar by a_k. */
 
 /* Computes z_0 from a_0 and b_0, arrays of `width` numbers. The exponent is that of pow. Returns false if no power
  * series exists at one of the numbers. A NaN is allowed, and propagates to z. z overlaps neither a nor b. */
 typedef bool jet_values_rule(double exponent, int width, const double *a, const double *b, double *restrict z);
 
-/* The other rules work on all operations of a run, in blocks as tape.h defines them. In a block of one lane,
- * consecutive orders are `stride` numbers apart. */
+/* The other rules work on all operations of a run, in blocks as tape.h defines them: x is the block of the series, dx
+ * that of the tangents, and bar that of the adjoints. In a block of one lane, consecutive orders are `stride` numbers
+ * apart. */
 
 /* Computes z_k, k >= 1, from orders 0..k of a, b, w and orders 0..k-1 of z. */
 typedef void jet_series_rule(const jet_run *run, double *x, int k, size_t stride, int lanes);
@@ -33,7 +36,8 @@ typedef void jet_tangent_rule(const jet_run *run, const double *x, double *dx, i
  * stores intermediate numbers of its own in the place of zbar_k. */
 typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride);
 
-/* Records the contribution of z-bar to the adjoint of an operand: 0 for a, 1 for b. */
+/* Records the contribution of the node z, whose adjoint is zbar, to the adjoint of an operand: zbar times the partial
+ * derivative of z by a (operand = 0) or b (operand = 1). */
 typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand);
 
 /* The orders of the partner from which order k of z is computed. Values (order 0) need no partner. */
@@ -41,12 +45,12 @@ typedef enum {
     W_NONE,  /* The operation has no partner. */
     W_LOWER, /* Orders 0..k-1. */
     W_SAME   /* Orders 0..k; only for operations with one operand. */
-} jet_partner_role;
+} jet_partner_orders;
 
 /* The rule of one operation. */
 typedef struct {
     int operand_count; /* 1 or 2 */
-    jet_partner_role partner_orders;
+    jet_partner_orders partner_orders;
     jet_values_rule *compute_values;
     jet_series_rule *compute_series_order;
     jet_tangent_rule *compute_tangents;
@@ -54,7 +58,7 @@ typedef struct {
     jet_pullback_rule *record_pullback;
 } jet_rule;
 
-/* Adds the name of the instruction set to names that are compiled once for each set. */
+/* Appends the name of the instruction set, JET_ISA, to names that are compiled once for each set. */
 #ifndef JET_ISA
 #define JET_ISA base
 #endif
@@ -115,7 +119,7 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* Defines the function name_series from the body SERIES(V, S), which sets JET_AT(V, z, k). */
+/* Defines the function name_series from the body SERIES(V, S), which sets JET_AT(V, z, k), that is z_k. */
 #define JET_SERIES_FRAME(name, SERIES)                                                                                 \
     static void name##_series(const jet_run *run, double *x, int k, size_t slots, int lanes)                           \
     {                                                                                                                  \
@@ -128,8 +132,8 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
         JET_BLOCKS(width, SERIES, JET_OF);                                                                             \
     }
 
-/* Defines the function name_tangent from the body TANGENT(V, S), which sets JET_D_AT(V, dz, k). With one lane, its
- * vectors go across the operations of the run; with several lanes, across the lanes of each operation. */
+/* Defines the function name_tangent from the body TANGENT(V, S), which sets JET_D_AT(V, dz, k), that is dz_k. With one
+ * lane, its vectors go across the operations of the run; with several lanes, across the lanes of each operation. */
 #define JET_TANGENT_FRAME(name, TANGENT)                                                                               \
     static void name##_tangent(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes)       \
     {                                                                                                                  \
@@ -149,7 +153,8 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
         }                                                                                                              \
     }
 
-/* Defines the function name_adjoint from the body ADJOINT(V, S), which adds to JET_AT(V, abar, j) and the like. */
+/* Defines the function name_adjoint from the body ADJOINT(V, S), which adds to JET_AT(V, abar, j), that is abar_j, and
+ * likewise to the adjoints of b, w and z. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
     static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride)        \
     {                                                                                                                  \

@@ -89,20 +89,20 @@ static bool are_all_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* Computes z = a^(-k/2) for an odd k, a constant for the compiler, as the potential of gravity and its derivatives need
- * it. */
-JET_INLINE bool compute_inverse_half_power(int k, int width, const double *a, double *restrict z)
+/* Computes z = a^(-halves/2) for odd `halves`, a constant for the compiler, as the potential of gravity and its
+ * derivatives need it. */
+JET_INLINE bool compute_inverse_half_power(int halves, int width, const double *a, double *restrict z)
 {
     JET_IN_VECTORS
     for (int w = 0; w < width; w++) {
         double power = sqrt(a[w]);
-        for (int i = 1; i < k; i += 2) power *= a[w];
+        for (int i = 1; i < halves; i += 2) power *= a[w];
         z[w] = 1 / power;
     }
     return are_all_positive(width, a);
 }
 
-JET_INLINE bool compute_general_power(double exponent, int width, const double *a, double *restrict z)
+JET_INLINE bool compute_power_with_any_exponent(double exponent, int width, const double *a, double *restrict z)
 {
     if (fabs(4 * exponent) <= 4 * TAPE_POWER_MAX_EXPONENT && 4 * exponent == floor(4 * exponent))
         compute_quarter_power((int)(4 * exponent), width, a, z);
@@ -112,9 +112,9 @@ JET_INLINE bool compute_general_power(double exponent, int width, const double *
 
 /* Computes a power whose exponent is no constant for the compiler. It is a function of its own, so that its caller need
  * not save registers for it. */
-JET_APART bool compute_variable_power(double exponent, int width, const double *a, double *restrict z)
+JET_APART bool compute_power_with_variable_exponent(double exponent, int width, const double *a, double *restrict z)
 {
-    return compute_general_power(exponent, width, a, z);
+    return compute_power_with_any_exponent(exponent, width, a, z);
 }
 
 static bool evaluate_pow(double exponent, int width, const double *a, const double *b, double *restrict z)
@@ -124,13 +124,13 @@ static bool evaluate_pow(double exponent, int width, const double *a, const doub
            : exponent == -1.5    ? compute_inverse_half_power(3, width, a, z)
            : exponent == -2.5    ? compute_inverse_half_power(5, width, a, z)
            : exponent == -3.5    ? compute_inverse_half_power(7, width, a, z)
-           : JET_KNOWS(exponent) ? compute_general_power(exponent, width, a, z)
-                                 : compute_variable_power(exponent, width, a, z);
+           : JET_KNOWS(exponent) ? compute_power_with_any_exponent(exponent, width, a, z)
+                                 : compute_power_with_variable_exponent(exponent, width, a, z);
 }
 
 /* The series rule computes z_k:
  * a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2).
- * The term of a_k is separate, since a_k is known last; one operation then follows it. */
+ * The term of a_k is added last, since a_k is computed last; few operations then wait for it. */
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -153,7 +153,7 @@ static bool evaluate_pow(double exponent, int width, const double *a, const doub
 /* The adjoint rule updates the adjoints:
  * s_k = (zbar_k + sum_{j=k+1}^{top} (c (j-k) - k) s_j a_{j-k}) / (k a_0) is stored in the place of zbar_k.
  * abar_k += sum_{j=k}^{top} (c k - (j-k)) s_j z_{j-k}.   For k = 0 the divisor is a_0, and the factor of s_0 z_0 is c.
- * The numbers that are known last, zbar_k and s_k, enter few operations. */
+ * The numbers that are computed last, zbar_k and s_k, enter few operations. */
 #define POW_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
         const V inverse = 1.0 / ((k > 0 ? (double)k : 1.0) * S(V, a, 0));                                              \

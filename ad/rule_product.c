@@ -20,8 +20,8 @@ JET_RULE_ROW(mul, .operand_count = 2, .compute_values = evaluate_mul, .record_pu
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
-/* If z-bar is c + k a, as for a^3 that was written as a product with z, the pullback is the sum 2 c a + 2 k z,
- * without a product. */
+/* The pullback is 2 a zbar. If zbar is c + k a with numbers c and k, as for a^3 = a z, it is recorded as the sum 2 c a
+ * + 2 k z, which needs no product, since z = a^2 is recorded already. */
 static jet record_sqr_pullback(struct jet_node *z, jet zbar, int operand)
 {
     (void)operand;

@@ -1,5 +1,6 @@
 /* split.h - Splits the runs of a tape into single operations for generated code (emit.c). Long runs are good for an
- * interpreter, but bad for a compiler, which keeps a value in a register only if it is read soon. */
+ * interpreter, but bad for the compiler of generated code, which keeps a value in a register only if it is read
+ * soon. */
 #ifndef TVI_AD_SPLIT_H
 #define TVI_AD_SPLIT_H
 
@@ -7,10 +8,10 @@
 
 /* Says which runs are split. */
 typedef enum {
-    JET_SPLIT_NONE, /* None: all runs stay as they are. */
+    JET_SPLIT_NONE, /* Splits no run. */
     JET_SPLIT_SUMS, /* Splits LINEAR runs and runs with scattered operands. */
-    /* Splits all runs, on tapes of values. Each operation follows its operands, and stands directly before those
-     * operations that wait for no other one. */
+    /* Splits all runs, on tapes of values. Each operation follows its operands, and is followed directly by those
+     * operations whose operands are then all computed. */
     JET_SPLIT_ALL
 } jet_split_mode;
 
@@ -22,10 +23,10 @@ void jet_free_split_tape(jet_tape *split);
 
 /* Returns the slot of the given operand of an operation of the run; -1: the operation has fewer operands. Operations
  * and operands are counted from 0. */
-int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int operation, int operand);
+int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int operation_index, int operand_index);
 
-/* Sets depends[slot] for every computed slot: true if it is true for one of the slot's operands. The caller has set it
- * for the inputs and constants. */
-void jet_tape_mark_dependents(const jet_tape *tape, bool depends[]);
+/* Sets is_dependent[slot] for every computed slot: it is true if it is true for one of the slot's operands. The caller
+ * has set it for the inputs and constants, as true for those of interest. */
+void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[]);
 
 #endif

@@ -1,39 +1,40 @@
-/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i in every kind of sweep (sums.h). Values have the
- * number; series and tangents have the same sums without it. */
+/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i in every kind of sweep (sums.h). The number is the
+ * constant term: it belongs to the values, which are order 0. Higher orders of a series, and tangents, are the same
+ * sums without it. */
 #include "sums.h"
 
-/* Defines the table of functions name[terms](parameters), with one function for each number of terms up to OWN_MAX,
- * and name[0] for larger numbers. */
+/* TABLE defines the table of functions name[term_count](parameters), with one function for each number of terms up to
+ * OWN_MAX, and name[0] for larger numbers. */
 enum { OWN_MAX = 5 };
 #define TABLE(name, body, parameters, ...)                                                                             \
-    static void name##_any parameters { body(__VA_ARGS__, run->terms); }                                               \
+    static void name##_any parameters { body(__VA_ARGS__, run->term_count); }                                          \
     JET_BY_TERMS(name##_of, body, parameters, __VA_ARGS__)                                                             \
     static void name##_5 parameters { body(__VA_ARGS__, 5); }                                                          \
     static void(*const name[1 + OWN_MAX])                                                                              \
         parameters = {name##_any, name##_of_1, name##_of_2, name##_of_3, name##_of_4, name##_5};
-#define FUNCTION(name, run) name[(run)->terms <= OWN_MAX ? (run)->terms : 0]
+#define FUNCTION(name, run) name[(run)->term_count <= OWN_MAX ? (run)->term_count : 0]
 
-/* Computes the sums of a run in a block of one lane. */
-JET_INLINE void compute_sums_one_lane(const jet_tape *tape, const jet_run *run, double *block, int terms)
+/* Computes the sums of a run, without constant terms, in a block of one lane. */
+JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run *run, double *block, int term_count)
 {
-    const int *from = tape->term_slot + run->term;
-    const double *coefficient = tape->term_coefficient + run->term;
+    const int *from = tape->term_slot + run->first_term;
+    const double *coefficient = tape->term_coefficient + run->first_term;
     double *z = block + run->z, *const end = z + run->operation_count;
-    for (; z < end; z++, from += terms, coefficient += terms) {
+    for (; z < end; z++, from += term_count, coefficient += term_count) {
         double sum = coefficient[0] * block[from[0]];
-        for (int term = 1; term < terms; term++) sum += coefficient[term] * block[from[term]];
+        for (int term = 1; term < term_count; term++) sum += coefficient[term] * block[from[term]];
         *z = sum;
     }
 }
 
-TABLE(sums_one, compute_sums_one_lane, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block)
+TABLE(sums_one, compute_sums_of_one_lane, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block)
 
 /* Computes one sum for a vector of lanes. The pointers and coefficients of the first `kept` terms are in registers. */
 #define LINEAR(V, S)                                                                                                   \
     {                                                                                                                  \
         V sum = c[0] * S(V, a[0], 0);                                                                                  \
         for (int term = 1; term < kept; term++) sum += c[term] * S(V, a[term], 0);                                     \
-        for (int term = kept; term < terms; term++) sum += coefficient[term] * S(V, block, from[term]);                \
+        for (int term = kept; term < term_count; term++) sum += coefficient[term] * S(V, block, from[term]);           \
         if (constant_terms) sum += *constant_terms;                                                                    \
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
@@ -41,28 +42,28 @@ TABLE(sums_one, compute_sums_one_lane, (const jet_tape *tape, const jet_run *run
 /* Computes two sums without constant terms together, since the additions of a single sum would wait for each other. */
 #define LINEAR_PAIR(V, S)                                                                                              \
     {                                                                                                                  \
-        V sum = coefficient[0] * S(V, block, from[0]), next = coefficient[terms] * S(V, block, from[terms]);           \
-        for (int term = 1; term < terms; term++) {                                                                     \
+        V sum = coefficient[0] * S(V, block, from[0]), next = coefficient[term_count] * S(V, block, from[term_count]); \
+        for (int term = 1; term < term_count; term++) {                                                                \
             sum += coefficient[term] * S(V, block, from[term]);                                                        \
-            next += coefficient[terms + term] * S(V, block, from[terms + term]);                                       \
+            next += coefficient[term_count + term] * S(V, block, from[term_count + term]);                             \
         }                                                                                                              \
         JET_AT(V, z, 0) = sum;                                                                                         \
         JET_AT(V, z, 1) = next;                                                                                        \
     }
 
-/* Computes the sums of a run in a block of several lanes. `constant_terms` points to those of the run; NULL:
- * there are none. */
-JET_INLINE void compute_sums_many_lanes(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                        const double *constant_terms, int terms)
+/* Computes the sums of a run in a block of several lanes. `constant_terms` points to the constant terms of the run;
+ * NULL: they are left out. */
+JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                           const double *constant_terms, int term_count)
 {
     const size_t stride = (size_t)lanes;
-    const int *from = tape->term_slot + run->term, kept = terms < OWN_MAX ? terms : OWN_MAX;
-    const double *coefficient = tape->term_coefficient + run->term, *a[OWN_MAX];
+    const int *from = tape->term_slot + run->first_term, kept = term_count < OWN_MAX ? term_count : OWN_MAX;
+    const double *coefficient = tape->term_coefficient + run->first_term, *a[OWN_MAX];
     double *z = block + stride * (size_t)run->z, *const end = z + stride * (size_t)run->operation_count, c[OWN_MAX];
-    if (lanes == 8 && !constant_terms && terms > OWN_MAX)
-        for (; z + stride < end; z += 2 * stride, from += 2 * terms, coefficient += 2 * terms)
+    if (lanes == 8 && !constant_terms && term_count > OWN_MAX)
+        for (; z + stride < end; z += 2 * stride, from += 2 * term_count, coefficient += 2 * term_count)
             JET_BLOCKS_OF_8(lanes, LINEAR_PAIR, JET_OF)
-    for (; z < end; z += stride, from += terms, coefficient += terms) {
+    for (; z < end; z += stride, from += term_count, coefficient += term_count) {
         for (int term = 0; term < kept; term++)
             a[term] = block + stride * (size_t)from[term], c[term] = coefficient[term];
         JET_BLOCKS(lanes, LINEAR, JET_OF);
@@ -70,19 +71,20 @@ JET_INLINE void compute_sums_many_lanes(const jet_tape *tape, const jet_run *run
     }
 }
 
-TABLE(sums_eight, compute_sums_many_lanes, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block,
-      8, NULL)
+TABLE(sums_eight, compute_sums_of_many_lanes, (const jet_tape *tape, const jet_run *run, double *block), tape, run,
+      block, 8, NULL)
 
-JET_INLINE void compute_linear_order(const jet_tape *tape, const jet_run *run, double *block, int lanes, int terms)
+JET_INLINE void compute_sums_without_constants(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                               int term_count)
 {
-    if (lanes == 1) compute_sums_one_lane(tape, run, block, terms);
-    else compute_sums_many_lanes(tape, run, block, lanes, NULL, terms);
+    if (lanes == 1) compute_sums_of_one_lane(tape, run, block, term_count);
+    else compute_sums_of_many_lanes(tape, run, block, lanes, NULL, term_count);
 }
 
-TABLE(sums_any, compute_linear_order, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run,
-      block, lanes)
+TABLE(sums_any, compute_sums_without_constants, (const jet_tape *tape, const jet_run *run, double *block, int lanes),
+      tape, run, block, lanes)
 
-void jet_compute_linear_order(const jet_tape *tape, const jet_run *run, double *block, int lanes)
+void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
     if (lanes == 1) FUNCTION(sums_one, run)(tape, run, block);
     else if (lanes == 8) FUNCTION(sums_eight, run)(tape, run, block);
@@ -102,15 +104,15 @@ JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, dou
     }
 }
 
-TABLE(with_numbers, compute_sums_many_lanes, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape,
-      run, block, lanes, tape->constant_terms + run->first_constant_term)
+TABLE(with_numbers, compute_sums_of_many_lanes, (const jet_tape *tape, const jet_run *run, double *block, int lanes),
+      tape, run, block, lanes, tape->constant_terms + run->first_constant_term)
 
 void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
     if (run->has_constant_terms && lanes > 8) {
         FUNCTION(with_numbers, run)(tape, run, block, lanes);
     } else {
-        jet_compute_linear_order(tape, run, block, lanes);
+        jet_compute_sums_without_constants(tape, run, block, lanes);
         add_constant_terms(tape, run, block, lanes);
     }
 }
@@ -118,17 +120,17 @@ void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double 
 /* Adds the contributions of sums to the adjoints of their terms, for one lane. If consecutive sums have a term in
  * common, as the differences between one body's position and those of others have, its contributions are summed in a
  * register. */
-JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run *run, double *adjoints, int terms)
+JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run *run, double *adjoints, int term_count)
 {
     enum { KEPT = 2 };
-    const int *to = tape->term_slot + run->term;
-    const double *coefficient = tape->term_coefficient + run->term;
+    const int *to = tape->term_slot + run->first_term;
+    const double *coefficient = tape->term_coefficient + run->first_term;
     const double *z = adjoints + run->z, *const end = z + run->operation_count;
-    const int kept = terms < KEPT ? terms : KEPT;
+    const int kept = term_count < KEPT ? term_count : KEPT;
     double sum[KEPT] = {0};
     int slot[KEPT];
     for (int term = 0; term < kept; term++) slot[term] = to[term];
-    for (; z < end; z++, to += terms, coefficient += terms) {
+    for (; z < end; z++, to += term_count, coefficient += term_count) {
         const double zbar = *z;
         for (int term = 0; term < kept; term++) {
             if (to[term] != slot[term]) {
@@ -138,7 +140,7 @@ JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run *run, do
             }
             sum[term] += coefficient[term] * zbar;
         }
-        for (int term = kept; term < terms; term++) adjoints[to[term]] += coefficient[term] * zbar;
+        for (int term = kept; term < term_count; term++) adjoints[to[term]] += coefficient[term] * zbar;
     }
     for (int term = 0; term < kept; term++) adjoints[slot[term]] += sum[term];
 }

@@ -1,9 +1,10 @@
-/* sum_products.c - Computes z = sum_t c_t a_t b_t and z = sum_t c_t a_t^2 in every kind of sweep (sums.h). The
- * convolutions of squares are symmetric, and need half the products. All terms are added while the vector of z is in
- * a register. */
+/* sum_products.c - Computes sums of products, z = sum_t c_t a_t b_t and z = sum_t c_t a_t^2, in every kind of sweep
+ * (sums.h). Term t has the coefficient c_t and the factors a_t and b_t, whose coefficients of order j are a_j and b_j
+ * in the formulas of a term. The convolutions of squares are symmetric, and need half the products. All terms are added
+ * while the vector of z is in a register. */
 #include "sums.h"
 
-/* Defines the table of functions name[squares][terms](parameters), with one function for each number of terms of
+/* Defines the table of functions name[squares][term_count](parameters), with one function for each number of terms of
  * PRODUCTS and of SQUARES. */
 #define TABLE(name, body, parameters, ...)                                                                             \
     JET_BY_TERMS(name##_products, body, parameters, __VA_ARGS__, false)                                                \
@@ -12,7 +13,7 @@
         {NULL, name##_products_1, name##_products_2, name##_products_3, name##_products_4},                            \
         {NULL, name##_squares_1, name##_squares_2, name##_squares_3, name##_squares_4},                                \
     };
-#define FUNCTION(name, run) name[(run)->op == OP_SQUARES][(run)->terms]
+#define FUNCTION(name, run) name[(run)->op == OP_SQUARES][(run)->term_count]
 
 /* The terms of the first operation of a run: coefficients, and pointers to the factors in a block. The factors of
  * the following operations are adjacent to them. */
@@ -22,10 +23,10 @@ typedef struct {
 } product_terms;
 
 JET_INLINE product_terms locate_terms_at_slots(const double *coefficient, const int *slot_a, const int *slot_b,
-                                               const double *block, size_t lanes, int terms)
+                                               const double *block, size_t lanes, int term_count)
 {
     product_terms p;
-    for (int t = 0; t < terms; t++) {
+    for (int t = 0; t < term_count; t++) {
         p.coefficient[t] = coefficient[t];
         p.factor_a[t] = block + (size_t)slot_a[t] * lanes;
         p.factor_b[t] = block + (size_t)slot_b[t] * lanes;
@@ -41,29 +42,30 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
                                  block, lanes, terms);
 }
 
-/* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The factors that a recurrence computes last
- * belong to the last term, so that the other terms need not wait for them. */
+/* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The bodies order the summands so that the
+ * factors that a recurrence computes last come at the last j, and the other summands need not wait for them. */
 #define SUMS(V, sum, from, to, term)                                                                                   \
-    if (terms == 1) {                                                                                                  \
+    if (term_count == 1) {                                                                                             \
         const int t = 0;                                                                                               \
         JET_SUM(V, sum[0], from, to, term);                                                                            \
     } else                                                                                                             \
         for (int j = (from), most = (to); j <= most; j++)                                                              \
-            for (int t = 0; t < terms; t++) sum[t] += term;
+            for (int t = 0; t < term_count; t++) sum[t] += term;
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */
 
 #define VALUES(V, S)                                                                                                   \
     {                                                                                                                  \
         V sum = p.coefficient[0] * S(V, p.factor_a[0], 0) * S(V, p.factor_b[0], 0);                                    \
-        for (int t = 1; t < terms; t++) sum += p.coefficient[t] * S(V, p.factor_a[t], 0) * S(V, p.factor_b[t], 0);     \
+        for (int t = 1; t < term_count; t++)                                                                           \
+            sum += p.coefficient[t] * S(V, p.factor_a[t], 0) * S(V, p.factor_b[t], 0);                                 \
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
 JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes, bool squares,
-                                       int terms)
+                                       int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, terms);
+    const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
     const size_t stride = (size_t)lanes;
     const int width = run->operation_count * lanes;
     double *z = block + (size_t)run->z * stride;
@@ -103,17 +105,19 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double
 
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
 
-/* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
+/* The series rule of PRODUCTS computes z_k:
+ * z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
 #define PRODUCTS_SERIES(V, S)                                                                                          \
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
         SUMS(V, sum, 0, k, S(V, p.factor_a[t], k - j) * S(V, p.factor_b[t], j))                                        \
         V total = p.coefficient[0] * sum[0];                                                                           \
-        for (int t = 1; t < terms; t++) total += p.coefficient[t] * sum[t];                                            \
+        for (int t = 1; t < term_count; t++) total += p.coefficient[t] * sum[t];                                       \
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
-/* z_k = sum_t c_t (2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k)). */
+/* The series rule of SQUARES computes z_k:
+ * z_k = sum_t c_t (2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k)). */
 #define SQUARE(V, S, t)                                                                                                \
     (p.coefficient[t] *                                                                                                \
      (2.0 * sum[t] + (k % 2 == 0 ? 1.0 : 0.0) * (S(V, p.factor_a[t], k / 2) * S(V, p.factor_a[t], k / 2))))
@@ -123,15 +127,15 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
         SUMS(V, sum, 0, half, S(V, p.factor_a[t], half - j) * S(V, p.factor_a[t], k - half + j))                       \
         V total = SQUARE(V, S, 0);                                                                                     \
-        for (int t = 1; t < terms; t++) total += SQUARE(V, S, t);                                                      \
+        for (int t = 1; t < term_count; t++) total += SQUARE(V, S, t);                                                 \
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
 JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k,
-                                             size_t lanes, bool squares, int terms)
+                                             size_t lanes, bool squares, int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, lanes, terms);
-    const size_t stride = (size_t)tape->slots * lanes;
+    const product_terms p = locate_run_terms(tape, run, block, lanes, term_count);
+    const size_t stride = (size_t)tape->slot_count * lanes;
     const int width = run->operation_count * (int)lanes;
     double *z = block + (size_t)run->z * lanes;
     if (squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
@@ -143,7 +147,7 @@ TABLE(series_one, compute_product_series_order, (const jet_tape *tape, const jet
 TABLE(series_any, compute_product_series_order,
       (const jet_tape *tape, const jet_run *run, double *block, int k, int lanes), tape, run, block, k, (size_t)lanes)
 
-void jet_compute_product_series(const jet_tape *tape, const jet_run *run, double *block, int k, int lanes)
+void jet_compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k, int lanes)
 {
     if (lanes == 1) FUNCTION(series_one, run)(tape, run, block, k);
     else FUNCTION(series_any, run)(tape, run, block, k, lanes);
@@ -159,7 +163,7 @@ void jet_compute_product_series(const jet_tape *tape, const jet_run *run, double
         SUMS(V, sum, 0, k,                                                                                             \
              S(V, p.factor_b[t] + i, k - j) * JET_D_OF(V, d.factor_a[t] + i * lanes, j) +                              \
                  S(V, p.factor_a[t] + i, k - j) * JET_D_OF(V, d.factor_b[t] + i * lanes, j))                           \
-        for (int t = 0; t < terms; t++) total += p.coefficient[t] * sum[t];                                            \
+        for (int t = 0; t < term_count; t++) total += p.coefficient[t] * sum[t];                                       \
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
 
@@ -169,12 +173,12 @@ void jet_compute_product_series(const jet_tape *tape, const jet_run *run, double
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
         SUMS(V, sum, 0, k, S(V, p.factor_a[t] + i, k - j) * JET_D_OF(V, d.factor_a[t] + i * lanes, j))                 \
-        for (int t = 0; t < terms; t++) total += 2 * p.coefficient[t] * sum[t];                                        \
+        for (int t = 0; t < term_count; t++) total += 2 * p.coefficient[t] * sum[t];                                   \
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
 
-/* Calls TANGENT for a run. If x has as many lanes as dx, it processes the operations of the run and their lanes as
- * one array. Otherwise it processes the lanes of each operation i. */
+/* Calls the body TANGENT for a run. If the block of the series has as many lanes as that of the tangents, it processes
+ * the operations of the run and their lanes as one array. Otherwise it processes the lanes of each operation i. */
 #define TANGENT_OF(TANGENT)                                                                                            \
     if (lanes == block_lanes) {                                                                                        \
         const size_t i = 0;                                                                                            \
@@ -187,11 +191,11 @@ void jet_compute_product_series(const jet_tape *tape, const jet_run *run, double
 
 JET_INLINE void compute_product_tangents(const jet_tape *tape, const jet_run *run, const double *block,
                                          double *tangent_block, int k, size_t block_lanes, size_t lanes, bool squares,
-                                         int terms)
+                                         int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, block_lanes, terms),
-                        d = locate_run_terms(tape, run, tangent_block, lanes, terms);
-    const size_t stride = (size_t)tape->slots * block_lanes, dstride = (size_t)tape->slots * lanes;
+    const product_terms p = locate_run_terms(tape, run, block, block_lanes, term_count),
+                        d = locate_run_terms(tape, run, tangent_block, lanes, term_count);
+    const size_t stride = (size_t)tape->slot_count * block_lanes, dstride = (size_t)tape->slot_count * lanes;
     double *dz = tangent_block + (size_t)run->z * lanes;
     if (squares) {
         TANGENT_OF(SQUARES_TANGENT)
@@ -218,9 +222,9 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, cons
 
 /* Most rules add contributions of one order of z to many orders of their operands. This rule sums the contributions of
  * many orders of z to order k of the operands, in registers:
- * abar_k += c_t sum_{j=k}^{top} zbar_j b_{j-k},  and likewise bbar_k with a. */
+ * abar_k += c_t sum_{j=k}^{top} zbar_j b_{j-k},  and likewise bbar_k += c_t sum_{j=k}^{top} zbar_j a_{j-k}. */
 #define PRODUCTS_ADJOINT(V, S)                                                                                         \
-    for (int t = 0; t < terms; t++) {                                                                                  \
+    for (int t = 0; t < term_count; t++) {                                                                             \
         V of_a = {0}, of_b = {0};                                                                                      \
         for (int j = top; j >= k; j--) {                                                                               \
             of_a += S(V, zbar, j) * S(V, p.factor_b[t], j - k);                                                        \
@@ -236,19 +240,19 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, cons
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
         SUMS(V, sum, k, top, S(V, zbar, k + top - j) * S(V, p.factor_a[t], top - j))                                   \
-        for (int t = 0; t < terms; t++) JET_AT(V, abar[t], k) += 2 * p.coefficient[t] * sum[t];                        \
+        for (int t = 0; t < term_count; t++) JET_AT(V, abar[t], k) += 2 * p.coefficient[t] * sum[t];                   \
     }
 
 JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, const double *block,
-                                     double *adjoint_block, int k, int top, bool squares, int terms)
+                                     double *adjoint_block, int k, int top, bool squares, int term_count)
 {
-    const product_terms p = locate_run_terms(tape, run, block, 1, terms);
-    const size_t stride = (size_t)tape->slots;
+    const product_terms p = locate_run_terms(tape, run, block, 1, term_count);
+    const size_t stride = (size_t)tape->slot_count;
     const double *zbar = adjoint_block + run->z;
     double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];
-    for (int t = 0; t < terms; t++) {
-        abar[t] = adjoint_block + tape->term_slot[run->term + t];
-        bbar[t] = adjoint_block + tape->term_operand_b[run->term + t];
+    for (int t = 0; t < term_count; t++) {
+        abar[t] = adjoint_block + tape->term_slot[run->first_term + t];
+        bbar[t] = adjoint_block + tape->term_operand_b[run->first_term + t];
     }
     if (squares) JET_BLOCKS(run->operation_count, SQUARES_ADJOINT, JET_OF);
     else JET_BLOCKS(run->operation_count, PRODUCTS_ADJOINT, JET_OF);

@@ -12,7 +12,7 @@ static bool is_product_run(const jet_run *run) { return run->op == OP_PRODUCTS |
 JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
     bool inside = true;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
         if (is_product_run(run)) jet_compute_product_values(tape, run, block, lanes);
         else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
         else
@@ -23,7 +23,7 @@ JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int la
     return inside;
 }
 
-/* Computes the values. The usual numbers of lanes are constants for the compiler. */
+/* Computes the values. The usual numbers of lanes, 1 and 8, are constants for the compiler. */
 static bool sweep_values(const jet_tape *tape, double *block, int lanes)
 {
     return lanes == 1   ? sweep_values_inlined(tape, block, 1)
@@ -34,11 +34,11 @@ static bool sweep_values(const jet_tape *tape, double *block, int lanes)
 JET_INLINE bool sweep_series_inlined(const jet_tape *tape, double *block, int order, int lanes)
 {
     if (order == 0) return sweep_values(tape, block, lanes);
-    const size_t stride = (size_t)tape->slots;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (is_product_run(run)) jet_compute_product_series(tape, run, block, order, lanes);
+    const size_t stride = (size_t)tape->slot_count;
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+        if (is_product_run(run)) jet_compute_product_series_order(tape, run, block, order, lanes);
         else if (run->op == OP_LINEAR)
-            jet_compute_linear_order(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
+            jet_compute_sums_without_constants(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
         else jet_rules[run->op]->compute_series_order(run, block, order, stride, lanes);
     }
     return true;
@@ -51,11 +51,12 @@ static bool sweep_series(const jet_tape *tape, double *block, int order, int lan
 
 static void sweep_tangents(const jet_tape *tape, const double *block, double *tangent_block, int order, int lanes)
 {
-    const size_t stride = (size_t)tape->slots;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+    const size_t stride = (size_t)tape->slot_count;
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
         if (is_product_run(run)) jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, lanes);
         else if (run->op == OP_LINEAR)
-            jet_compute_linear_order(tape, run, tangent_block + (size_t)order * stride * (size_t)lanes, lanes);
+            jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride * (size_t)lanes,
+                                               lanes);
         else jet_rules[run->op]->compute_tangents(run, block, tangent_block, order, stride, lanes);
     }
 }
@@ -63,11 +64,11 @@ static void sweep_tangents(const jet_tape *tape, const double *block, double *ta
 static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, double *tangent_block, int order,
                                     int lanes)
 {
-    const size_t stride = (size_t)tape->slots * (size_t)lanes;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+    const size_t stride = (size_t)tape->slot_count * (size_t)lanes;
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
         if (is_product_run(run)) jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
         else if (run->op == OP_LINEAR)
-            jet_compute_linear_order(tape, run, tangent_block + (size_t)order * stride, lanes);
+            jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride, lanes);
         else {
             const jet_run all = jet_make_run_over_all_lanes(run, lanes);
             jet_rules[run->op]->compute_tangents(&all, block, tangent_block, order, stride, 1);
@@ -75,13 +76,13 @@ static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, d
     }
 }
 
-static void sweep_adjoints(const jet_tape *tape, const double *block, double *adjoint_block, int order, int top)
+static void sweep_adjoints(const jet_tape *tape, const double *block, double *adjoint_block, int order, int top_order)
 {
-    const size_t stride = (size_t)tape->slots;
-    for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;) {
-        if (is_product_run(run)) jet_add_product_adjoints(tape, run, block, adjoint_block, order, top);
+    const size_t stride = (size_t)tape->slot_count;
+    for (const jet_run *run = tape->run + tape->run_count; run-- > tape->run;) {
+        if (is_product_run(run)) jet_add_product_adjoints(tape, run, block, adjoint_block, order, top_order);
         else if (run->op == OP_LINEAR) jet_add_linear_adjoints(tape, run, adjoint_block + (size_t)order * stride);
-        else jet_rules[run->op]->add_adjoints(run, block, adjoint_block, order, top, stride);
+        else jet_rules[run->op]->add_adjoints(run, block, adjoint_block, order, top_order, stride);
     }
 }
 

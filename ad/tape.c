@@ -11,9 +11,9 @@ int jet_without;
 
 static void append_tape_term(jet_tape *tape, double coefficient, int slot_a, int slot_b)
 {
-    tape->term_coefficient[tape->terms] = coefficient;
-    tape->term_slot[tape->terms] = slot_a;
-    tape->term_operand_b[tape->terms++] = slot_b;
+    tape->term_coefficient[tape->term_count] = coefficient;
+    tape->term_slot[tape->term_count] = slot_a;
+    tape->term_operand_b[tape->term_count++] = slot_b;
 }
 
 /* Makes a LINEAR run of one operation, and appends its constant term and its terms to the tape. A copy is a sum of
@@ -26,10 +26,10 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
                          1,
                          z->slot,
                          .has_constant_terms = number != 0,
-                         .first_constant_term = tape->linear_operations,
-                         .terms = terms,
-                         .term = tape->terms};
-    tape->constant_terms[tape->linear_operations++] = number;
+                         .first_constant_term = tape->linear_operation_count,
+                         .term_count = terms,
+                         .first_term = tape->term_count};
+    tape->constant_terms[tape->linear_operation_count++] = number;
     if (!z->node) {
         append_tape_term(tape, 1, z->operand[0][0], 0);
         return run;
@@ -41,17 +41,21 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
 
 static bool join_linear_run(jet_run *run, const jet_run *next)
 {
-    if (next->terms != run->terms) return false;
+    if (next->term_count != run->term_count) return false;
     if (next->has_constant_terms) run->has_constant_terms = 1;
     return true;
 }
 
-/* Makes a run of one sum of products, and appends its terms to the tape. join_product_run removes the terms again
- * if the operation joins the run before. */
+/* Makes a run of one sum of products, and appends its terms to the tape. join_product_run removes these terms again
+ * if the operation joins the last run, whose terms it shares. */
 static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 {
-    const jet_run run = {
-        z->op, 1, z->slot, .terms = z->operand_pair_count, .term = tape->terms, .is_scattered = z->is_scattered};
+    const jet_run run = {z->op,
+                         1,
+                         z->slot,
+                         .term_count = z->operand_pair_count,
+                         .first_term = tape->term_count,
+                         .is_scattered = z->is_scattered};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
@@ -60,19 +64,20 @@ static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 
 static bool join_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
 {
-    if (next->terms != run->terms || next->is_scattered != run->is_scattered) return false;
+    if (next->term_count != run->term_count || next->is_scattered != run->is_scattered) return false;
     if (run->is_scattered) return true;
-    for (int here = run->term, there = next->term; there < next->term + next->terms; here++, there++)
+    for (int here = run->first_term, there = next->first_term; there < next->first_term + next->term_count;
+         here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
             tape->term_slot[there] != tape->term_slot[here] + run->operation_count ||
             tape->term_operand_b[there] != tape->term_operand_b[here] + run->operation_count)
             return false;
-    tape->terms = next->term;
+    tape->term_count = next->first_term;
     return true;
 }
 
-/* Makes a run of one operation that has a rule. If the partner is read at lower orders only, w is the partner's
- * slot. Otherwise the partner is the second operand, and w is that operand's slot. */
+/* Makes a run of one operation that has a rule. The member w of the run is the slot of the partner. A partner that is
+ * read at the order that is being computed is the second operand of the placement. */
 static jet_run make_rule_run(const graph_lowering *lowering, const tape_placement *z)
 {
     const int *operand = z->operand[0];
@@ -96,8 +101,8 @@ static bool can_join_rule_run(const jet_run *run, const jet_run *next)
  * false otherwise. */
 static bool join_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
 {
-    if (tape->runs == 0) return false;
-    jet_run *run = &tape->run[tape->runs - 1];
+    if (tape->run_count == 0) return false;
+    jet_run *run = &tape->run[tape->run_count - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
     const bool joins = next->op == OP_LINEAR             ? join_linear_run(run, next)
@@ -113,32 +118,32 @@ static void append_operation(const graph_lowering *lowering, jet_tape *tape, con
     const jet_run next = z->op == OP_LINEAR             ? make_linear_run(lowering, tape, z)
                          : is_sum_of_products_op(z->op) ? make_product_run(tape, z)
                                                         : make_rule_run(lowering, z);
-    if (!join_last_run(lowering, tape, &next)) tape->run[tape->runs++] = next;
+    if (!join_last_run(lowering, tape, &next)) tape->run[tape->run_count++] = next;
 }
 
 static void append_constant(jet_tape *tape, const tape_placement *z)
 {
-    tape->constant_values[tape->constants++] = z->node->number;
+    tape->constant_values[tape->constant_count++] = z->node->number;
     if (z->op == OP_PARAMETER)
-        tape->parameter[tape->parameters++] = (jet_tape_parameter){z->node->parameter_index, z->slot};
+        tape->parameter[tape->parameter_count++] = (jet_tape_parameter){z->node->parameter_index, z->slot};
 }
 
 static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
 {
-    for (int i = 0; i < lowering->slots; i++) {
+    for (int i = 0; i < lowering->slot_count; i++) {
         const tape_placement *z = lowering->nodes_by_slot[i];
         tape->recording_index[i] = z->node ? z->node->index + 1 - jet_graph_input_count(lowering->graph) : 0;
-        if (z->op == OP_INPUT) tape->inputs++;
+        if (z->op == OP_INPUT) tape->input_count++;
         else if (z->op == OP_CONST || z->op == OP_PARAMETER) append_constant(tape, z);
         else append_operation(lowering, tape, z);
     }
 }
 
-static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape, int outputs)
+static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape, int output_count)
 {
     size_t pairs = 1, nodes = (size_t)lowering->node_count + 1;
     for (int i = 0; i < lowering->node_count; i++) pairs += 1 + (size_t)jet_graph_node_at(lowering->graph, i)->count;
-    const size_t copies = 2 * pairs; /* Each operand may have a copy. */
+    const size_t copies = 2 * pairs; /* Each of the two operands of a pair may have a copy. */
     lowering->is_node_needed = calloc(nodes, sizeof *lowering->is_node_needed);
     lowering->use_counts = calloc(nodes, sizeof *lowering->use_counts);
     lowering->placements = calloc(nodes + copies, sizeof *lowering->placements);
@@ -152,7 +157,7 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
     tape->term_operand_b = calloc(pairs + copies, sizeof *tape->term_operand_b);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
-    tape->output_slot = calloc((size_t)outputs + 1, sizeof *tape->output_slot);
+    tape->output_slot = calloc((size_t)output_count + 1, sizeof *tape->output_slot);
     tape->recording_index = calloc(nodes + copies, sizeof *tape->recording_index);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
            lowering->nodes_by_slot && lowering->operands && tape->run && tape->constant_values && tape->parameter &&
@@ -161,26 +166,28 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
 }
 
 /* Lowers the graph to the tape, whose arrays are allocated. Returns false if memory is lacking. */
-static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int inputs, int outputs, const jet output[])
+static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int input_count, int output_count,
+                                const jet output[])
 {
-    jet_assign_slots(lowering, inputs, outputs, output);
+    jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->derived_part_name = jet_graph_get_derived_part(lowering->graph, &tape->derived_part_start);
+    tape->derived_part_name = jet_graph_get_derived_part_name(lowering->graph, &tape->derived_part_start);
     tape->derived_part_start += 1 - jet_graph_input_count(lowering->graph);
-    tape->slots = lowering->slots;
-    tape->outputs = outputs;
-    for (int i = 0; i < outputs; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
-    return !JET_HAS(PAD) || lowering->kind != JET_TAPE_SERIES || jet_pad_tape_runs(tape);
+    tape->slot_count = lowering->slot_count;
+    tape->output_count = output_count;
+    for (int i = 0; i < output_count; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
+    return !JET_HAS(PAD) || lowering->kind != JET_TAPE_SERIES || jet_pad_runs_to_whole_vectors(tape);
 }
 
-jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind)
+jet_tape *jet_tape_create(const jet_graph *graph, int input_count, int output_count, const jet output[],
+                          jet_tape_kind kind)
 {
     jet_tape *tape = calloc(1, sizeof *tape);
     if (!tape) return NULL;
     tape->sweeps = tape->interpreter_sweeps = jet_choose_sweeps_for_processor();
     graph_lowering lowering = {.graph = graph, .kind = kind, .node_count = jet_graph_node_count(graph)};
-    const bool is_made = allocate_lowering_and_tape(&lowering, tape, outputs) &&
-                         lower_graph_to_tape(&lowering, tape, inputs, outputs, output);
+    const bool is_made = allocate_lowering_and_tape(&lowering, tape, output_count) &&
+                         lower_graph_to_tape(&lowering, tape, input_count, output_count, output);
     free(lowering.is_node_needed);
     free(lowering.use_counts);
     free(lowering.placements);

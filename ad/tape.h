@@ -4,8 +4,8 @@
  * A tape works on blocks of numbers, which its caller owns. In a block each quantity has a slot, each slot has `lanes`
  * independent numbers (such as the nodes of a quadrature or the directions of a derivative), and the block is repeated
  * for each order of a series:
- *     x[(k * slots + slot) * lanes + lane].
- * The slots 0..inputs-1 are the inputs, which the caller sets. Constants and computed quantities follow. Equal
+ *     x[(k * slot_count + slot) * lanes + lane].
+ * The slots 0..input_count-1 are the inputs, which the caller sets. Constants and computed quantities follow. Equal
  * operations that do not depend on each other have adjacent slots and are computed in one loop; they are a run. */
 #ifndef TVI_AD_TAPE_H
 #define TVI_AD_TAPE_H
@@ -21,9 +21,9 @@ typedef enum {
 
 /* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i, with partners w + i.
  * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own,
- * term_coefficient[k] times slot term_slot[k], for `terms` values k from term + i * terms on.
+ * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term + i * term_count on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
- * term_slot[k] + i and term_operand_b[k] + i, for `terms` values k from `term` on. If operands are scattered, on
+ * term_slot[k] + i and term_operand_b[k] + i, for `term_count` values k from first_term on. If operands are scattered, on
  * tapes of values alone, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
@@ -31,7 +31,7 @@ typedef struct {
     double exponent; /* Exponent of POW; all others have 0. */
     /* LINEAR: 1 if some constant term is not 0. PRODUCTS and SQUARES: 1 if operands are scattered. Otherwise 0. */
     short has_constant_terms, is_scattered;
-    int first_constant_term, terms, term;
+    int first_constant_term, term_count, first_term;
 } jet_run;
 
 /* A constant that may be replaced: the parameter with this index. */
@@ -47,52 +47,54 @@ typedef enum { jet_isa_base, jet_isa_avx2, jet_isa_avx512, JET_ISA_COUNT } jet_i
 
 typedef struct jet_sweeps jet_sweeps;
 
-/* A recorded function as a straight-line program. The members of type int are the lengths of the arrays below. */
+/* A recorded function as a straight-line program. The counts are the lengths of the arrays below. */
 typedef struct {
     /* The sweeps that run the tape: those of the interpreter, or of generated code (emit.h). */
     const jet_sweeps *sweeps;
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
-    int inputs, constants, parameters, slots, runs, linear_operations, terms, outputs;
+    int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,
+        output_count;
     jet_run *run;
-    double *constant_values;         /* [constants] Values of the slots inputs .. inputs + constants - 1. */
-    jet_tape_parameter *parameter;   /* [parameters] The constants that may be replaced. */
-    double *constant_terms;          /* [linear_operations] Constant terms of the LINEAR operations. */
-    int *term_slot, *term_operand_b; /* [terms] Slots of the terms, or of the factors of products. */
-    double *term_coefficient;
-    int *output_slot; /* [outputs] Slots of the outputs. */
-    /* [slots] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
+    double *constant_values;         /* [constant_count] Values of the slots from input_count on. */
+    jet_tape_parameter *parameter;   /* [parameter_count] The constants that may be replaced. */
+    double *constant_terms;          /* [linear_operation_count] Constant terms of the LINEAR operations. */
+    int *term_slot, *term_operand_b; /* [term_count] Slots of the terms, or of the factors of products. */
+    double *term_coefficient;        /* [term_count] */
+    int *output_slot;                /* [output_count] Slots of the outputs. */
+    /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
     int *recording_index;
     /* Name of the operations that are not the user's own (jet_graph_begin_derived_part), or NULL. */
     const char *derived_part_name;
     int derived_part_start; /* The recording_index of the first of these operations. */
 } jet_tape;
 
-/* Creates a tape that computes the outputs, which the graph has accepted. The first `inputs` inputs of the graph
- * have the slots 0..inputs-1; other inputs follow only if an output depends on them. Returns NULL if memory is
- * lacking. */
-jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind);
+/* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs
+ * of the graph have the slots 0..input_count-1; other inputs follow only if an output depends on them. Returns NULL if
+ * memory is lacking. */
+jet_tape *jet_tape_create(const jet_graph *graph, int input_count, int output_count, const jet output[],
+                          jet_tape_kind kind);
 void jet_tape_free(jet_tape *tape);
 
 /* Tells whether a slot is 0 for all inputs and parameters. */
 bool jet_tape_is_slot_always_zero(const jet_tape *tape, int slot);
 
-/* Continues an FNV-1a hash with these bytes. Each step is a bijection of the hash, so that a single changed byte
- * always changes the result. */
+/* Continues an FNV-1a hash with the bytes of `data`. The hash of no data is JET_HASH_OF_NOTHING. Each step is a
+ * bijection of the hash, so that a single changed byte always changes the result. */
 static const uint64_t JET_HASH_OF_NOTHING = UINT64_C(0xcbf29ce484222325);
-uint64_t jet_hash(uint64_t hash, const void *data, size_t byte_count);
+uint64_t jet_continue_hash(uint64_t hash, const void *data, size_t byte_count);
 
 /* Continues a hash with everything that the sweeps read. Tapes with equal hashes compute the same results from the
  * same inputs, bit for bit on one instruction set. A missing tape, NULL, has a hash of its own. */
-uint64_t jet_tape_hash(uint64_t hash, const jet_tape *tape);
+uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape);
 
 /* Prepares a block, once, before its first sweep: sets the constants, and the inputs to 0. All other slots are NaN
  * until a sweep computes them, so that a number that was read too early shows. */
 void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
 
-/* Sets parameter i in a prepared block to value[i][values_each], for i < parameter_count. These values are repeated
- * over the lanes. Other parameters stay as they are. */
-void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count, int values_each,
-                             const double value[]);
+/* Sets parameter i in a prepared block to the row value[i][values_per_parameter], for i < parameter_count. A row with
+ * fewer values than lanes is repeated over the lanes. Other parameters stay as they are. */
+void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count,
+                             int values_per_parameter, const double value[]);
 
 /* Reads value[i] of each parameter i of the tape from one lane of a block. Other elements of `value` stay as they
  * are. */
@@ -106,8 +108,8 @@ struct jet_sweeps {
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*tangents_per_lane)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
-    /* Computes out[w] = sum_{j < count} c_j table[j][w] for w < width, with c_j = c[j * stride]. The last terms,
-     * which are the smallest in a series, are added first. */
+    /* Computes out[w] = sum_{j < count} c_j table[j][w] for w < width, with c_j = c[j * stride]. For a series in
+     * powers, the terms of the highest powers are the smallest; they come last in the table, and are added first. */
     void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
 };
 
@@ -118,8 +120,8 @@ struct jet_sweeps {
  * or avx2 chooses a narrower one. */
 const jet_sweeps *jet_choose_sweeps_for_processor(void);
 
-/* Sets the text of the refusal (refusal.h) to the first operation that is outside its domain, in a block whose sweep
- * of values has failed. The values are computed again. Returns false. */
+/* Computes the values of a block again, whose sweep has failed. Sets the text of the refusal (refusal.h): it names the
+ * first operation that is outside its domain. Returns false. */
 bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes);
 
 /* Computes the values of all slots, which are their coefficients of order 0, from those of the inputs. Returns false
@@ -129,7 +131,7 @@ static inline bool jet_sweep_values(const jet_tape *tape, double *block, int lan
     return tape->sweeps->values(tape, block, lanes) || jet_explain_failed_sweep(tape, block, lanes);
 }
 
-/* Computes values[slots] at one point in long double from the inputs and the constants of a block. They are NaN if
+/* Computes values[slot_count] at one point in long double from the inputs and the constants of a block. They are NaN if
  * an operation is outside its domain. */
 void jet_sweep_long_double_values(const jet_tape *tape, const double *block, long double *values);
 

@@ -8,58 +8,60 @@
 /* One array of a tape. */
 typedef struct {
     void *data;
-    size_t hashed_bytes; /* Number of bytes that the sweeps read, and that are hashed. */
+    size_t hashed_byte_count; /* Number of bytes that the sweeps read, and that are hashed. */
 } tape_array;
 
-/* Lists all arrays of a tape, to free and to hash them. An array that is left out would never be freed. */
+/* Lists all arrays of a tape. jet_tape_free frees them, and jet_tape_continue_hash hashes them. */
 enum { TAPE_ARRAYS = 9 };
 _Static_assert(sizeof(jet_run) == 9 * sizeof(int) + 2 * sizeof(short) + sizeof(double),
                "A run, whose bytes are hashed, has no gaps.");
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
-    const size_t terms = (size_t)tape->terms;
+    const size_t terms = (size_t)tape->term_count;
     const tape_array all[TAPE_ARRAYS] = {
-        {tape->run, (size_t)tape->runs * sizeof *tape->run},
-        {tape->constant_values, (size_t)tape->constants * sizeof *tape->constant_values},
-        {tape->parameter, (size_t)tape->parameters * sizeof *tape->parameter},
-        {tape->constant_terms, (size_t)tape->linear_operations * sizeof *tape->constant_terms},
+        {tape->run, (size_t)tape->run_count * sizeof *tape->run},
+        {tape->constant_values, (size_t)tape->constant_count * sizeof *tape->constant_values},
+        {tape->parameter, (size_t)tape->parameter_count * sizeof *tape->parameter},
+        {tape->constant_terms, (size_t)tape->linear_operation_count * sizeof *tape->constant_terms},
         {tape->term_slot, terms * sizeof *tape->term_slot},
         {tape->term_operand_b, terms * sizeof *tape->term_operand_b},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
-        {tape->output_slot, (size_t)tape->outputs * sizeof *tape->output_slot},
+        {tape->output_slot, (size_t)tape->output_count * sizeof *tape->output_slot},
         {tape->recording_index, 0},
     };
     memcpy(list, all, sizeof all);
 }
 
-void jet_tape_prepare_block(const jet_tape *tape, double *x, int orders, int lanes)
+void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes)
 {
-    const size_t given = (size_t)(tape->inputs + tape->constants) * (size_t)lanes;
-    const size_t all = (size_t)tape->slots * (size_t)lanes;
-    for (size_t at = 0; at < (size_t)orders * all; at++) x[at] = at % all < given ? 0 : NAN;
-    for (int i = 0; i < tape->constants; i++)
-        for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant_values[i];
+    const size_t given = (size_t)(tape->input_count + tape->constant_count) * (size_t)lanes;
+    const size_t all = (size_t)tape->slot_count * (size_t)lanes;
+    for (size_t at = 0; at < (size_t)order_count * all; at++) block[at] = at % all < given ? 0 : NAN;
+    for (int i = 0; i < tape->constant_count; i++)
+        for (int lane = 0; lane < lanes; lane++)
+            block[(tape->input_count + i) * lanes + lane] = tape->constant_values[i];
 }
 
-void jet_tape_set_parameters(const jet_tape *tape, double *x, int lanes, int parameter_count, int values_each,
-                             const double value[])
+void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count,
+                             int values_per_parameter, const double value[])
 {
-    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
+    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameter_count; it++)
         for (int lane = 0; it->parameter_index < parameter_count && lane < lanes; lane++)
-            x[it->slot * lanes + lane] = value[it->parameter_index * values_each + lane % values_each];
+            block[it->slot * lanes + lane] =
+                value[it->parameter_index * values_per_parameter + lane % values_per_parameter];
 }
 
-void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, int lane, double value[])
+void jet_tape_read_parameters(const jet_tape *tape, const double *block, int lanes, int lane, double value[])
 {
-    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
-        value[it->parameter_index] = x[it->slot * lanes + lane];
+    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameter_count; it++)
+        value[it->parameter_index] = block[it->slot * lanes + lane];
 }
 
 bool jet_tape_is_slot_always_zero(const jet_tape *tape, int slot)
 {
-    const int which = slot - tape->inputs;
-    bool is_zero = which >= 0 && which < tape->constants && tape->constant_values[which] == 0;
-    for (int i = 0; i < tape->parameters; i++) is_zero = is_zero && tape->parameter[i].slot != slot;
+    const int which = slot - tape->input_count;
+    bool is_zero = which >= 0 && which < tape->constant_count && tape->constant_values[which] == 0;
+    for (int i = 0; i < tape->parameter_count; i++) is_zero = is_zero && tape->parameter[i].slot != slot;
     return is_zero;
 }
 
@@ -72,22 +74,22 @@ void jet_tape_free(jet_tape *tape)
     free(tape);
 }
 
-uint64_t jet_hash(uint64_t hash, const void *data, size_t bytes)
+uint64_t jet_continue_hash(uint64_t hash, const void *data, size_t byte_count)
 {
     const unsigned char *byte = data;
-    /* The caller states the number of bytes. NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
-    for (size_t i = 0; i < bytes; i++) hash = (hash ^ byte[i]) * UINT64_C(0x100000001b3);
+    /* The caller has set all bytes of the data. NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
+    for (size_t i = 0; i < byte_count; i++) hash = (hash ^ byte[i]) * UINT64_C(0x100000001b3);
     return hash;
 }
 
-uint64_t jet_tape_hash(uint64_t hash, const jet_tape *tape)
+uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape)
 {
-    if (!tape) return jet_hash(hash, "", 1);
-    const int counts[] = {tape->inputs, tape->constants,         tape->parameters, tape->slots,
-                          tape->runs,   tape->linear_operations, tape->terms,      tape->outputs};
-    hash = jet_hash(hash, counts, sizeof counts);
+    if (!tape) return jet_continue_hash(hash, "", 1);
+    const int counts[] = {tape->input_count, tape->constant_count,         tape->parameter_count, tape->slot_count,
+                          tape->run_count,   tape->linear_operation_count, tape->term_count,      tape->output_count};
+    hash = jet_continue_hash(hash, counts, sizeof counts);
     tape_array list[TAPE_ARRAYS];
     list_tape_arrays(tape, list);
-    for (int i = 0; i < TAPE_ARRAYS; i++) hash = jet_hash(hash, list[i].data, list[i].hashed_bytes);
+    for (int i = 0; i < TAPE_ARRAYS; i++) hash = jet_continue_hash(hash, list[i].data, list[i].hashed_byte_count);
     return hash;
 }

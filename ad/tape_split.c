@@ -7,7 +7,7 @@
 typedef struct {
     const jet_tape *tape;
     jet_tape *split;
-    /* [slots] The run that computes the slot; NULL: the operation is already on the new tape, or the slot is no
+    /* [slot_count] The run that computes the slot; NULL: the operation is already on the new tape, or the slot is no
      * result. */
     const jet_run **producing_run;
 } run_splitting;
@@ -17,37 +17,39 @@ typedef struct {
 /* Tells whether each operation of the run has terms of its own. */
 static bool has_terms_per_operation(const jet_run *run) { return run->op == OP_LINEAR || run->is_scattered; }
 
-static void append_split_terms(jet_tape *split, const jet_tape *tape, int first, int count, int shift)
+static void append_split_terms(jet_tape *split, const jet_tape *tape, int first, int count, int slot_shift)
 {
-    for (int term = first; term < first + count; term++, split->terms++) {
-        split->term_slot[split->terms] = tape->term_slot[term] + shift;
-        split->term_operand_b[split->terms] = tape->term_operand_b[term] + shift;
-        split->term_coefficient[split->terms] = tape->term_coefficient[term];
+    for (int term = first; term < first + count; term++, split->term_count++) {
+        split->term_slot[split->term_count] = tape->term_slot[term] + slot_shift;
+        split->term_operand_b[split->term_count] = tape->term_operand_b[term] + slot_shift;
+        split->term_coefficient[split->term_count] = tape->term_coefficient[term];
     }
 }
 
-/* Appends `count` operations of the run to the new tape, from operation number `from` on. */
-static void append_split_run(const run_splitting *s, const jet_run *run, int from, int count)
+/* Appends `count` operations of the run to the new tape, as one run. The first has the number first_operation in the
+ * old run, counted from 0. */
+static void append_split_run(const run_splitting *s, const jet_run *run, int first_operation, int count)
 {
     const jet_tape *tape = s->tape;
     jet_run part = *run;
     part.operation_count = count;
-    part.z += from;
-    part.term = s->split->terms;
+    part.z += first_operation;
+    part.first_term = s->split->term_count;
     if (has_terms_per_operation(run))
-        append_split_terms(s->split, tape, run->term + from * run->terms, count * run->terms, 0);
-    else append_split_terms(s->split, tape, run->term, run->terms, from);
-    if (run->terms == 0) {
-        part.a += from;
-        part.b += jet_rules[run->op]->operand_count == 2 ? from : 0;
+        append_split_terms(s->split, tape, run->first_term + first_operation * run->term_count, count * run->term_count,
+                           0);
+    else append_split_terms(s->split, tape, run->first_term, run->term_count, first_operation);
+    if (run->term_count == 0) {
+        part.a += first_operation;
+        part.b += jet_rules[run->op]->operand_count == 2 ? first_operation : 0;
     }
-    if (run->op == OP_LINEAR) part.first_constant_term += from;
-    s->split->run[s->split->runs++] = part;
+    if (run->op == OP_LINEAR) part.first_constant_term += first_operation;
+    s->split->run[s->split->run_count++] = part;
 }
 
 static void split_runs_in_tape_order(const run_splitting *s, jet_split_mode mode)
 {
-    for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->runs; run++) {
+    for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->run_count; run++) {
         const bool is_apart = mode == JET_SPLIT_SUMS && has_terms_per_operation(run);
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
             append_split_run(s, run, i, is_apart ? 1 : run->operation_count);
@@ -58,26 +60,27 @@ static void split_runs_in_tape_order(const run_splitting *s, jet_split_mode mode
 
 int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, int k)
 {
-    const int reads = run->terms > 0 ? run->terms : 1, which = k % reads;
+    const int reads = run->term_count > 0 ? run->term_count : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
-    if (run->terms == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
-    const int term = run->term + which + (has_terms_per_operation(run) ? i * run->terms : 0),
-              shift = has_terms_per_operation(run) ? 0 : i;
-    return shift + (k < reads ? tape->term_slot[term] : tape->term_operand_b[term]);
+    if (run->term_count == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
+    const int term = run->first_term + which + (has_terms_per_operation(run) ? i * run->term_count : 0),
+              slot_shift = has_terms_per_operation(run) ? 0 : i;
+    return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_operand_b[term]);
 }
 
-void jet_tape_mark_dependents(const jet_tape *tape, bool depends[])
+void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[])
 {
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) {
-            bool *z = &depends[run->z + i];
+            bool *z = &is_dependent[run->z + i];
             *z = false;
-            for (int k = 0, a; (a = jet_operation_operand_slot(tape, run, i, k)) >= 0; k++) *z = *z || depends[a];
+            for (int k = 0, a; (a = jet_operation_operand_slot(tape, run, i, k)) >= 0; k++) *z = *z || is_dependent[a];
         }
 }
 
-/* Tells whether the operation of this slot reads the slot `made_slot`, and all its operands are on the new tape. */
-static bool is_ready_after(const run_splitting *s, int slot, int made_slot)
+/* Tells whether the operation of `slot` reads made_slot, the slot that was computed last, and all its operands are on
+ * the new tape. */
+static bool is_operation_ready_after(const run_splitting *s, int slot, int made_slot)
 {
     const jet_run *run = s->producing_run[slot];
     bool reads = false;
@@ -99,17 +102,18 @@ static void append_operation_with_dependents(const run_splitting *s, int slot)
     if (!s->producing_run[slot]) return;
     append_split_run(s, run, slot - run->z, 1);
     s->producing_run[slot] = NULL;
-    for (int next = 0; next < s->tape->slots; next++)
-        if (s->producing_run[next] && is_ready_after(s, next, slot)) append_operation_with_dependents(s, next);
+    for (int next = 0; next < s->tape->slot_count; next++)
+        if (s->producing_run[next] && is_operation_ready_after(s, next, slot))
+            append_operation_with_dependents(s, next);
 }
 
 static void split_runs_in_dependence_order(const run_splitting *s)
 {
     const jet_tape *tape = s->tape;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) s->producing_run[run->z + i] = run;
-    for (int i = 0; i < tape->outputs; i++) append_operation_with_dependents(s, tape->output_slot[i]);
-    for (int slot = 0; slot < tape->slots; slot++) append_operation_with_dependents(s, slot);
+    for (int i = 0; i < tape->output_count; i++) append_operation_with_dependents(s, tape->output_slot[i]);
+    for (int slot = 0; slot < tape->slot_count; slot++) append_operation_with_dependents(s, slot);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
@@ -125,11 +129,11 @@ void jet_free_split_tape(jet_tape *split)
 bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode mode)
 {
     size_t terms = 1;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        terms += (size_t)run->operation_count * (size_t)run->terms;
-    const size_t slots = (size_t)tape->slots + 1;
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+        terms += (size_t)run->operation_count * (size_t)run->term_count;
+    const size_t slots = (size_t)tape->slot_count + 1;
     *split = *tape;
-    split->runs = split->terms = 0;
+    split->run_count = split->term_count = 0;
     split->run = calloc(slots, sizeof *split->run);
     split->term_slot = calloc(terms, sizeof *split->term_slot);
     split->term_operand_b = calloc(terms, sizeof *split->term_operand_b);

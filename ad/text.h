@@ -13,7 +13,7 @@
 typedef struct {
     char *data; /* The text, which ends with 0 and is freed by the caller; NULL: the text is empty. */
     size_t length, capacity;
-    bool is_incomplete; /* Memory was lacking, and text is missing. */
+    bool is_incomplete; /* Memory was lacking, and some appended text is missing. */
 } jet_text;
 
 void jet_text_append(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);

@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* JET_WIDE: the machine's vectors hold eight numbers. */
+/* JET_WIDE is defined if the machine's vectors hold eight numbers. */
 #ifdef __AVX512F__
 #define JET_WIDE
 #endif
@@ -24,8 +24,8 @@ typedef double jet_v4 JET_VECTOR(double, 4);
 typedef double jet_v2 JET_VECTOR(double, 2);
 typedef double jet_v1;
 
-/* The results of comparisons of vectors: the bits of each lane are all set, or all 0. JET_CHOOSE takes each lane of
- * two vectors by a mask. */
+/* The results of comparisons of vectors: the bits of each lane are all set where the comparison holds, else all 0.
+ * JET_CHOOSE takes each lane from the vector `yes` where the mask is set, else from the vector `no`. */
 typedef long long jet_mask_of_jet_v8 JET_VECTOR(long long, 8);
 typedef long long jet_mask_of_jet_v4 JET_VECTOR(long long, 4);
 typedef long long jet_mask_of_jet_v2 JET_VECTOR(long long, 2);
@@ -101,8 +101,8 @@ JET_INLINE bool jet_are_indices_adjacent(int count, const int index[])
     return is_row;
 }
 
-/* Coefficient j of a series x at the current vector; JET_D_: of a tangent x. JET_AT and JET_D_AT can be assigned to,
- * JET_OF and JET_D_OF are only read. */
+/* Coefficient j of a series x, for the vector that begins at the number `here`. JET_D_AT and JET_D_OF take those of a
+ * tangent x. JET_AT and JET_D_AT can be assigned to, JET_OF and JET_D_OF are only read. */
 #define JET_AT(V, x, j)   (*(V *)((x) + stride * (size_t)(j) + here))
 #define JET_OF(V, x, j)   (*(const V *)((x) + stride * (size_t)(j) + here))
 #define JET_D_AT(V, x, j) (*(V *)((x) + dstride * (size_t)(j) + here))

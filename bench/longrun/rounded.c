@@ -70,7 +70,7 @@ rounded *rounded_create(const tvi_system *system, double h)
 {
     rounded *r = calloc(1, sizeof *r);
     if (!r) return NULL;
-    r->block = malloc((size_t)(system->field_values->slots * NODES) * sizeof *r->block);
+    r->block = malloc((size_t)(system->field_values->slot_count * NODES) * sizeof *r->block);
     if (!r->block) return free(r), NULL;
     jet_tape_prepare_block(system->field_values, r->block, 1, NODES);
     r->system = system, r->h = h;

@@ -9,7 +9,7 @@
 
 static quad_system *system_of(jet_graph *graph, int n, const double mass[], jet force[])
 {
-    if (jet_graph_accept_outputs(graph, n, force) != TVI_OK) return NULL;
+    if (jet_graph_check_outputs(graph, n, force) != TVI_OK) return NULL;
     quad_system *system = quad_allocate(1, sizeof *system);
     system->n = n;
     system->mass = quad_vector(n);
@@ -48,7 +48,7 @@ quad_system *quad_system_potential(int n, const double mass[], tvi_potential_fn 
     jet_graph *graph = open_graph(n, &inputs);
     jet V = potential(inputs, inputs[n], ctx);
     quad_system *system = NULL;
-    if (jet_graph_accept_outputs(graph, 1, &V) == TVI_OK) {
+    if (jet_graph_check_outputs(graph, 1, &V) == TVI_OK) {
         if (!jet_record_gradient(graph, V, n, F)) abort();
         for (int i = 0; i < n; i++) F[i] = jet_neg(F[i]);
         system = system_of(graph, n, mass, F);

@@ -35,7 +35,7 @@ tvi_status gauss_recorded(const tvi_system *system, int order, const baseline_ta
                           baseline_counts *counts)
 {
     *counts = (baseline_counts){0};
-    block = malloc((size_t)(system->field_values->slots * LANES) * sizeof *block);
+    block = malloc((size_t)(system->field_values->slot_count * LANES) * sizeof *block);
     if (!block) return TVI_ENOMEM;
     recorded = system;
     jet_tape_prepare_block(system->field_values, block, 1, LANES);

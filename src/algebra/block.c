@@ -3,7 +3,7 @@
 
 double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t extra_numbers)
 {
-    const size_t numbers = (size_t)tape->slots * (size_t)orders * (size_t)lanes;
+    const size_t numbers = (size_t)tape->slot_count * (size_t)orders * (size_t)lanes;
     tvi_block *block = tvi_arena_allocate(arena, sizeof *block);
     double *x = tvi_arena_allocate_doubles(arena, numbers + extra_numbers);
     if (!block) return NULL;

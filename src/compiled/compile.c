@@ -128,13 +128,13 @@ extern const char *const tvi_embedded_products[], *const tvi_embedded_generated_
 
 static uint64_t hash_lines(uint64_t hash, const char *const lines[])
 {
-    for (; *lines; lines++) hash = jet_hash(hash, *lines, strlen(*lines));
+    for (; *lines; lines++) hash = jet_continue_hash(hash, *lines, strlen(*lines));
     return hash;
 }
 
 uint64_t tvi_compiled_hash_library_text(void)
 {
-    const char *const *const texts[] = {jet_embedded_source_lines(),
+    const char *const *const texts[] = {jet_rule_source_lines(),
                                         tvi_embedded_code,
                                         tvi_embedded_galerkin,
                                         tvi_embedded_galerkin_plain,

@@ -86,7 +86,7 @@ static void choose_cache_directory(compilation_request *request, const char *req
 
 static void add_to_key(compilation_key *key, const void *data, size_t byte_count)
 {
-    for (int i = 0; i < 2; i++) key->hash[i] = jet_hash(key->hash[i], data, byte_count);
+    for (int i = 0; i < 2; i++) key->hash[i] = jet_continue_hash(key->hash[i], data, byte_count);
 }
 
 /* Adds the features of this processor to the key, since the compiler's flag "native" depends on them. */
@@ -127,7 +127,7 @@ static compilation_request make_compilation_request(const jet_text *text, const 
 static cache_seal compute_seal(const compilation_key *key, const char *data, size_t byte_count)
 {
     return (cache_seal){
-        {'t', 'v', 'i', ' ', 'c', 'o', 'd', 'e'}, *key, jet_hash(JET_HASH_OF_NOTHING, data, byte_count)};
+        {'t', 'v', 'i', ' ', 'c', 'o', 'd', 'e'}, *key, jet_continue_hash(JET_HASH_OF_NOTHING, data, byte_count)};
 }
 
 /* Tells whether the file exists, and ends with the seal for this key and its contents. */

@@ -40,7 +40,7 @@ static const galerkin_kernels *const *const kernel_tables[JET_ISA_COUNT] = {
 
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
-    const int node_count = options->degree, bytes = system->field_values->slots * node_count * (int)sizeof(double);
+    const int node_count = options->degree, bytes = system->field_values->slot_count * node_count * (int)sizeof(double);
     if (system->hessian_values || options->passes == TVI_PREDICT_ONLY) return 1;
     const bool has_steps = system->code && system->code->galerkin;
     if (BATCH_MIN_WIDTH * bytes > (has_steps ? GALERKIN_BATCH_MAX_BYTES : GALERKIN_BATCH_MAX_BYTES_AT_MIN_WIDTH))

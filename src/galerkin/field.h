@@ -80,7 +80,7 @@ void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, co
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
 /* Returns the number of rows at the start of a tape's block that a sweep reads and does not write. */
-static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->inputs + tape->constants; }
+static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->input_count + tape->constant_count; }
 
 /* Adds the field's output_displacements to the outputs of a tape in its block. */
 void tvi_galerkin_displace_tape_outputs(const galerkin_field *field, const jet_tape *tape, double *block);

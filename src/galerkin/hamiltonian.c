@@ -89,7 +89,7 @@ static bool is_unknown_in_inner_iterations(const galerkin_field *field, const ga
  * index of the row of zeros after the block. */
 static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_tables *tables, int row, int column)
 {
-    int slot = field->system->hessian_values->slots;
+    int slot = field->system->hessian_values->slot_count;
     for (int k = find_hessian_row_begin(tables, row); k < tables->row_end[row]; k++)
         if (tables->hessian_element[k].column == column) slot = tables->hessian_element[k].slot;
     return slot * field->nodes.lane_count;

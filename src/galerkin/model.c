@@ -7,7 +7,7 @@ void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_a
     const tvi_system *system = field->system;
     const size_t lanes = (size_t)field->nodes.lane_count;
     tables->blocks = (galerkin_tape_blocks){
-        .n = system->n, .lane_count = field->nodes.lane_count, .input_count = system->hessian_values->inputs};
+        .n = system->n, .lane_count = field->nodes.lane_count, .input_count = system->hessian_values->input_count};
     tables->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lane_count, 0);
     tables->blocks.hessian_block =
         tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lane_count, lanes);
@@ -74,5 +74,5 @@ void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tab
     jet_text_append(text,
                     "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                    hessian->inputs, galerkin_count_input_rows(hessian), tables->blocks.lane_count);
+                    hessian->input_count, galerkin_count_input_rows(hessian), tables->blocks.lane_count);
 }

@@ -81,7 +81,8 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     action->node_momentum_correction = tvi_arena_allocate_doubles(arena, n * points);
     if (action->field_tape != system->field_values) {
         action->H_pp = tvi_arena_allocate_doubles(arena, n * n * points);
-        action->field_tangent_block = tvi_arena_allocate_doubles(arena, (size_t)action->field_tape->slots * points);
+        action->field_tangent_block =
+            tvi_arena_allocate_doubles(arena, (size_t)action->field_tape->slot_count * points);
     }
     tvi_roundoff_allocate(&action->field_roundoff, arena, system);
 }

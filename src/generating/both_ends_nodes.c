@@ -39,7 +39,7 @@ static void add_curve_to_difference(tvi_both_ends_workspace *w, const tvi_end_cu
  * dpi/ds at the nodes. */
 static void add_curve_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
 {
-    const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
+    const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slot_count;
     const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->momentum_coefficients + i;
     const double *power = x->action.power_table.all_orders, *slope = x->action.slope_table.all_orders;
     const double q_apart = tvi_curve_position_coefficients(&w->start_curve.curve, 0)[i] -

@@ -28,7 +28,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
                         tvi_jacobians jacobians, int width)
 {
     const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n, numbers = n * (size_t)width,
-                 jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
+                 jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slot_count * (size_t)width;
     const size_t tangent_lanes = width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(system);
     memset(curve, 0, sizeof *curve);
     curve->system = system;

@@ -35,7 +35,7 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
         return 1;
     const int orders = tvi_create_sized_action(system, options, 1).orders,
               blocks = is_plain_taylor_method(options) ? 1 : 2;
-    const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
+    const int bytes = blocks * system->field_series->slot_count * orders * (int)sizeof(double);
     int width = BATCH_MIN_WIDTH;
     if (BATCH_MIN_WIDTH * bytes > CURVE_BATCH_MAX_BYTES_AT_MIN_WIDTH) return 1;
     while (2 * width <= BATCH_MAX_WIDTH && 2 * width * bytes <= CURVE_BATCH_MAX_BYTES) width *= 2;

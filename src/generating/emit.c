@@ -17,7 +17,7 @@ static void emit_text_lines(jet_text *text, const char *const lines[])
 static void emit_output_slot_table(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
 {
     jet_text_append(text, "static const int %s[] = {", table);
-    for (int i = 0; i < tape->outputs; i++) jet_text_append(text, "%d, ", tape->output_slot[i]);
+    for (int i = 0; i < tape->output_count; i++) jet_text_append(text, "%d, ", tape->output_slot[i]);
     jet_text_append(text, "};\n#define %s %s\n", macro, table);
 }
 
@@ -39,13 +39,13 @@ static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi
 static void emit_velocity_dependence_macro(jet_text *text, const tvi_system *system)
 {
     const jet_tape *tape = system->field_series;
-    bool *follows = calloc((size_t)tape->slots, sizeof *follows);
+    bool *follows = calloc((size_t)tape->slot_count, sizeof *follows);
     text->is_incomplete |= !follows;
     if (!follows) return;
     for (int i = system->n; i < 2 * system->n; i++) follows[i] = true;
-    jet_tape_mark_dependents(tape, follows);
+    jet_tape_mark_dependent_slots(tape, follows);
     jet_text_append(text, "static const bool code_follows[] = {");
-    for (int slot = 0; slot < tape->slots; slot++) jet_text_append(text, "%d, ", follows[slot]);
+    for (int slot = 0; slot < tape->slot_count; slot++) jet_text_append(text, "%d, ", follows[slot]);
     jet_text_append(text, "};\n#define CURVE_FOLLOWS(slot) code_follows[slot]\n");
     free(follows);
 }

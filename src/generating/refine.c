@@ -36,7 +36,7 @@ bool tvi_needs_refined_increments(const tvi_system *system, double tolerance)
 void tvi_allocate_increment_refinement(tvi_increment_refinement *refinement, tvi_arena *arena, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
-    const size_t inputs = (size_t)system->input_count, slots = (size_t)system->field_values->slots;
+    const size_t inputs = (size_t)system->input_count, slots = (size_t)system->field_values->slot_count;
     long double **const vectors[] = {&refinement->order_zero_terms,  &refinement->order_one_terms,
                                      &refinement->coefficient_sum,   &refinement->ode_residual,
                                      &refinement->residual_integral, &refinement->residual_double_integral,

@@ -84,7 +84,7 @@ static inline int curve_input_count(const tvi_curve *curve)
 
 static inline int curve_constant_count(const tvi_curve *curve)
 {
-    return CURVE_SIZE(tvi_series.constants, curve->system->field_series->constants);
+    return CURVE_SIZE(tvi_series.constant_count, curve->system->field_series->constant_count);
 }
 
 static inline bool curve_uses_time(const tvi_curve *curve)
@@ -114,7 +114,8 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, cons
 /* Returns the length of one order of the series' block. */
 static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 {
-    return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots) * (size_t)curve_width(curve);
+    return (size_t)CURVE_SIZE(tvi_series.slot_count, curve->system->field_series->slot_count) *
+           (size_t)curve_width(curve);
 }
 
 /* Returns the number of tangent directions of one sweep. Generated code of small systems has all directions in one

@@ -12,7 +12,7 @@ void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *
                                  const tvi_system *system, const tvi_options *options, int width, int point_count)
 {
     const tvi_block *const blocks_of_batch = arena->first_block;
-    const int slots[] = {system->field_values->slots, system->field_series->slots};
+    const int slots[] = {system->field_values->slot_count, system->field_series->slot_count};
     *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .batch_width = width};
     arena->first_block = NULL;
     member_stepper->stepper_work = stepper->allocate(arena, system, options);
@@ -43,7 +43,7 @@ void tvi_scatter_member(int rows, int width, const double from[], int member, do
 bool tvi_is_member_inside_domain(const tvi_member_stepper *member_stepper, const jet_tape *tape,
                                  const double *batch_block, int point_count, int member)
 {
-    tvi_gather_member(tape->slots * point_count, member_stepper->batch_width, batch_block, member,
+    tvi_gather_member(tape->slot_count * point_count, member_stepper->batch_width, batch_block, member,
                       member_stepper->member_block);
     return tape->sweeps->values(tape, member_stepper->member_block, point_count);
 }

@@ -100,7 +100,7 @@ static void bound_energy_changes(const void *work, double bound[])
 
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
-    const int bytes = system->field_values->slots * (int)sizeof(double);
+    const int bytes = system->field_values->slot_count * (int)sizeof(double);
     int width = BATCH_MIN_WIDTH;
     (void)options;
     while (2 * width <= VERLET_BATCH_MAX_WIDTH && 2 * width * bytes <= VERLET_BATCH_MAX_BYTES) width *= 2;

@@ -39,7 +39,7 @@ size_t tvi_saved_size_in_bytes(const tvi_saved_pieces *pieces)
 void tvi_saved_add_checksum(void *buffer, size_t size)
 {
     const size_t before = size - sizeof(uint64_t);
-    const uint64_t checksum = jet_hash(JET_HASH_OF_NOTHING, buffer, before);
+    const uint64_t checksum = jet_continue_hash(JET_HASH_OF_NOTHING, buffer, before);
     memcpy((char *)buffer + before, &checksum, sizeof checksum);
 }
 
@@ -67,7 +67,7 @@ const char *tvi_saved_find_damage(const void *buffer, size_t size, tvi_saved_ide
     memcpy(&checksum, (const char *)buffer + size - sizeof checksum, sizeof checksum);
     if (memcmp(identity->magic, MAGIC, sizeof identity->magic) != 0) return "the bytes are no state";
     if (identity->format_version != STATE_VERSION) return "the state is of another version of the library";
-    const bool is_sound = checksum == jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
+    const bool is_sound = checksum == jet_continue_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
     return is_sound && identity->total_bytes == (int64_t)size ? NULL : "the state is damaged";
 }
 

@@ -10,7 +10,7 @@ enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
  * exhausted. */
 static double *allocate_tape_block(const jet_tape *tape, int lanes)
 {
-    double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
+    double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
     if (block) jet_tape_prepare_block(tape, block, 1, lanes);
     return block;
 }

@@ -159,7 +159,7 @@ static void read_or_write_word(text_stream *stream, char separator, char word[LO
 {
     if (stream->input) read_word(stream, word);
     else write_word(stream, separator, word);
-    stream->hash = jet_hash(jet_hash(stream->hash, word, strlen(word)), " ", 1);
+    stream->hash = jet_continue_hash(jet_continue_hash(stream->hash, word, strlen(word)), " ", 1);
 }
 
 static void read_or_write_expected_word(text_stream *stream, char separator, const char *wanted, const char *fault)

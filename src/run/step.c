@@ -84,7 +84,8 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field_block + n);
     tvi_system_write_time(system, it->field_block, 1, &t);
     bool is_finite = tape->interpreter_sweeps->values(tape, it->field_block, 1);
-    for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field_block[tape->output_slot[i]]);
+    for (int i = 0; i < tape->output_count; i++)
+        is_finite = is_finite && isfinite(it->field_block[tape->output_slot[i]]);
     return is_finite;
 }
 

@@ -29,10 +29,10 @@ static void free_tangent(tvi_tangent *tangent)
 static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
 {
     const jet_tape *flow = it->stepped->field_values, *change = tangent->lifted_system->energy;
-    const size_t numbers = (size_t)flow->slots + (size_t)change->slots;
+    const size_t numbers = (size_t)flow->slot_count + (size_t)change->slot_count;
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
-    tangent->energy_block = tangent->field_block + flow->slots;
+    tangent->energy_block = tangent->field_block + flow->slot_count;
     jet_tape_prepare_block(flow, tangent->field_block, 1, 1);
     jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
     it->stats.bytes += numbers * sizeof *tangent->field_block;

@@ -65,7 +65,7 @@ static bool evaluate_energy_tape(const tvi_energy_work *work, double sign, const
     memcpy(block, q, numbers * sizeof *q);
     if (x) memcpy(block + numbers, x, numbers * sizeof *x);
     const size_t inputs = (size_t)work->system->energy_input_count;
-    if ((size_t)tape->inputs > inputs) memcpy(block + inputs * width, t, width * sizeof *t);
+    if ((size_t)tape->input_count > inputs) memcpy(block + inputs * width, t, width * sizeof *t);
     const bool is_inside = jet_sweep_values(tape, block, work->lane_count);
     for (size_t lane = 0; lane < width; lane++) value[lane] = sign * block[(size_t)tape->output_slot[0] * width + lane];
     return is_inside;
@@ -109,7 +109,7 @@ void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, co
 {
     tvi_energy_allocate(work, arena, system, 1);
     work->long_double_values =
-        tvi_arena_allocate(arena, (size_t)system->energy->slots * sizeof *work->long_double_values);
+        tvi_arena_allocate(arena, (size_t)system->energy->slot_count * sizeof *work->long_double_values);
 }
 
 long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, const double q[], const double p[])
@@ -117,7 +117,7 @@ long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, cons
     double H;
     if (!tvi_energy_compute_lanes(work, &t, q, p, &H)) return NAN;
     const jet_tape *tape = work->system->energy;
-    for (int i = 0; i < tape->inputs; i++) work->long_double_values[i] = work->tape_block[i];
+    for (int i = 0; i < tape->input_count; i++) work->long_double_values[i] = work->tape_block[i];
     jet_sweep_long_double_values(tape, work->tape_block, work->long_double_values);
     return work->long_double_values[tape->output_slot[0]];
 }

@@ -21,12 +21,12 @@ static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void 
     for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);
     if (status == TVI_OK) {
         jet value = g(state, state + n, state[2 * n], ctx);
-        status = jet_graph_accept_outputs(event->graph, 1, &value);
+        status = jet_graph_check_outputs(event->graph, 1, &value);
         jet_graph_close(event->graph);
         if (status == TVI_OK) event->tape = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_VALUES);
         if (status == TVI_OK) event->series = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_SERIES);
         if (status == TVI_OK && !(event->tape && event->series)) status = TVI_ENOMEM;
-        if (status == TVI_OK) event->hash = jet_tape_hash(JET_HASH_OF_NOTHING, event->tape);
+        if (status == TVI_OK) event->hash = jet_tape_continue_hash(JET_HASH_OF_NOTHING, event->tape);
         event->output = value;
     }
     free(state);
@@ -83,7 +83,7 @@ static tvi_status record_events_in_one_graph(const tvi_event *const events[], in
         if (!jet_record_forward_derivatives(events[i]->graph, graph, input, zeros, NULL, 1, &events[i]->output,
                                             &value[i], &rate))
             return TVI_ENOMEM;
-    const tvi_status status = jet_graph_accept_outputs(graph, count, value);
+    const tvi_status status = jet_graph_check_outputs(graph, count, value);
     jet_graph_close(graph);
     return status;
 }
@@ -128,7 +128,7 @@ enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
 tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event)
 {
-    const size_t slots = (size_t)event->series->slots;
+    const size_t slots = (size_t)event->series->slot_count;
     expansion->series_block = malloc((EVENT_LINE_DEGREE + 1) * slots * sizeof *expansion->series_block);
     expansion->tangents = calloc(slots * SAMPLES, sizeof *expansion->tangents);
     if (!expansion->series_block || !expansion->tangents) return TVI_ENOMEM;
@@ -184,7 +184,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
                                     const double displacement[], double *change, double *term_sum, bool *is_exact)
 {
     const jet_tape *tape = event->series;
-    const size_t inputs = 2 * (size_t)event->n + 1, slots = (size_t)tape->slots;
+    const size_t inputs = 2 * (size_t)event->n + 1, slots = (size_t)tape->slot_count;
     const tvi_status status = compute_series_values(event, expansion, x);
     double last = 0;
     if (status != TVI_OK) return status;

@@ -44,7 +44,7 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
         (*jets)[row] = system->field[row];
         for (int column = 0; column <= row; column++) append_entry(system, *jets, row, column, hessian_row[column]);
     }
-    return jet_graph_accept_outputs(system->graph, rows + system->hessian_entry_count, *jets);
+    return jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets);
 }
 
 /* Records a row of g f'' + g' f'^T + f' g'^T, and then the component g f' + f g' of the field, since the two share
@@ -76,7 +76,7 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
     for (int row = 0; row < rows && status == TVI_OK; row++)
         status = record_product_row(system, row, factor, gradient_g, gradient_f, jets);
     free(gradient_g);
-    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, rows + system->hessian_entry_count, *jets)
+    return status == TVI_OK ? jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets)
                             : status;
 }
 
@@ -88,7 +88,8 @@ static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
     jet_tape *with_hessian =
         jet_tape_create(system->graph, rows, rows + system->hessian_entry_count, jets, JET_TAPE_VALUES);
     const bool created = field && with_hessian;
-    if (!created || 4 * with_hessian->slots > HESSIAN_MAX_COST * field->slots) system->hessian_entry_count = 0;
+    if (!created || 4 * with_hessian->slot_count > HESSIAN_MAX_COST * field->slot_count)
+        system->hessian_entry_count = 0;
     jet_tape_free(field);
     jet_tape_free(with_hessian);
     return created ? TVI_OK : TVI_ENOMEM;
@@ -97,7 +98,7 @@ static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
 tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets)
 {
     const int rows = 2 * system->n, nodes = jet_graph_node_count(system->graph);
-    tvi_status status = jet_graph_accept_outputs(system->graph, rows, system->field);
+    tvi_status status = jet_graph_check_outputs(system->graph, rows, system->field);
     if (status != TVI_OK) return status;
     if (rows <= HESSIAN_WHOLE_MAX_NUMBERS / nodes) {
         status = tvi_hessian_record(system, jets);

@@ -11,7 +11,7 @@
 
 void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system)
 {
-    const size_t slots = (size_t)system->field_series->slots, n = (size_t)system->n;
+    const size_t slots = (size_t)system->field_series->slot_count, n = (size_t)system->n;
     legendre->system = system;
     legendre->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     legendre->tangents = tvi_arena_allocate_doubles(arena, slots * n);

@@ -9,7 +9,7 @@ tvi_status tvi_state_rates_open(tvi_state_rates *rates, const tvi_system *system
 {
     *rates = (tvi_state_rates){.system = system};
     if (system->form == TVI_LAGRANGIAN) return TVI_OK;
-    rates->field_block = malloc((size_t)system->field_values->slots * sizeof *rates->field_block);
+    rates->field_block = malloc((size_t)system->field_values->slot_count * sizeof *rates->field_block);
     if (!rates->field_block) return TVI_ENOMEM;
     jet_tape_prepare_block(system->field_values, rates->field_block, 1, 1);
     tvi_state_rates_set_parameters(rates, parameters);

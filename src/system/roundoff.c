@@ -10,7 +10,7 @@ enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
 void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
 {
-    const size_t slots = (size_t)system->field_series->slots;
+    const size_t slots = (size_t)system->field_series->slot_count;
     roundoff->field_change = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
     roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     roundoff->tangents = tvi_arena_allocate_doubles(arena, slots * SAMPLES);
@@ -26,8 +26,9 @@ double tvi_roundoff_sign_randomly(tvi_roundoff *roundoff, double size)
 static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, int operation)
 {
     int exponent;
-    return run->op == OP_LINEAR && run->terms == 1 && tape->constant_terms[run->first_constant_term + operation] == 0 &&
-           fabs(frexp(tape->term_coefficient[run->term + operation], &exponent)) == 0.5;
+    return run->op == OP_LINEAR && run->term_count == 1 &&
+           tape->constant_terms[run->first_constant_term + operation] == 0 &&
+           fabs(frexp(tape->term_coefficient[run->first_term + operation], &exponent)) == 0.5;
 }
 
 /* Returns the magnitude to which the roundoff of an operation of a run is relative: the magnitude of its result, or
@@ -38,8 +39,9 @@ static double compute_roundoff_scale(const jet_tape *tape, const jet_run *run, i
     if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + operation]);
     if (is_multiplication_exact(tape, run, operation)) return 0;
     double sum = is_linear ? fabs(tape->constant_terms[run->first_constant_term + operation]) : 0;
-    for (int term = 0; term < run->terms; term++) {
-        const int k = run->term + term + (is_linear ? operation * run->terms : 0), at = is_linear ? 0 : operation;
+    for (int term = 0; term < run->term_count; term++) {
+        const int k = run->first_term + term + (is_linear ? operation * run->term_count : 0),
+                  at = is_linear ? 0 : operation;
         const double a = x[tape->term_slot[k] + at];
         const double b = is_linear ? 1 : is_products ? x[tape->term_operand_b[k] + at] : a;
         sum += fabs(tape->term_coefficient[k] * a * b);
@@ -54,7 +56,7 @@ static void add_roundoff_unit(const double *x, double *dx, int slot, double size
 {
     int exponent;
     const double digits = frexp(fabs(x[slot]), &exponent);
-    const uint64_t bits = jet_hash(JET_HASH_OF_NOTHING, &digits, sizeof digits);
+    const uint64_t bits = jet_continue_hash(JET_HASH_OF_NOTHING, &digits, sizeof digits);
     for (int s = 0; s < SAMPLES && size > 0; s++)
         dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
 }
@@ -64,12 +66,12 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
 {
     memset(dx, 0, (size_t)input_count * SAMPLES * sizeof *dx);
     for (int i = 0; i < input_count; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
-    for (int r = 0; r < tape->runs; r++) {
+    for (int r = 0; r < tape->run_count; r++) {
         jet_tape one_run = *tape;
         /* Generated code runs only whole tapes, so that the interpreter runs this run. */
         one_run.sweeps = tape->interpreter_sweeps;
         one_run.run = tape->run + r;
-        one_run.runs = 1;
+        one_run.run_count = 1;
         jet_sweep_tangents(&one_run, x, dx, 0, SAMPLES);
         for (int i = 0; i < one_run.run->operation_count; i++)
             add_roundoff_unit(x, dx, one_run.run->z + i, compute_roundoff_scale(tape, one_run.run, i, x));

@@ -89,12 +89,12 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
 static tvi_status record_full_gradient(const system_recording *recording, jet *x, jet gradient[])
 {
     tvi_system *system = recording->system;
-    tvi_status status = jet_graph_accept_outputs(system->graph, 1, x);
+    tvi_status status = jet_graph_check_outputs(system->graph, 1, x);
     if (status != TVI_OK) return status;
     if (!jet_record_gradient(system->graph, *x, 2 * system->n, gradient)) return TVI_ENOMEM;
     for (int i = 0; i < 2 * system->n && status == TVI_OK; i++) {
         jet component = gradient[i]; /* A component that is a number stays a number, and needs no node of the graph. */
-        status = jet_graph_accept_outputs(system->graph, 1, &component);
+        status = jet_graph_check_outputs(system->graph, 1, &component);
     }
     return status;
 }
@@ -112,7 +112,7 @@ static tvi_status record_potential(system_recording *recording, const system_sta
 {
     tvi_system *system = recording->system;
     recording->original_function = statement->potential(recording->q, recording->t, statement->ctx);
-    const tvi_status status = jet_graph_accept_outputs(system->graph, 1, &recording->original_function);
+    const tvi_status status = jet_graph_check_outputs(system->graph, 1, &recording->original_function);
     return status == TVI_OK ? record_force(recording) : status;
 }
 
@@ -127,7 +127,7 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
     for (int i = 0; i < n; i++) force[i] = jet_make_unset_poison();
     statement->drive(recording->q, v, recording->t, force, statement->drive_ctx);
     jet_graph_set_output_name(system->graph, "driving force");
-    const tvi_status status = jet_graph_accept_outputs(system->graph, n, force);
+    const tvi_status status = jet_graph_check_outputs(system->graph, n, force);
     jet_graph_set_output_name(system->graph, user_function_name(statement));
     for (int i = 0; i < n; i++) recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
     free(force);
@@ -167,7 +167,7 @@ static tvi_status record_gradient_of_r_dot_Hp(system_recording *recording)
     const int n = system->n;
     jet along = jet_dot(recording->r, recording->field + n, n);
     const tvi_status status = record_full_gradient(recording, &along, recording->gradient_of_r_dot_Hp);
-    return status == TVI_OK ? jet_graph_accept_outputs(system->graph, 2 * n, recording->gradient_of_r_dot_Hp) : status;
+    return status == TVI_OK ? jet_graph_check_outputs(system->graph, 2 * n, recording->gradient_of_r_dot_Hp) : status;
 }
 
 static tvi_status record_factored_hamiltonian(system_recording *recording, const system_statement *statement)
@@ -274,7 +274,7 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     free(jets);
     if (!lifted) return TVI_ENOMEM;
     if (base->form == TVI_HAMILTONIAN &&
-        jet_graph_accept_outputs(system->graph, 1, &recording->original_function) != TVI_OK)
+        jet_graph_check_outputs(system->graph, 1, &recording->original_function) != TVI_OK)
         return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_gradient_of_r_dot_Hp(recording)
            : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
@@ -297,7 +297,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
 {
     tvi_system *system = recording->system;
     const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
-    const tvi_status status = jet_graph_accept_outputs(system->graph, outputs, recording->field);
+    const tvi_status status = jet_graph_check_outputs(system->graph, outputs, recording->field);
     if (status != TVI_OK) return status;
     jet_graph_close(system->graph);
     system->input_count = outputs;
@@ -306,7 +306,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
     if (tvi_system_find_subsystems(system, statement->factors != NULL) != TVI_OK) return TVI_ENOMEM;
     system->has_tail_shares_without_momenta = system->has_masses;
-    system->uses_time = system->field_series->inputs > outputs;
+    system->uses_time = system->field_series->input_count > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->r_dot_Hp_values =
             jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->gradient_of_r_dot_Hp, JET_TAPE_VALUES);

@@ -26,7 +26,7 @@ static void unite_sets(int set_parent[], int a, int b)
  * functions of the time) unite nothing. */
 static void unite_results_with_operands(const jet_tape *tape, const bool depends_on_state[], int set_parent[])
 {
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++)
             for (int k = 0, a; (a = jet_operation_operand_slot(tape, run, i, k)) >= 0; k++)
                 if (depends_on_state[a]) unite_sets(set_parent, run->z + i, a);
@@ -70,7 +70,7 @@ static bool allocate_subsystem_lists(tvi_subsystems *subsystems, size_t n)
 tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate)
 {
     const jet_tape *tape = system->field_values;
-    const size_t n = (size_t)system->n, slots = (size_t)tape->slots;
+    const size_t n = (size_t)system->n, slots = (size_t)tape->slot_count;
     const bool has_lists =
         allocate_subsystem_lists(&system->subsystems, n) && allocate_subsystem_lists(&system->tail_subsystems, n);
     int *set_parent = calloc(slots, sizeof *set_parent);
@@ -78,9 +78,9 @@ tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordina
     int *counts = calloc(n, sizeof *counts);
     const bool has_memory = has_lists && set_parent && depends_on_state && counts;
     if (has_memory) {
-        for (int i = 0; i < tape->slots; i++) set_parent[i] = i;
+        for (int i = 0; i < tape->slot_count; i++) set_parent[i] = i;
         for (int u = 0; u < system->input_count; u++) depends_on_state[u] = true;
-        jet_tape_mark_dependents(tape, depends_on_state);
+        jet_tape_mark_dependent_slots(tape, depends_on_state);
         unite_results_with_operands(tape, depends_on_state, set_parent);
         unite_components_with_outputs(system, depends_on_state, set_parent);
         list_components_of_sets(&system->subsystems, system->n, set_parent, -1, counts);

@@ -18,7 +18,7 @@ double *numbers(size_t count)
 recording record_close(jet_graph *graph, int outputs, jet output[], jet_tape_kind kind)
 {
     recording r = {.graph = graph, .inputs = jet_graph_input_count(graph), .outputs = outputs};
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, outputs, output), TVI_OK);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, outputs, output), TVI_OK);
     jet_graph_close(graph);
     r.tape = jet_tape_create(graph, r.inputs, outputs, output, kind);
     ck_assert_ptr_nonnull(r.tape);
@@ -72,7 +72,7 @@ recording record_lift(const function *f, bool of_gradient, jet_tape_kind kind)
     jet_graph *from = record_open(f, z), *graph = jet_graph_create(2 * f->inputs);
     const int outputs = of_gradient ? f->inputs : f->outputs;
     if (of_gradient) ck_assert(jet_record_gradient(from, z[f->outputs - 1], f->inputs, z));
-    ck_assert_int_eq(jet_graph_accept_outputs(from, outputs, z), TVI_OK);
+    ck_assert_int_eq(jet_graph_check_outputs(from, outputs, z), TVI_OK);
     jet_graph_close(from);
     const int nodes = jet_graph_node_count(from);
     for (int i = 0; i < f->inputs; i++) {
@@ -92,7 +92,7 @@ static void set_inputs(const recording *r, int degree, int lanes, int first, int
 {
     for (int k = first; k <= last; k++)
         for (int i = 0; i < r->inputs; i++)
-            memcpy(block + (k * r->tape->slots + i) * lanes, x + (i * (degree + 1) + k) * lanes,
+            memcpy(block + (k * r->tape->slot_count + i) * lanes, x + (i * (degree + 1) + k) * lanes,
                    (size_t)lanes * sizeof *x);
 }
 
@@ -100,24 +100,25 @@ static void get_outputs(const recording *r, int degree, int lanes, const double 
 {
     for (int k = 0; k <= degree; k++)
         for (int i = 0; i < r->outputs; i++)
-            memcpy(z + (i * (degree + 1) + k) * lanes, block + (k * r->tape->slots + r->tape->output_slot[i]) * lanes,
-                   (size_t)lanes * sizeof *z);
+            memcpy(z + (i * (degree + 1) + k) * lanes,
+                   block + (k * r->tape->slot_count + r->tape->output_slot[i]) * lanes, (size_t)lanes * sizeof *z);
 }
 
 /* NaN into the slots that sweeps compute, or into the inputs as well. */
 static void spoil(const jet_tape *tape, int orders, int lanes, bool inputs_too, double *block)
 {
     for (int k = 0; k < orders; k++)
-        for (int slot = 0; slot < tape->slots; slot++) {
-            const bool is_input = slot < tape->inputs, is_constant = !is_input && slot < tape->inputs + tape->constants;
+        for (int slot = 0; slot < tape->slot_count; slot++) {
+            const bool is_input = slot < tape->input_count,
+                       is_constant = !is_input && slot < tape->input_count + tape->constant_count;
             if (is_constant || (is_input && !inputs_too)) continue;
-            for (int lane = 0; lane < lanes; lane++) block[(k * tape->slots + slot) * lanes + lane] = NAN;
+            for (int lane = 0; lane < lanes; lane++) block[(k * tape->slot_count + slot) * lanes + lane] = NAN;
         }
 }
 
 static double *new_block(const jet_tape *tape, int orders, int lanes)
 {
-    return numbers((size_t)orders * (size_t)tape->slots * (size_t)lanes);
+    return numbers((size_t)orders * (size_t)tape->slot_count * (size_t)lanes);
 }
 
 bool run_values(const recording *r, int lanes, const double x[], double z[])
@@ -135,10 +136,11 @@ bool run_values(const recording *r, int lanes, const double x[], double z[])
 static double size_of(const jet_tape *tape, int slot, int lanes, const double *lane)
 {
     double size = fabs(lane[slot * lanes]);
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int k = 0;
-             run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->operation_count && k < run->terms; k++) {
-            const int term = run->term + (slot - run->z) * run->terms + k;
+             run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->operation_count && k < run->term_count;
+             k++) {
+            const int term = run->first_term + (slot - run->z) * run->term_count + k;
             size += fabs(tape->term_coefficient[term] * lane[tape->term_slot[term] * lanes]);
         }
     return size;
@@ -197,11 +199,12 @@ void run_adjoints(const recording *r, int degree, const double x[], const double
     for (int k = 0; k <= degree; k++) {
         set_inputs(r, degree, 1, k, k, x, block);
         ck_assert(jet_sweep_series(tape, block, k, 1));
-        for (int i = 0; i < r->outputs; i++) bar[k * tape->slots + tape->output_slot[i]] += zbar[i * (degree + 1) + k];
+        for (int i = 0; i < r->outputs; i++)
+            bar[k * tape->slot_count + tape->output_slot[i]] += zbar[i * (degree + 1) + k];
     }
     for (int k = degree; k >= 0; k--) jet_sweep_adjoints(tape, block, bar, k, degree);
     for (int i = 0; i < r->inputs; i++)
-        for (int k = 0; k <= degree; k++) xbar[i * (degree + 1) + k] = bar[k * tape->slots + i];
+        for (int k = 0; k <= degree; k++) xbar[i * (degree + 1) + k] = bar[k * tape->slot_count + i];
     free(block);
     free(bar);
 }
@@ -253,6 +256,6 @@ void check_series(const char *what, int degree, const double got[], const double
 int operations_of(const jet_tape *tape, jet_op op)
 {
     int count = 0;
-    for (int i = 0; i < tape->runs; i++) count += tape->run[i].op == op ? tape->run[i].operation_count : 0;
+    for (int i = 0; i < tape->run_count; i++) count += tape->run[i].op == op ? tape->run[i].operation_count : 0;
     return count;
 }

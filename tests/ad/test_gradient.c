@@ -222,15 +222,15 @@ START_TEST(lift_of_poison_is_poison)
 {
     jet_graph *from = jet_graph_create(2), *graph = jet_graph_create(2);
     jet z = jet_mul(jet_graph_input(from, 0), jet_exp(jet_graph_input(from, 1))), value, rate;
-    ck_assert_int_eq(jet_graph_accept_outputs(from, 1, &z), TVI_OK);
+    ck_assert_int_eq(jet_graph_check_outputs(from, 1, &z), TVI_OK);
     jet_graph_close(from);
     const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_make_unset_poison()};
     ck_assert(jet_record_forward_derivatives(from, graph, all, one, NULL, 1, &z, &value, &rate));
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &value), TVI_OK);
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &rate), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, 1, &value), TVI_OK);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, 1, &rate), TVI_EINVAL);
     ck_assert(jet_record_forward_derivatives(from, graph, one, all, NULL, 1, &z, &value, &rate));
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &value), TVI_EINVAL);
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, &rate), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, 1, &value), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, 1, &rate), TVI_EINVAL);
     jet_graph_free(from);
     jet_graph_free(graph);
 }
@@ -309,7 +309,7 @@ static tvi_status gradient_status(jet_graph *graph, jet output)
 {
     jet g[8];
     ck_assert(jet_record_gradient(graph, output, 8, g));
-    return jet_graph_accept_outputs(graph, 8, g);
+    return jet_graph_check_outputs(graph, 8, g);
 }
 
 /* A jet of no graph has no gradient in it, and that shows at the outputs. */

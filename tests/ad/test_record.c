@@ -88,7 +88,7 @@ static tvi_status refusal(int i, jet_graph *graph, jet_graph *other, jet_graph *
 {
     const jet x = jet_graph_input(graph, 1);
     jet output[2] = {x, refusals[i].build(x, jet_graph_input(other, 0), jet_graph_input(closed, 0))};
-    return jet_graph_accept_outputs(graph, 2, output);
+    return jet_graph_check_outputs(graph, 2, output);
 }
 
 START_TEST(outputs_are_refused)
@@ -112,7 +112,7 @@ START_TEST(accepted_numbers_are_constants)
 {
     jet_graph *graph = jet_graph_create(1);
     jet output[4] = {jet_const(2.5), jet_graph_input(graph, 0), jet_const(-1), jet_const(2.5)};
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, 4, output), TVI_OK);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, 4, output), TVI_OK);
     ck_assert_int_eq(jet_graph_node_count(graph), 3);
     ck_assert_int_eq(output[0].node->op, OP_CONST);
     ck_assert_double_eq(output[0].node->number, 2.5);
@@ -204,7 +204,7 @@ START_TEST(long_sums_are_right)
     }
     record_long(in, z);
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
-    ck_assert_int_lt(jet_graph_hash_collisions(graph), 2 * jet_graph_node_count(graph));
+    ck_assert_int_lt(jet_graph_hash_collision_count(graph), 2 * jet_graph_node_count(graph));
     ck_assert_int_eq(jet_graph_node_count(graph), LONG + LONG + 2);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], sum);

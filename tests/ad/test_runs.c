@@ -21,8 +21,8 @@ static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || ru
  * of terms, or a row each. */
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
 {
-    int slot = tape->inputs + tape->constants, row = 0, term = 0;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+    int slot = tape->input_count + tape->constant_count, row = 0, term = 0;
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
         const jet_rule *rule = jet_rules[run->op];
         if (run->z != slot) { /* a vector begins (pad.h) */
             ck_assert_int_eq(kind, JET_TAPE_SERIES);
@@ -30,7 +30,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         }
         ck_assert_int_ge(run->operation_count, 1);
         slot = run->z + run->operation_count;
-        ck_assert_int_le(slot, tape->slots);
+        ck_assert_int_le(slot, tape->slot_count);
         if (rule && rule->operand_count == 2) ck_assert_int_le(run->b + run->operation_count, run->z);
         if (rule && rule->partner_orders == W_SAME && kind == JET_TAPE_SERIES)
             ck_assert_int_le(run->w + run->operation_count, run->z);
@@ -38,14 +38,14 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             ck_assert_int_le(run->a + run->operation_count, run->z);
             continue;
         }
-        ck_assert_int_eq(run->term, term);
+        ck_assert_int_eq(run->first_term, term);
         if (is_product(run)) {
-            ck_assert_int_ge(run->terms, 1);
-            ck_assert_int_le(run->terms, JET_TERMS_MAX);
+            ck_assert_int_ge(run->term_count, 1);
+            ck_assert_int_le(run->term_count, JET_TERMS_MAX);
             ck_assert(!run->is_scattered || kind == JET_TAPE_VALUES);
             const int rows = run->is_scattered ? run->operation_count : 1,
                       read = run->is_scattered ? 1 : run->operation_count;
-            for (int i = 0; i < rows * run->terms; i++, term++) {
+            for (int i = 0; i < rows * run->term_count; i++, term++) {
                 ck_assert_int_le(tape->term_slot[term] + read, run->z);
                 ck_assert_int_le(tape->term_operand_b[term] + read, run->z);
             }
@@ -53,12 +53,13 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         }
         ck_assert_int_eq(run->first_constant_term, row);
         row += run->operation_count;
-        for (int i = 0; i < run->operation_count * run->terms; i++, term++)
+        for (int i = 0; i < run->operation_count * run->term_count; i++, term++)
             ck_assert_int_lt(tape->term_slot[term], run->z);
     }
-    ck_assert_int_eq(term, tape->terms);
-    ck_assert(tape->slots == slot || (kind == JET_TAPE_SERIES && tape->slots == (slot + VECTOR - 1) / VECTOR * VECTOR));
-    ck_assert_int_eq(row, tape->linear_operations);
+    ck_assert_int_eq(term, tape->term_count);
+    ck_assert(tape->slot_count == slot ||
+              (kind == JET_TAPE_SERIES && tape->slot_count == (slot + VECTOR - 1) / VECTOR * VECTOR));
+    ck_assert_int_eq(row, tape->linear_operation_count);
 }
 
 START_TEST(tapes_are_laid_out)
@@ -78,7 +79,7 @@ END_TEST
 static int runs_of(const jet_tape *tape, jet_op op)
 {
     int runs = 0;
-    for (int i = 0; i < tape->runs; i++) runs += tape->run[i].op == op;
+    for (int i = 0; i < tape->run_count; i++) runs += tape->run[i].op == op;
     return runs;
 }
 
@@ -106,7 +107,7 @@ START_TEST(pairs_run_together)
         ck_assert_int_eq(operations_of(r.tape, expected[i].op), expected[i].operations + more);
         ck_assert_int_eq(runs_of(r.tape, expected[i].op), expected[i].runs);
     }
-    for (int i = 0; i < r.tape->runs && _i == JET_TAPE_SERIES; i++) {
+    for (int i = 0; i < r.tape->run_count && _i == JET_TAPE_SERIES; i++) {
         const jet_run *run = &r.tape->run[i];
         if (run->op == OP_LINEAR) continue;
         ck_assert_int_eq(run->z % VECTOR, 0);
@@ -148,8 +149,8 @@ START_TEST(copies_run_together)
     for (int i = 0; i < f->inputs * COPIES; i++) x[i] = f->centre[i / COPIES];
     for (int kind = JET_TAPE_VALUES; kind <= JET_TAPE_SERIES; kind++) {
         recording one = record_outputs(f, (jet_tape_kind)kind), many = record_copies(f, (jet_tape_kind)kind);
-        if (stays_adjacent(f)) ck_assert_int_eq(many.tape->runs, one.tape->runs);
-        for (int i = 0; i < one.tape->runs && stays_adjacent(f); i++)
+        if (stays_adjacent(f)) ck_assert_int_eq(many.tape->run_count, one.tape->run_count);
+        for (int i = 0; i < one.tape->run_count && stays_adjacent(f); i++)
             ck_assert_int_eq(many.tape->run[i].operation_count, COPIES * one.tape->run[i].operation_count);
         ck_assert(run_values(&one, 1, f->centre, &want));
         ck_assert(run_values(&many, 1, x, z));

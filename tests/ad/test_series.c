@@ -35,7 +35,7 @@ END_TEST
 static int values_that_differ(const function *f)
 {
     recording r = record_outputs(f, JET_TAPE_VALUES);
-    const size_t slots = (size_t)r.tape->slots;
+    const size_t slots = (size_t)r.tape->slot_count;
     double *block = numbers(slots);
     long double *precise = malloc(slots * sizeof *precise);
     int differ = 0;

@@ -61,17 +61,17 @@ START_TEST(operations_are_made_once)
 {
     const function *f = any_function(_i);
     recording r = record_gradient(f, 0, JET_TAPE_VALUES);
-    int *makers = calloc((size_t)r.tape->slots, sizeof *makers);
+    int *makers = calloc((size_t)r.tape->slot_count, sizeof *makers);
     for (int way = 0; way < WAYS; way++) {
         jet_tape split;
         ck_assert(jet_split_tape_runs(&split, r.tape, ways[way]));
-        memset(makers, 0, (size_t)r.tape->slots * sizeof *makers);
-        for (const jet_run *run = split.run; run < split.run + split.runs; run++) {
+        memset(makers, 0, (size_t)r.tape->slot_count * sizeof *makers);
+        for (const jet_run *run = split.run; run < split.run + split.run_count; run++) {
             ck_assert(run->operation_count == 1 || !is_cut(run, ways[way]));
             for (int slot = run->z; slot < run->z + run->operation_count; slot++) makers[slot]++;
         }
-        for (int slot = 0; slot < r.tape->slots; slot++)
-            ck_assert_int_eq(makers[slot], slot >= r.tape->inputs + r.tape->constants);
+        for (int slot = 0; slot < r.tape->slot_count; slot++)
+            ck_assert_int_eq(makers[slot], slot >= r.tape->input_count + r.tape->constant_count);
         jet_free_split_tape(&split);
     }
     free(makers);
@@ -89,11 +89,11 @@ static const function *gravity(void)
 /* The most operations between one that is no sum of multiples and what it reads. */
 static int longest_way(const jet_tape *tape)
 {
-    int *made = calloc((size_t)tape->slots, sizeof *made), longest = 0, count = 0;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+    int *made = calloc((size_t)tape->slot_count, sizeof *made), longest = 0, count = 0;
+    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++, count++) {
             made[run->z + i] = count;
-            for (int term = run->term; term < run->term + run->terms && run->op != OP_LINEAR; term++) {
+            for (int term = run->first_term; term < run->first_term + run->term_count && run->op != OP_LINEAR; term++) {
                 const int first = made[tape->term_slot[term] + i], second = made[tape->term_operand_b[term] + i];
                 longest = count - first > longest ? count - first : longest;
                 longest = count - second > longest ? count - second : longest;

@@ -13,7 +13,7 @@
 
 /* ---- What a tape keeps ------------------------------------------------------------------------------------------- */
 
-static int all_operations(const jet_tape *tape) { return tape->slots - tape->inputs - tape->constants; }
+static int all_operations(const jet_tape *tape) { return tape->slot_count - tape->input_count - tape->constant_count; }
 
 /* Values leave out the partners, which series alone need. */
 static const struct {
@@ -73,11 +73,11 @@ START_TEST(what_is_not_needed_is_left_out)
     (void)jet_exp(jet_mul(x[0], x[1]));
     (void)jet_tan(jet_sin(x[3]));
     z[0] = jet_mul(x[1], jet_sqrt(x[2]));
-    ck_assert_int_eq(jet_graph_accept_outputs(graph, 1, z), TVI_OK);
+    ck_assert_int_eq(jet_graph_check_outputs(graph, 1, z), TVI_OK);
     jet_graph_close(graph);
     jet_tape *tape = jet_tape_create(graph, 1, 1, z, JET_TAPE_SERIES);
-    ck_assert_int_eq(tape->inputs, 3); /* x0, asked for; x1 and x2, needed; x3 is not */
-    ck_assert_int_eq(tape->slots, 5);
+    ck_assert_int_eq(tape->input_count, 3); /* x0, asked for; x1 and x2, needed; x3 is not */
+    ck_assert_int_eq(tape->slot_count, 5);
     double block[5] = {7, 3, 16};
     ck_assert(jet_sweep_values(tape, block, 1));
     ck_assert_double_eq(block[tape->output_slot[0]], 12);
@@ -97,7 +97,7 @@ START_TEST(outputs_may_be_anything)
     const double slope[] = {3 * 7 + 5 * 0.5, 7, 0, 3 * 7 + 5 * 0.5, 3 * 7 + 5 * 0.5, 0, 0.5};
     double got[2 * COUNT(z)];
     recording r = record_close(graph, COUNT(z), z, JET_TAPE_SERIES);
-    ck_assert_int_eq(r.tape->outputs, COUNT(z));
+    ck_assert_int_eq(r.tape->output_count, COUNT(z));
     ck_assert(run_series(&r, 1, 1, in, got));
     for (int i = 0; i < COUNT(z); i++) {
         ck_assert_double_eq(got[2 * i], want[i]);
@@ -120,7 +120,7 @@ START_TEST(products_that_are_outputs_stay)
     const double in[] = {3, 5, 7};
     double got[2];
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
-    for (int i = 0; i < 2; i++) ck_assert_int_ge(r.tape->output_slot[i], r.tape->inputs);
+    for (int i = 0; i < 2; i++) ck_assert_int_ge(r.tape->output_slot[i], r.tape->input_count);
     ck_assert(run_values(&r, 1, in, got));
     ck_assert_double_eq(got[_i], 15);
     ck_assert_double_eq(got[1 - _i], 50);
@@ -137,15 +137,15 @@ START_TEST(block_is_prepared)
     jet_graph *graph = jet_graph_create(2);
     jet z[] = {jet_div(3, jet_graph_input(graph, 0)), jet_div(-2, jet_graph_input(graph, 1))};
     recording r = record_close(graph, 2, z, JET_TAPE_SERIES);
-    ck_assert_int_eq(r.tape->constants, 2);
-    const int size = ORDERS_USED * r.tape->slots * LANES;
+    ck_assert_int_eq(r.tape->constant_count, 2);
+    const int size = ORDERS_USED * r.tape->slot_count * LANES;
     double *block = numbers((size_t)size);
     for (int i = 0; i < size; i++) block[i] = 7;
     jet_tape_prepare_block(r.tape, block, ORDERS_USED, LANES);
     for (int i = 0; i < size; i++) {
-        const int constant = i / LANES - r.tape->inputs;
-        const bool is_constant = constant >= 0 && constant < r.tape->constants;
-        if (i / LANES % r.tape->slots >= r.tape->inputs + r.tape->constants) ck_assert(isnan(block[i]));
+        const int constant = i / LANES - r.tape->input_count;
+        const bool is_constant = constant >= 0 && constant < r.tape->constant_count;
+        if (i / LANES % r.tape->slot_count >= r.tape->input_count + r.tape->constant_count) ck_assert(isnan(block[i]));
         else ck_assert_double_eq(block[i], is_constant ? (constant == 0 ? 3 : -2) : 0);
     }
     free(block);
@@ -157,9 +157,9 @@ END_TEST
 static void check_untouched(const jet_tape *tape, int k, int degree, const double *before, const double *after)
 {
     for (int order = 0; order <= degree; order++)
-        for (int slot = 0; slot < tape->slots; slot++) {
-            const int i = order * tape->slots + slot;
-            if (order == k && slot >= tape->inputs + tape->constants) continue;
+        for (int slot = 0; slot < tape->slot_count; slot++) {
+            const int i = order * tape->slot_count + slot;
+            if (order == k && slot >= tape->input_count + tape->constant_count) continue;
             ck_assert_mem_eq(&before[i], &after[i], sizeof *after);
         }
 }
@@ -169,13 +169,13 @@ START_TEST(sweeps_write_their_own_order)
     enum { DEGREE = 4 };
     const function *f = any_function(_i);
     recording r = record_outputs(f, JET_TAPE_SERIES);
-    const size_t size = (size_t)((DEGREE + 1) * r.tape->slots);
+    const size_t size = (size_t)((DEGREE + 1) * r.tape->slot_count);
     double *x = numbers(size), *dx = numbers(size), *before = numbers(size);
     jet_tape_prepare_block(r.tape, x, DEGREE + 1, 1);
     for (int k = 0; k <= DEGREE; k++)
         for (int i = 0; i < f->inputs; i++) {
-            x[k * r.tape->slots + i] = k == 0 ? f->centre[i] : 0.1;
-            dx[k * r.tape->slots + i] = 1;
+            x[k * r.tape->slot_count + i] = k == 0 ? f->centre[i] : 0.1;
+            dx[k * r.tape->slot_count + i] = 1;
         }
     for (int k = 0; k <= DEGREE; k++) {
         memcpy(before, x, size * sizeof *x);

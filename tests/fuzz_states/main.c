@@ -127,7 +127,7 @@ static size_t forge_text(uint64_t *bits, const char *text, char forged[LONGEST_T
         changes -= is_changed;
         memcpy(forged + size, word, count);
         if (!is_changed && !is_mild && changes > 0 && below(bits, 60) == 0) forged[size] = (char)below(bits, 256);
-        hash = jet_hash(jet_hash(hash, forged + size, count), " ", 1);
+        hash = jet_continue_hash(jet_continue_hash(hash, forged + size, count), " ", 1);
         size += count;
         forged[size++] = at[length];
         at += length + 1;

@@ -90,8 +90,8 @@ END_TEST
 /* The tapes of the field are what a step runs. */
 static void check_tape(const jet_tape *tape, const jet_tape *of_potential)
 {
-    ck_assert_int_eq(tape->slots, of_potential->slots);
-    ck_assert_int_eq(tape->runs, of_potential->runs);
+    ck_assert_int_eq(tape->slot_count, of_potential->slot_count);
+    ck_assert_int_eq(tape->run_count, of_potential->run_count);
 }
 
 START_TEST(statements_cost_the_same)
