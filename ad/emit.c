@@ -153,7 +153,7 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
         jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->term_count);
     else if (run->is_scattered)
         jet_text_append(emitter->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
-                        run->terms);
+                        run->term_count);
     else if (rule_names[run->op])
         jet_text_append(emitter->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_names[run->op]);
     else

@@ -35,11 +35,11 @@ JET_INLINE product_terms locate_terms_at_slots(const double *coefficient, const 
 }
 
 JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *run, const double *block, size_t lanes,
-                                          int terms)
+                                          int term_count)
 {
-    const int first = run->term;
+    const int first = run->first_term;
     return locate_terms_at_slots(tape->term_coefficient + first, tape->term_slot + first, tape->term_operand_b + first,
-                                 block, lanes, terms);
+                                 block, lanes, term_count);
 }
 
 /* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The bodies order the summands so that the
@@ -79,14 +79,14 @@ TABLE(values_any, compute_product_values, (const jet_tape *tape, const jet_run *
       run, block, lanes)
 
 JET_INLINE void compute_scattered_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                                 bool squares, int terms)
+                                                 bool squares, int term_count)
 {
     const size_t stride = (size_t)lanes;
-    const double *c = tape->term_coefficient + run->term;
-    const int *a = tape->term_slot + run->term, *b = squares ? a : tape->term_operand_b + run->term;
+    const double *c = tape->term_coefficient + run->first_term;
+    const int *a = tape->term_slot + run->first_term, *b = squares ? a : tape->term_operand_b + run->first_term;
     double *z = block + (size_t)run->z * stride, *const end = z + (size_t)run->operation_count * stride;
-    for (; z < end; z += stride, a += terms, b += terms, c += terms) {
-        const product_terms p = locate_terms_at_slots(c, a, b, block, stride, terms);
+    for (; z < end; z += stride, a += term_count, b += term_count, c += term_count) {
+        const product_terms p = locate_terms_at_slots(c, a, b, block, stride, term_count);
         JET_BLOCKS(lanes, VALUES, JET_OF);
     }
 }
