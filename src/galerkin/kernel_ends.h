@@ -1,5 +1,4 @@
-/* kernel_ends.h - Defines the part of kernel.h that sums the impulses at the end of a step, and includes the rule
- * that ends the passes of several members (algebra/judge.h). */
+/* kernel_ends.h - Defines the part of kernel.h that sums the impulses at the end of a step. */
 
 /* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
 
@@ -75,17 +74,3 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_
         *(COLUMN *)(sums->end_impulse_size + at) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
     }
 }
-
-/* ---- When passes may end ----------------------------------------------------------------------------------------- */
-
-#if MEMBERS
-#define JUDGED(name)       members_##name
-#define REAL               V
-#define TRUTH              JET_MASK(jet_widest)
-#define ABOVE(a, b)        ((a) > (b))
-#define AT_MOST(a, b)      ((a) <= (b))
-#define SAME(a, b)         ((a) == (b))
-#define NOT(a)             (~(a))
-#define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
-#include "algebra/judge.h"
-#endif

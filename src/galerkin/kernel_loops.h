@@ -90,6 +90,17 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int member_count, d
 }
 
 #if MEMBERS
+/* The rule that ends the passes of several members. */
+#define JUDGED(name)       members_##name
+#define REAL               V
+#define TRUTH              JET_MASK(jet_widest)
+#define ABOVE(a, b)        ((a) > (b))
+#define AT_MOST(a, b)      ((a) <= (b))
+#define SAME(a, b)         ((a) == (b))
+#define NOT(a)             (~(a))
+#define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
+#include "algebra/judge.h"
+
 OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *caller_rule, int width, int count)
 {
     const tvi_passes_rule rule = *caller_rule;
