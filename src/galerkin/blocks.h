@@ -1,7 +1,6 @@
 /* blocks.h - Evaluates the gradient of a Lagrangian L(q, v) or a Hamiltonian K(q, p) at the nodes of a Galerkin curve,
- * with or without its second derivatives, and predicts the rates of the unknowns. The passes that use second
- * derivatives call it (docs/method.md section 5). The library and generated code include it; in generated code all
- * sizes are constants. */
+ * with or without its second derivatives. The passes that use second derivatives call it (docs/method.md section 5).
+ * The library and generated code include it; in generated code all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_BLOCKS_H
 #define TVI_SRC_GALERKIN_BLOCKS_H
 
@@ -47,15 +46,6 @@ static inline const double *galerkin_evaluate_gradient_at_nodes(const galerkin_t
     memcpy(blocks->values_block, q, (size_t)half * sizeof *q);
     memcpy(blocks->values_block + half, v_or_p, (size_t)half * sizeof *v_or_p);
     return galerkin_evaluate_gradient(blocks, sweep, with_hessian);
-}
-
-/* Predicts the rates of the unknowns from the impulses of earlier steps, which are the rates times h b_j (step size
- * times quadrature weight). rate_nodes has these rates as its unknowns; their values at the start are 0. */
-static inline void galerkin_predict_rates(const galerkin_kernels *kernels, const galerkin_nodes *rate_nodes,
-                                          const galerkin_extrapolation *extrapolation)
-{
-    for (int u = 0; u < rate_nodes->unknown_count; u++) rate_nodes->impulse_scale[u] = 1 / extrapolation->step_size;
-    GALERKIN_KERNEL(kernels, predict, rate_nodes, extrapolation);
 }
 
 #endif

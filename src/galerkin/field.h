@@ -29,6 +29,8 @@ typedef struct {
     double *node_weight; /* [lanes] */
     /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
     int *rate_row_of_unknown;
+    /* [unknowns] The factor 1/h from extrapolated impulses to rates, for the forms that predict rates. */
+    double *rate_scale;
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
     double *impulse_matrix;

@@ -95,6 +95,7 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->momentum_per_unit_drift = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     field->rate_row_of_unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    field->rate_scale = tvi_arena_allocate_doubles(arena, unknowns);
 }
 
 static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system,
@@ -162,7 +163,6 @@ static void prepare_stepper(void *work)
                                               .impulse_ring = stepper->predictor.impulse_ring,
                                               .drift = stepper->step_data.drift,
                                               .drift_low = stepper->step_data.drift_low,
-                                              .step_size = &stepper->field.step_size,
                                               .form_work = stepper->field.form_work};
 }
 
@@ -174,6 +174,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
     if (h == stepper->field.step_size) return;
     stepper->field.step_size = h;
     for (int i = 0; i < nodes->lane_count; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
+    for (int u = 0; u < nodes->unknown_count; u++) stepper->field.rate_scale[u] = 1 / h;
     for (int u = 0; u < nodes->unknown_count; u++)
         nodes->impulse_scale[u] = galerkin_is_second_order(&stepper->field) ? h / stepper->field.system->mass[u]
                                   : u < stepper->n || stepper->field.system->form == TVI_LAGRANGIAN ? 1

@@ -46,7 +46,7 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
     work.passes.rate_nodes.drift_values = work.passes.rate_nodes.drift_values_low =
         tvi_arena_allocate_doubles(arena, unknowns * lanes);
-    work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
+    work.passes.rate_nodes.impulse_scale = field->rate_scale;
     work.passes.inner_iterations.unknown_of_row = work.unknown_of_row =
         tvi_arena_allocate(arena, unknowns * sizeof(int));
     work.passes.inner_iterations.hessian_index = work.hessian_index =

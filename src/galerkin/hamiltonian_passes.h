@@ -16,7 +16,7 @@ typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
     /* nodes whose unknowns are the rates V and F, which the kernel `predict` extrapolates; their values at the start
-     * are 0 */
+     * are 0, and their impulse_scale is 1/h */
     galerkin_nodes rate_nodes;
     /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
     const double *impulse_matrix;
@@ -45,7 +45,7 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
     (void)nodes;
     double moved;
     const galerkin_nodes all = galerkin_nodes_with_all_moving(passes->nodes);
-    galerkin_predict_rates(passes->kernels, &passes->rate_nodes, extrapolation);
+    GALERKIN_KERNEL(passes->kernels, predict, &passes->rate_nodes, extrapolation);
     GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values,
                     passes->rate_row_of_unknown, &moved);
     passes->last_movement_square = INFINITY;

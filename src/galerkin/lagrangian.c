@@ -51,7 +51,7 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? lagrangian_values_row(&field->nodes, unknowns) : NULL;
     work.passes.rate_nodes.drift_values = tvi_arena_allocate_doubles(arena, (size_t)unknowns * lanes);
-    work.passes.rate_nodes.impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    work.passes.rate_nodes.impulse_scale = field->rate_scale;
     if (taken) *taken = work;
 }
 

@@ -54,7 +54,6 @@ typedef struct {
  * two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step. Members
  * that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
 typedef struct {
-    double step_size;
     const double *two_step_extrapolation, *last_step_extrapolation, *last_impulses, *impulses_before;
     /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
      * same size, or the prediction of the last step was rough. */

@@ -27,7 +27,6 @@ typedef struct galerkin_step_data {
     double *const *impulse_ring;
     /* lagrangian_passes or hamiltonian_passes, or NULL if passes use no second derivatives. */
     void *form_work;
-    const double *step_size; /* points to the size h of the step */
 } galerkin_step_data;
 
 /* The functions that make the passes of a step and predict its unknowns. The library and generated code supply
@@ -103,12 +102,9 @@ JET_INLINE long long galerkin_mask_last_step_only(const galerkin_step_data *step
 JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_data *step_data, int ring_index,
                                                                 const long long *last_step_only_mask)
 {
-    return (galerkin_extrapolation){*step_data->step_size,
-                                    step_data->two_step_extrapolation,
-                                    step_data->last_step_extrapolation,
+    return (galerkin_extrapolation){step_data->two_step_extrapolation, step_data->last_step_extrapolation,
                                     galerkin_impulses_in_ring(step_data, ring_index),
-                                    galerkin_impulses_in_ring(step_data, ring_index - 1),
-                                    last_step_only_mask};
+                                    galerkin_impulses_in_ring(step_data, ring_index - 1), last_step_only_mask};
 }
 
 /* Records a pass of a member with this movement, and decides whether the iteration may end. */
