@@ -218,11 +218,10 @@ void tvi_step_batch(tvi_integrator *it, long steps, double h)
  * without its energy (guard.h). Returns the number of steps that were made. */
 static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
 {
-    const int n = it->system->n;
+    if (!it->stepper->run || steps < 1 || it->reference_energy->is_H_known) return 0;
     const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
-    const bool may_skip = !it->reference_energy->is_H_known && it->stats.tail <= limits.max_tail;
-    if (!it->stepper->run || !may_skip || steps < 1) return 0;
-    const tvi_run_request run = {h, steps, limits, tvi_is_rescaled(it) ? n : -1, t_end, it->increments};
+    if (!(it->stats.tail <= limits.max_tail)) return 0;
+    const tvi_run_request run = {h, steps, limits, tvi_is_rescaled(it) ? it->system->n : -1, t_end, it->increments};
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
     *it->is_state_from_step |= made > 0;
