@@ -33,8 +33,8 @@ void tvi_integrator_reset(tvi_integrator *integrator)
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 
 /* Computes the increments of one member by the stepper's function for a single member. With a tolerance > 0 that
- * function chooses the step size, at most *h, and sets *h to it. */
-static void compute_increments_of_one_member(tvi_integrator *it, double tolerance, double *h)
+ * function chooses the step size, at most it->h, and sets it->h to it. */
+static void compute_increments_of_one_member(tvi_integrator *it, double tolerance)
 {
     const tvi_stepper *stepper = it->stepper;
     const tvi_run_state *state = &it->state;
@@ -46,14 +46,14 @@ static void compute_increments_of_one_member(tvi_integrator *it, double toleranc
                                     state->p_low};
     memset(increments->dq_low, 0, bytes);
     memset(increments->dp_low, 0, bytes);
-    it->status[0] = tolerance > 0 ? stepper->step_within(it->work, tolerance, h, &origin, increments, &it->stats)
-                                  : stepper->step(it->work, *h, &origin, increments, &it->stats);
+    it->status[0] = tolerance > 0 ? stepper->step_within(it->work, tolerance, &it->h, &origin, increments, &it->stats)
+                                  : stepper->step(it->work, it->h, &origin, increments, &it->stats);
     it->tail[0] = it->stats.tail;
     it->pass_counts[0] = (int)(it->stats.passes - passes);
 }
 
 /* Computes the increments of all members that are being stepped. The stepper sets the status of each member. */
-JET_INLINE void compute_increments(tvi_integrator *it, int width, double tolerance, double *h)
+JET_INLINE void compute_increments(tvi_integrator *it, int width, double tolerance)
 {
     const tvi_run_state *state = &it->state;
     const int time = it->stepped->n * width;
@@ -61,11 +61,11 @@ JET_INLINE void compute_increments(tvi_integrator *it, int width, double toleran
         const tvi_batch_origin origin = {state->q + time, state->q_low + time, state->q, state->q_low,
                                          state->p,        state->p_low};
         const tvi_batch_results end = {it->increments, it->status, it->tail, it->pass_counts};
-        it->stepper->batch->step(it->work, *h, &origin, &end, &it->stats);
+        it->stepper->batch->step(it->work, it->h, &origin, &end, &it->stats);
     } else {
-        compute_increments_of_one_member(it, tolerance, h);
+        compute_increments_of_one_member(it, tolerance);
     }
-    for (int member = 0; member < width; member++) it->increments.dq[time + member] = *h;
+    for (int member = 0; member < width; member++) it->increments.dq[time + member] = it->h;
 }
 
 /* ---- Whether they are to be added -------------------------------------------------------------------------------- */
@@ -121,13 +121,13 @@ static tvi_status refuse_overflowing_component(tvi_integrator *it, int member)
 
 /* Refuses the step of a rescaled system if its time, which is one of the coordinates, does not move in the direction of
  * h. */
-static tvi_status check_time_moves_with_h(const tvi_integrator *it, int member, double h)
+static tvi_status check_time_moves_with_h(const tvi_integrator *it, int member)
 {
     const int time = it->system->n * it->width + member;
     const double dt = it->increments.dq[time], t = it->state.q[time];
     if (fabs(dt) <= tvi_least_time_change(t))
         return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
-    return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
+    return (dt > 0) == (it->h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
 JET_INLINE void find_overflows(tvi_integrator *it, int width)
@@ -147,7 +147,7 @@ JET_INLINE void find_overflows(tvi_integrator *it, int width)
 }
 
 /* Checks the new state of each member, and sets the status of those members whose step is refused. */
-JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool step_used_series)
+JET_INLINE void check_new_states(tvi_integrator *it, int width, bool step_used_series)
 {
     find_overflows(it, width);
     for (int member = 0; member < width; member++) {
@@ -155,7 +155,7 @@ JET_INLINE void check_new_states(tvi_integrator *it, int width, double h, bool s
         tvi_status *status = &it->status[member];
         if (*status != TVI_OK) *status = explain_stepper_failure(it, member);
         else if (it->overflow_flags[member] != 0) *status = refuse_overflowing_component(it, member);
-        else if (tvi_is_rescaled(it)) *status = check_time_moves_with_h(it, member, h);
+        else if (tvi_is_rescaled(it)) *status = check_time_moves_with_h(it, member);
     }
     tvi_guard_step(it, step_used_series);
 }
@@ -186,10 +186,11 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     const long expansions = it->stats.expansions;
     int made = 0;
     it->has_dense_output = false;
+    it->h = h;
     for (int member = 0; member < width; member++) it->is_stepped[member] = it->status[member] == TVI_OK;
     tvi_arena_copy_history(it->history_before, it->history, it->copied_history_bytes);
-    compute_increments(it, width, tolerance, &h);
-    check_new_states(it, width, h, it->stats.expansions != expansions);
+    compute_increments(it, width, tolerance);
+    check_new_states(it, width, it->stats.expansions != expansions);
     add_increments(it, width);
     for (int member = 0; member < width; member++) {
         if (it->status[member] != TVI_OK) continue;
@@ -199,7 +200,6 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
     it->stats.steps += made;
     it->has_dense_output = made > 0;
-    it->h = h;
     it->covered_time = it->increments.dq[it->system->n * width];
     return made;
 }
