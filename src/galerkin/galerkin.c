@@ -347,7 +347,6 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     bool continues_last_step = true;
     if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
     tvi_galerkin_set_step_size(stepper, run->h);
-    run->increments.dq[stepper->n] = run->h;
     const galerkin_steps_outcome outcome =
         predict_and_make_steps(stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_in_library,
                                &continues_last_step, run, &origin, state, &counted);

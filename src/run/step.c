@@ -222,6 +222,7 @@ static long make_unchecked_steps(tvi_integrator *it, long steps, double h, doubl
     const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
     const tvi_run_request run = {h, steps, limits, tvi_is_rescaled(it) ? it->system->n : -1, t_end, it->increments};
+    it->increments.dq[it->stepped->n] = h;
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
     *it->is_state_from_step |= made > 0;
