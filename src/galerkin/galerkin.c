@@ -281,31 +281,34 @@ static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_ru
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                         const tvi_run_state *state, galerkin_steps_outcome *outcome, tvi_stats *stats);
 
-/* Makes steps of size field.step_size, by generated code or by the library. If *continues_last_step is set, the
- * first step is predicted from earlier steps, if that is possible; otherwise *continues_last_step is cleared, and
- * the first step is predicted from the state alone. */
+/* Makes steps by generated code or by the library. The first step is predicted from earlier steps, if may_continue is
+ * set and that is possible, and otherwise from the state alone. */
 static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
-                                                     bool *continues_last_step, const tvi_run_request *run,
+                                                     bool may_continue, const tvi_run_request *run,
                                                      const tvi_step_origin *origin, const tvi_run_state *state,
                                                      tvi_stats *stats)
 {
+    const double h = run->h;
     galerkin_history *history = stepper->predictor.history;
     galerkin_steps_outcome outcome = {.last_ring_index = (int)history->last_ring_index,
                                       .largest_tail = stats->largest_tail};
     double elapsed_fraction;
-    if (stepper->field.step_size == history->step_size) outcome.convergence = history->convergence;
-    *continues_last_step &=
-        tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_fraction);
-    if (*continues_last_step && elapsed_fraction == 1 && stepper->field.step_size == history->step_size)
-        outcome.equal_step_count = stepper->field.step_size == history->previous_step_size ? 2 : 1;
+    tvi_galerkin_set_step_size(stepper, h);
+    if (h == history->step_size) outcome.convergence = history->convergence;
+    if (may_continue)
+        outcome.continues_last_step =
+            tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_fraction);
+    if (outcome.continues_last_step && elapsed_fraction == 1 && h == history->step_size)
+        outcome.equal_step_count = h == history->previous_step_size ? 2 : 1;
     if (outcome.equal_step_count == 0)
-        outcome.status = predict_first_step(stepper, origin, *continues_last_step ? &elapsed_fraction : NULL, stats);
+        outcome.status =
+            predict_first_step(stepper, origin, outcome.continues_last_step ? &elapsed_fraction : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
-    set_node_times(stepper, origin, stepper->field.step_size);
+    set_node_times(stepper, origin, h);
     make_steps(stepper, run, origin, state, &outcome, stats);
     if (outcome.step_count < 1) return outcome;
-    *history = (galerkin_history){.step_size = run->h,
-                                  .previous_step_size = outcome.step_count > 1 ? run->h : history->step_size,
+    *history = (galerkin_history){.step_size = h,
+                                  .previous_step_size = outcome.step_count > 1 ? h : history->step_size,
                                   .start_time = outcome.start_time_of_last_step,
                                   .convergence = outcome.convergence,
                                   .last_ring_index = outcome.last_ring_index};
@@ -320,21 +323,15 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
                                    const tvi_increments *increments, tvi_stats *stats)
 {
     galerkin_stepper *stepper = work;
-    const tvi_run_request run = {.h = h, .max_steps = 1, .increments = *increments};
-    bool continues_last_step = true;
-    tvi_galerkin_set_step_size(stepper, h);
-    if (stepper->generated_code &&
-        predict_and_make_steps(stepper, make_steps_by_generated_code, &continues_last_step, &run, origin, NULL, stats)
-                .step_count > 0)
-        return TVI_OK;
-    continues_last_step = stepper->passes_rule.max_passes > 0;
-    galerkin_steps_outcome outcome =
-        predict_and_make_steps(stepper, make_steps_in_library, &continues_last_step, &run, origin, NULL, stats);
-    if (outcome.step_count < 1 && continues_last_step) {
-        continues_last_step = false;
-        outcome =
-            predict_and_make_steps(stepper, make_steps_in_library, &continues_last_step, &run, origin, NULL, stats);
-    }
+    const tvi_run_request run = {.h = h, .max_steps = 1, .time_index = -1, .increments = *increments};
+    const bool iterates = stepper->passes_rule.max_passes > 0;
+    galerkin_steps_outcome outcome = {.step_count = 0};
+    if (stepper->generated_code)
+        outcome = predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats);
+    if (outcome.step_count < 1)
+        outcome = predict_and_make_steps(stepper, make_steps_in_library, iterates, &run, origin, NULL, stats);
+    if (outcome.step_count < 1 && outcome.continues_last_step)
+        outcome = predict_and_make_steps(stepper, make_steps_in_library, false, &run, origin, NULL, stats);
     return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }
 
@@ -344,12 +341,10 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     const tvi_step_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
                                     state->p_low};
     tvi_stats counted = *stats;
-    bool continues_last_step = true;
     if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
-    tvi_galerkin_set_step_size(stepper, run->h);
     const galerkin_steps_outcome outcome =
         predict_and_make_steps(stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_in_library,
-                               &continues_last_step, run, &origin, state, &counted);
+                               true, run, &origin, state, &counted);
     if (outcome.step_count < 1) return 0;
     *stats = counted;
     stats->largest_tail = outcome.largest_tail;

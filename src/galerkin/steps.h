@@ -65,6 +65,7 @@ typedef struct galerkin_steps_outcome {
     /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
      * size of the next step. */
     int last_ring_index, equal_step_count;
+    bool continues_last_step;         /* the first of these steps was predicted from earlier ones */
     galerkin_convergence convergence; /* the convergence of the last step */
     double start_time_of_last_step;   /* the time at which the last step began */
     /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
