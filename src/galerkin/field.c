@@ -45,20 +45,11 @@ static tvi_status predict_fixed_point_unknowns_from_start(galerkin_field *field,
     return status;
 }
 
-static void predict_fixed_point_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
-{
-    field->kernels->predict(&field->nodes, extrapolation);
-}
-
 static void emit_fixed_point_field(jet_text *text, const galerkin_field *field)
 {
     tvi_galerkin_emit_int_array(text, "slot", field->nodes.unknown_count, field->rate_row_of_unknown);
 }
 
-const galerkin_field_form tvi_galerkin_form_plain = {allocate_fixed_point_field,
-                                                     prepare_fixed_point_field,
-                                                     predict_fixed_point_unknowns_from_start,
-                                                     predict_fixed_point_unknowns,
-                                                     NULL,
-                                                     emit_fixed_point_field,
-                                                     tvi_embedded_galerkin_plain};
+const galerkin_field_form tvi_galerkin_form_plain = {
+    allocate_fixed_point_field, prepare_fixed_point_field,  predict_fixed_point_unknowns_from_start, NULL, NULL,
+    emit_fixed_point_field,     tvi_embedded_galerkin_plain};

@@ -40,7 +40,8 @@ typedef struct {
     /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
      * otherwise. */
     tvi_roundoff *output_displacements;
-    /* the data of the field's form: lagrangian_work, hamiltonian_work or NULL */
+    /* The data of the field's form: lagrangian_work or hamiltonian_work, whose first member is the data of the passes,
+     * or NULL. */
     void *form_work;
 } galerkin_field;
 
@@ -50,8 +51,9 @@ struct galerkin_field_form {
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
-    /* Predicts the unknowns from the impulses of earlier steps, by tables that contain impulse_to_predicted. */
-    void (*predict)(galerkin_field *field, const galerkin_extrapolation *extrapolation);
+    /* Predicts the unknowns, as galerkin_pass_functions.predict, by tables that contain impulse_to_predicted. If the
+     * form has NULL here, galerkin_predict_unknowns calls the kernel itself. */
+    void (*predict)(void *form_work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
      * moves the unknowns itself. */
     tvi_status (*pass)(galerkin_field *field, double *movement, tvi_stats *stats);
@@ -104,6 +106,13 @@ static inline double galerkin_move_unknowns_by_rates(const galerkin_field *field
     field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row_of_unknown,
                          &movement);
     return movement;
+}
+
+/* Predicts the unknowns from the impulses of earlier steps. */
+static inline void galerkin_predict_unknowns(const galerkin_field *field, const galerkin_extrapolation *extrapolation)
+{
+    if (field->form->predict) field->form->predict(field->form_work, &field->nodes, extrapolation);
+    else field->kernels->predict(&field->nodes, extrapolation);
 }
 
 /* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts the pass. *movement

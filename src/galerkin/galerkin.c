@@ -247,7 +247,7 @@ JET_INLINE void predict_unknowns_in_library(void *work, const galerkin_nodes *no
 {
     const library_pass_work *step = work;
     (void)nodes;
-    step->stepper->field.form->predict(&step->stepper->field, extrapolation);
+    galerkin_predict_unknowns(&step->stepper->field, extrapolation);
 }
 
 static void save_stats_of_completed_steps(void *work)

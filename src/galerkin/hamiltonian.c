@@ -171,12 +171,6 @@ static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_field *field,
     return TVI_OK;
 }
 
-static void predict_hamiltonian_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
-{
-    hamiltonian_work *work = field->form_work;
-    hamiltonian_predict_unknowns(&work->passes, &field->nodes, extrapolation);
-}
-
 static tvi_status make_hamiltonian_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     hamiltonian_work *work = field->form_work;
@@ -204,5 +198,5 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
 
 const galerkin_field_form tvi_galerkin_form_hamiltonian = {
     allocate_hamiltonian_field,       prepare_hamiltonian_field, predict_hamiltonian_unknowns_from_start,
-    predict_hamiltonian_unknowns,     make_hamiltonian_pass,     emit_hamiltonian_field,
+    hamiltonian_predict_unknowns,     make_hamiltonian_pass,     emit_hamiltonian_field,
     tvi_embedded_galerkin_hamiltonian};

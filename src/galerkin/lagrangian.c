@@ -135,12 +135,6 @@ static tvi_status predict_lagrangian_unknowns_from_start(galerkin_field *field, 
     return TVI_OK;
 }
 
-static void predict_lagrangian_unknowns(galerkin_field *field, const galerkin_extrapolation *extrapolation)
-{
-    lagrangian_work *work = field->form_work;
-    lagrangian_predict_unknowns(&work->passes, &field->nodes, extrapolation);
-}
-
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
 static tvi_status make_lagrangian_pass(galerkin_field *field, double *movement, tvi_stats *stats)
@@ -169,5 +163,5 @@ static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
 
 const galerkin_field_form tvi_galerkin_form_lagrangian = {
     allocate_lagrangian_field,       prepare_lagrangian_field, predict_lagrangian_unknowns_from_start,
-    predict_lagrangian_unknowns,     make_lagrangian_pass,     emit_lagrangian_field,
+    lagrangian_predict_unknowns,     make_lagrangian_pass,     emit_lagrangian_field,
     tvi_embedded_galerkin_lagrangian};

@@ -149,7 +149,7 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
                                    field->step_size / predictor->history->step_size, elapsed_fraction);
     field->kernels->evaluate(&to, predictor->resized_step_extrapolation, galerkin_impulses_of_step(predictor, 0),
                              predictor->extrapolated_rates);
-    field->form->predict(field, &(galerkin_extrapolation){field->impulse_to_predicted, field->impulse_to_predicted,
-                                                          predictor->extrapolated_rates, predictor->extrapolated_rates,
-                                                          &last_alone});
+    galerkin_predict_unknowns(field, &(galerkin_extrapolation){field->impulse_to_predicted, field->impulse_to_predicted,
+                                                               predictor->extrapolated_rates,
+                                                               predictor->extrapolated_rates, &last_alone});
 }
