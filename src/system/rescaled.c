@@ -62,12 +62,35 @@ typedef struct {
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
-/* Returns g as a jet whose evaluation fails with TVI_EDOMAIN at states where g is not positive. The automatic g, a
- * power, is positive wherever it has a value. */
-static jet require_positive_scale(jet g, bool has_automatic_scale)
+/* Tells whether a node of a graph is positive wherever it has a value. Only the operations that compute it are
+ * examined. A parameter counts as not positive, since it may become negative. */
+static bool is_always_positive(const struct jet_node *node)
+{
+    switch (node->op) {
+    case OP_EXP:
+    case OP_COSH:
+    case OP_SQRT:
+    case OP_HYPOT: return true;
+    case OP_POW: return node->number != rint(node->number) || is_always_positive(node->a);
+    case OP_SQR: return is_always_positive(node->a);
+    case OP_MUL:
+    case OP_DIV: return is_always_positive(node->a) && is_always_positive(node->b);
+    case OP_CONST: return node->number > 0;
+    case OP_LINEAR: {
+        bool positive = node->number >= 0 && node->count > 0;
+        for (int i = 0; i < node->count; i++)
+            positive &= node->terms[i].coefficient > 0 && is_always_positive(node->terms[i].node);
+        return positive;
+    }
+    default: return false;
+    }
+}
+
+/* Returns g as a jet whose evaluation fails with TVI_EDOMAIN at states where g is not positive. */
+static jet require_positive_scale(jet g)
 {
     if (!g.node) return g.number > 0 ? g : jet_make_poison(isnan(g.number) ? JET_NOT_FINITE : JET_NOT_POSITIVE);
-    return has_automatic_scale || jet_is_poison(g) ? g : jet_sqr(jet_sqrt(g));
+    return jet_is_poison(g) || is_always_positive(g.node) ? g : jet_sqr(jet_sqrt(g));
 }
 
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
@@ -81,7 +104,7 @@ static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, 
     const jet H = tvi_record_original_hamiltonian(q, p, q[n], (void *)request->base);
     const jet g = request->time_scale ? request->time_scale(q, p, q[n], request->ctx)
                                       : tvi_record_automatic_scale(request->base, H);
-    factor[0] = require_positive_scale(g, !request->time_scale);
+    factor[0] = require_positive_scale(g);
     factor[1] = jet_add(H, p[n]);
 }
 
