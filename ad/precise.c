@@ -62,7 +62,8 @@ static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run
                                         const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_operand_b;
-    const int k0 = run->first_term + (run->is_scattered ? operation_index * run->term_count : 0), at = run->is_scattered ? 0 : operation_index;
+    const int k0 = run->first_term + (run->is_scattered ? operation_index * run->term_count : 0),
+              at = run->is_scattered ? 0 : operation_index;
     long double sum = 0;
     for (int k = k0; k < k0 + run->term_count; k++)
         sum += tape->term_coefficient[k] * values[tape->term_slot[k] + at] * values[second[k] + at];
