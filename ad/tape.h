@@ -23,8 +23,8 @@ typedef enum {
  * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own,
  * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term + i * term_count on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
- * term_slot[k] + i and term_operand_b[k] + i, for `term_count` values k from first_term on. If operands are scattered, on
- * tapes of values alone, each operation has terms of its own, as for LINEAR. */
+ * term_slot[k] + i and term_operand_b[k] + i, for `term_count` values k from first_term on. If operands are scattered,
+ * on tapes of values alone, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
