@@ -24,17 +24,18 @@ void jet_emit_rule_source(jet_text *text)
 
 /* ---- The tape as constants --------------------------------------------------------------------------------------- */
 
-static void emit_int_array(jet_text *text, const char *tape_name, const char *array_name, int count, const int value[])
+static void emit_int_array(jet_text *text, const char *name_prefix, const char *array_name, int count,
+                           const int value[])
 {
-    jet_text_append(text, "static const int %s_%s[] = {0", tape_name, array_name);
+    jet_text_append(text, "static const int %s_%s[] = {0", name_prefix, array_name);
     for (int i = 0; i < count; i++) jet_text_append(text, i % 16 ? ", %d" : ",\n    %d", value[i]);
     jet_text_append(text, "};\n");
 }
 
-static void emit_double_array(jet_text *text, const char *tape_name, const char *array_name, int count,
+static void emit_double_array(jet_text *text, const char *name_prefix, const char *array_name, int count,
                               const double value[])
 {
-    jet_text_append(text, "static const double %s_%s[] = {0", tape_name, array_name);
+    jet_text_append(text, "static const double %s_%s[] = {0", name_prefix, array_name);
     for (int i = 0; i < count; i++) jet_text_append(text, i % 8 ? ", %a" : ",\n    %a", value[i]);
     jet_text_append(text, "};\n");
 }
@@ -58,7 +59,7 @@ typedef struct {
 static void emit_tape_arrays(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     emit_int_array(emitter->text, name, "slot", tape->term_count, tape->term_slot);
     emit_int_array(emitter->text, name, "operand_b", tape->term_count, tape->term_operand_b);
     emit_int_array(emitter->text, name, "output", tape->output_count, tape->output_slot);
@@ -131,8 +132,8 @@ static void emit_adjoints_of_sums(const tape_emitter *emitter)
     const jet_tape *tape = emitter->tape;
     for (const jet_run *first = tape->run; first < tape->run + tape->run_count; first++) {
         if (!is_single_sum(first) || first_adjacent_sum(tape, first) != first) continue;
-        jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", emitter->request->name,
-                        (int)(first - tape->run));
+        jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n",
+                        emitter->request->name_prefix, (int)(first - tape->run));
         for (int slot = 0; slot < first->z; slot++)
             emit_adjoint_contributions_of_sums(emitter->text, tape, first, end_of_adjacent_sums(tape, first), slot);
         jet_text_append(emitter->text, "}\n");
@@ -147,7 +148,7 @@ static const char *const rule_names[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 /* Writes the macro call of one run, such as RULE(T, i, name), for the lists T_RUNS and T_RUNS_BACK (emitted.h). */
 static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
 {
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     const int index = (int)(run - emitter->tape->run);
     if (run->op == OP_LINEAR)
         jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->term_count);
@@ -166,7 +167,7 @@ static void emit_adjoint_list_entry(const tape_emitter *emitter, const jet_run *
     const jet_run *first = is_single_sum(run) ? first_adjacent_sum(emitter->tape, run) : NULL;
     if (!first) emit_run_macro_call(emitter, run);
     else if (end_of_adjacent_sums(emitter->tape, first) == run + 1)
-        jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name,
+        jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name_prefix,
                         (int)(first - emitter->tape->run));
 }
 
@@ -175,10 +176,10 @@ static void emit_adjoint_list_entry(const tape_emitter *emitter, const jet_run *
 static void emit_run_lists(const tape_emitter *emitter)
 {
     const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->run_count;
-    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, SCATTERED, LINEAR)", emitter->request->name);
+    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, SCATTERED, LINEAR)", emitter->request->name_prefix);
     for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
     jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, SCATTERED, LINEAR, SUMS)",
-                    emitter->request->name);
+                    emitter->request->name_prefix);
     for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
         emit_adjoint_list_entry(emitter, run);
     jet_text_append(emitter->text, "\n");
@@ -189,7 +190,7 @@ static void emit_run_lists(const tape_emitter *emitter)
 /* Writes the function NAME_values_LANES, which computes the values for this number of lanes. */
 static void emit_value_function(const tape_emitter *emitter, int lanes)
 {
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     const bool fits = lanes <= MOST_REGISTER;
     if (emitter->splits_operations && !fits)
         jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
@@ -203,7 +204,7 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
  * register are always written; unused ones cost nothing. */
 static void emit_inlined_functions(const tape_emitter *emitter)
 {
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     const int *const lane_counts = emitter->request->lane_counts;
     for (int lanes = LEAST_REGISTER; lanes <= MOST_REGISTER; lanes *= 2) emit_value_function(emitter, lanes);
     for (const int *lanes = lane_counts; *lanes > 0; lanes++) {
@@ -218,7 +219,7 @@ static void emit_inlined_functions(const tape_emitter *emitter)
 
 static void emit_values_sweep(const tape_emitter *emitter)
 {
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     jet_text_append(emitter->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
     for (const int *lanes = emitter->request->lane_counts; *lanes > 0; lanes++)
         jet_text_append(emitter->text, "    if (lanes == %d) return %s_values_%d(x);\n", *lanes, name, *lanes);
@@ -231,12 +232,12 @@ static void emit_series_sweep(const tape_emitter *emitter)
                     "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
                     "    if (lanes != 1) return tape->interpreter_sweeps->series(tape, x, k, lanes);\n"
                     "    return %s_series_of(x, k);\n}\n",
-                    emitter->request->name, emitter->request->name);
+                    emitter->request->name_prefix, emitter->request->name_prefix);
 }
 
 static void emit_tangents_sweep(const tape_emitter *emitter)
 {
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     jet_text_append(emitter->text,
                     "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
                     name);
@@ -248,7 +249,7 @@ static void emit_tangents_sweep(const tape_emitter *emitter)
 
 static void emit_adjoints_sweep(const tape_emitter *emitter)
 {
-    const char *name = emitter->request->name;
+    const char *name = emitter->request->name_prefix;
     jet_text_append(emitter->text,
                     "static void %s_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)\n{\n"
                     "    (void)tape;\n    %s_adjoints_of(x, bar, k, top);\n}\n",
@@ -265,7 +266,7 @@ static bool requests_only_vector_values(const jet_emission_request *request)
 
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request)
 {
-    const char *name = request->name;
+    const char *name = request->name_prefix;
     const int operation_count = tape->slot_count - tape->input_count - tape->constant_count;
     const bool splits_operations =
         JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_OPERATIONS && requests_only_vector_values(request);

@@ -14,7 +14,7 @@
 
 /* The parts of a tape that generated code is to compute. The interpreter runs all others. */
 typedef struct {
-    const char *name; /* Prefix of all names in the generated text. */
+    const char *name_prefix; /* Prefix of all names in the generated text. */
     /* One value function is written for each of these numbers of lanes, and one tangent function for each of these
      * numbers of directions; a 0 ends each list. */
     int lane_counts[3], direction_counts[3];

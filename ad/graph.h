@@ -130,7 +130,7 @@ static inline jet jet_from_node(struct jet_node *node) { return (jet){0, node}; 
  * no operation on x can be recorded, since one of them is poison, or two belong to different graphs; otherwise 0. */
 jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph);
 /* Returns a poison jet, which belongs to no graph and holds the reason. All jets made from it are the same poison.
- * The index of its node is the status. */
+ * Its node has the status (tvi_status) as its index. */
 jet jet_make_poison(jet_reason reason);
 /* Returns the poison of an operation outside its domain. Its number is the operand. */
 jet jet_make_domain_poison(jet_op op, double operand);

@@ -41,7 +41,7 @@ static jet record_operand_combination(const forward_recording *recording, const 
     return jet_record_linear_combination(z->count + 1, recording->term_coefficients, recording->term_jets);
 }
 
-static jet record_value(const forward_recording *recording, const struct jet_node *z)
+static jet record_primal_node(const forward_recording *recording, const struct jet_node *z)
 {
     const jet a = z->a ? recording->value[z->a->index] : jet_const(0);
     const jet b = z->b ? recording->value[z->b->index] : jet_const(0);
@@ -100,7 +100,7 @@ static void record_all_nodes(forward_recording *recording, int node_count, const
     for (int i = 0; i < node_count; i++) {
         const struct jet_node *z = jet_graph_node_at(recording->source, i);
         if (!recording->is_node_needed[i]) continue;
-        recording->value[i] = z->op == OP_INPUT ? input[i] : record_value(recording, z);
+        recording->value[i] = z->op == OP_INPUT ? input[i] : record_primal_node(recording, z);
         recording->rate[i] = z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
     }
 }

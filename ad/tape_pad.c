@@ -76,7 +76,7 @@ static int assign_new_slots(const run_padding *p)
     return round_up_to_vector(slot_after);
 }
 
-static bool are_slots_still_adjacent(const run_padding *p, const jet_run *run, int first)
+static bool are_operand_slots_still_adjacent(const run_padding *p, const jet_run *run, int first)
 {
     return p->new_slot[last_slot_of_range(run, first)] == last_slot_of_range(run, p->new_slot[first]);
 }
@@ -86,10 +86,11 @@ static bool are_slots_of_all_runs_still_adjacent(const run_padding *p)
 {
     for (const jet_run *run = p->tape->run, *const end = run + p->tape->run_count; run < end; run++) {
         if (run->op == OP_LINEAR) continue;
-        if (!are_slots_still_adjacent(p, run, run->z) || (run->w != 0 && !are_slots_still_adjacent(p, run, run->w)))
+        if (!are_operand_slots_still_adjacent(p, run, run->z) ||
+            (run->w != 0 && !are_operand_slots_still_adjacent(p, run, run->w)))
             return false;
         for (int k = 0, first; (first = jet_operation_operand_slot(p->tape, run, 0, k)) >= 0; k++)
-            if (!are_slots_still_adjacent(p, run, first)) return false;
+            if (!are_operand_slots_still_adjacent(p, run, first)) return false;
     }
     return true;
 }

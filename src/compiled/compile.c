@@ -160,7 +160,7 @@ static void emit_code_structure(jet_text *text, const jet_emission_request *cons
                     tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
                     tvi_options_fingerprint(resolved_options));
     for (int i = 0; i < TVI_CODE_TAPES; i++) {
-        if (tapes[i]->name) jet_text_append(text, "&%s_sweeps, ", tapes[i]->name);
+        if (tapes[i]->name_prefix) jet_text_append(text, "&%s_sweeps, ", tapes[i]->name_prefix);
         else jet_text_append(text, "0, ");
     }
     jet_text_append(text, "},\n");
@@ -182,7 +182,7 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
     jet_emit_rule_source(text);
     for (const char *const *line = tvi_embedded_code; *line; line++) jet_text_append(text, "%s", *line);
     for (int i = 0; i < TVI_CODE_TAPES; i++)
-        if (requests[i]->name) jet_emit_tape(text, tapes[i], requests[i]);
+        if (requests[i]->name_prefix) jet_emit_tape(text, tapes[i], requests[i]);
     if (uses.emit_loops) uses.emit_loops(text, stepped_system, resolved_options);
     emit_code_structure(text, requests, stepped_system, resolved_options);
     if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_field_name);

@@ -187,7 +187,7 @@ static void forget_lane_history(void *work, int lane)
 
 static bool is_ring_index_valid(const void *work)
 {
-    return galerkin_is_ring_index_valid(*((const galerkin_batch_stepper *)work)->last_ring_index);
+    return galerkin_has_last_step(*((const galerkin_batch_stepper *)work)->last_ring_index);
 }
 
 static void step_member_alone(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,

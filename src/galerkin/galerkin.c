@@ -312,7 +312,7 @@ static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, 
                                   .start_time = outcome.start_time_of_last_step,
                                   .convergence = outcome.convergence,
                                   .last_ring_index = outcome.last_ring_index};
-    stats->residual = sqrt(outcome.last_movement_square);
+    stats->residual = sqrt(outcome.last_pass_movement_square);
     stats->tail = outcome.last_tail;
     return outcome;
 }
@@ -370,16 +370,17 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
 {
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_tapes_of_steps used = {.values = {.name = "tvi_values", .lane_counts = {lanes, of_batch}},
+    tvi_tapes_of_steps used = {.values = {.name_prefix = "tvi_values", .lane_counts = {lanes, of_batch}},
                                .loops_field_name = "galerkin",
                                .emit_loops = emit_generated_steps};
-    if (system->hessian_values) used.hessian = (jet_emission_request){.name = "tvi_hessian", .lane_counts = {lanes}};
+    if (system->hessian_values)
+        used.hessian = (jet_emission_request){.name_prefix = "tvi_hessian", .lane_counts = {lanes}};
     return used;
 }
 
 static bool is_history_valid(const void *work)
 {
-    return galerkin_is_ring_index_valid(((const galerkin_stepper *)work)->predictor.history->last_ring_index);
+    return galerkin_has_last_step(((const galerkin_stepper *)work)->predictor.history->last_ring_index);
 }
 
 const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_stepper,

@@ -13,7 +13,7 @@ JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_
     hamiltonian_passes *passes = work;
     (void)nodes;
     if (roundoff || !hamiltonian_make_pass(passes, galerkin_sweep_generated_tape)) return TVI_ENOCONV;
-    *movement = passes->last_movement_square;
+    *movement = passes->last_pass_movement_square;
     return TVI_OK;
 }
 

@@ -13,7 +13,7 @@ JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_n
     (void)nodes;
     if (roundoff || lagrangian_make_pass(passes, galerkin_sweep_generated_tape) != LAGRANGIAN_PASSED)
         return TVI_ENOCONV;
-    *movement = passes->last_movement_square;
+    *movement = passes->last_pass_movement_square;
     return TVI_OK;
 }
 

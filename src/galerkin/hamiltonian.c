@@ -159,7 +159,7 @@ static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_field *field,
     (void)origin;
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int i = 0; i < lanes; i++) nodes->values[u * lanes + i] = nodes->start_values[u];
-    work->passes.last_movement_square = INFINITY;
+    work->passes.last_pass_movement_square = INFINITY;
     const double *momenta = nodes->values + field->system->n * lanes;
     const double *rates = galerkin_evaluate_gradient_at_nodes(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false,
                                                               nodes->values, momenta);
@@ -176,7 +176,7 @@ static tvi_status make_hamiltonian_pass(galerkin_field *field, double *movement,
     hamiltonian_work *work = field->form_work;
     (void)stats;
     if (!hamiltonian_make_pass(&work->passes, tvi_galerkin_sweep_tape)) return TVI_EDOMAIN;
-    *movement = work->passes.last_movement_square;
+    *movement = work->passes.last_pass_movement_square;
     return TVI_OK;
 }
 

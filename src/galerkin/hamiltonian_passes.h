@@ -30,7 +30,7 @@ typedef struct {
     /* [unknowns][lanes] The changes of the impulses that the inner iterations make. */
     double *impulse_changes;
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
-    double last_movement_square;
+    double last_pass_movement_square;
 } hamiltonian_passes;
 
 /* In the first pass of a step the inner iterations end when the square of a relative movement is below this, since a
@@ -48,7 +48,7 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
     GALERKIN_KERNEL(passes->kernels, predict, &passes->rate_nodes, extrapolation);
     GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values,
                     passes->rate_row_of_unknown, &moved);
-    passes->last_movement_square = INFINITY;
+    passes->last_pass_movement_square = INFINITY;
 }
 
 static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passes)
@@ -65,8 +65,8 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
 {
     const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknown_count * nodes->lane_count;
-    const bool is_first = isinf(passes->last_movement_square),
-               serves = passes->last_movement_square <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers;
+    const bool is_first = isinf(passes->last_pass_movement_square),
+               serves = passes->last_pass_movement_square <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers;
     const int *slot = passes->rate_slot[!serves];
     const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
     const double *rates = galerkin_evaluate_gradient_at_nodes(&passes->tape_blocks, sweep, !serves, nodes->values,
@@ -74,9 +74,9 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
     if (!rates) return false;
     if (is_first) hamiltonian_set_unknown_sizes(passes);
     GALERKIN_KERNEL(passes->kernels, run_inner_iterations, nodes, &passes->inner_iterations, rates, slot, !serves,
-                    passes->last_movement_square, least, passes->impulse_changes);
-    passes->last_movement_square = GALERKIN_KERNEL(passes->kernels, move_with_changes, nodes, passes->impulse_matrix,
-                                                   rates, passes->impulse_changes, slot);
+                    passes->last_pass_movement_square, least, passes->impulse_changes);
+    passes->last_pass_movement_square = GALERKIN_KERNEL(passes->kernels, move_with_changes, nodes,
+                                                        passes->impulse_matrix, rates, passes->impulse_changes, slot);
     return true;
 }
 

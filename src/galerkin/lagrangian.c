@@ -147,7 +147,7 @@ static tvi_status make_lagrangian_pass(galerkin_field *field, double *movement, 
     const int factors = work->passes.inversion_count;
     const lagrangian_pass_result passed = lagrangian_make_pass(&work->passes, tvi_galerkin_sweep_tape);
     stats->factorisations += (work->passes.inversion_count - factors) * field->node_count;
-    *movement = work->passes.last_movement_square;
+    *movement = work->passes.last_pass_movement_square;
     return status[passed];
 }
 

@@ -41,7 +41,7 @@ typedef struct {
     void *lu_factor;
     int inversion_count; /* the number of times that L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
-    double last_movement_square;
+    double last_pass_movement_square;
 } lagrangian_passes;
 
 typedef enum {
@@ -97,7 +97,7 @@ static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
 {
     (void)lagrangian_move_momenta(passes);
     (void)lagrangian_move_coordinates(passes);
-    passes->last_movement_square = INFINITY;
+    passes->last_pass_movement_square = INFINITY;
 }
 
 /* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a lagrangian_passes. */
@@ -213,19 +213,19 @@ static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *pas
 {
     const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknown_count * nodes->lane_count;
-    if (passes->last_movement_square <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
+    if (passes->last_pass_movement_square <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
         if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE;
     } else {
         if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE;
         const lagrangian_pass_result inverted = lagrangian_invert_velocity_hessian(passes);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
-    double moved = passes->last_movement_square = 0;
+    double moved = passes->last_pass_movement_square = 0;
     lagrangian_set_drift_minus_centre(passes);
     for (int i = 0; i < LAGRANGIAN_MAX_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
         lagrangian_evaluate_gradient_expansion(passes);
-        passes->last_movement_square += moved = lagrangian_make_inner_iteration(passes);
+        passes->last_pass_movement_square += moved = lagrangian_make_inner_iteration(passes);
     }
     return LAGRANGIAN_PASSED;
 }

@@ -97,9 +97,9 @@ static void set_resized_step_extrapolation(galerkin_predictor *predictor, const 
                                            const galerkin_node_polynomials *polynomials,
                                            const galerkin_kernels *kernels, double step_ratio, double elapsed_fraction)
 {
-    if (step_ratio == predictor->resized_step_ratio && elapsed_fraction == predictor->resized_step_elapsed_fraction)
+    if (step_ratio == predictor->new_to_last_step_ratio && elapsed_fraction == predictor->resized_step_elapsed_fraction)
         return;
-    predictor->resized_step_ratio = step_ratio;
+    predictor->new_to_last_step_ratio = step_ratio;
     predictor->resized_step_elapsed_fraction = elapsed_fraction;
     const int lanes = coefficients->lane_count;
     const galerkin_curve_evaluation at_nodes = {lanes,

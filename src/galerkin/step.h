@@ -22,7 +22,7 @@ typedef struct {
 } galerkin_history;
 
 /* Returns whether the index of a loaded history is within the ring. */
-static inline bool galerkin_is_ring_index_valid(long last_ring_index)
+static inline bool galerkin_has_last_step(long last_ring_index)
 {
     return last_ring_index >= 0 && last_ring_index < GALERKIN_RING;
 }
@@ -36,11 +36,11 @@ typedef struct {
     /* If the movement of the first pass of a step, a sum of squares, is larger than this, its prediction had a relative
      * error above 1/100. The next step is then predicted from the last step alone. */
     double rough_movement_square;
-    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is resized_step_ratio times as
+    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_ratio times as
      * large and begins at the fraction resized_step_elapsed_fraction of the last step. */
     double *resized_step_extrapolation;
     /* The step for which resized_step_extrapolation was computed. The ratio is 0 before the first computation. */
-    double resized_step_ratio, resized_step_elapsed_fraction;
+    double new_to_last_step_ratio, resized_step_elapsed_fraction;
     /* [unknowns][lanes] The rates that were extrapolated from the last step. */
     double *extrapolated_rates;
     double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */

@@ -69,7 +69,7 @@ typedef struct galerkin_steps_outcome {
     galerkin_convergence convergence; /* the convergence of the last step */
     double start_time_of_last_step;   /* the time at which the last step began */
     /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
-    double last_movement_square, last_tail;
+    double last_pass_movement_square, last_tail;
     double largest_tail; /* the largest tail of these steps and of all earlier ones */
 } galerkin_steps_outcome;
 
@@ -244,7 +244,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         outcome->equal_step_count += outcome->equal_step_count < 2;
         outcome->convergence = iteration.convergence;
         outcome->start_time_of_last_step = t;
-        outcome->last_movement_square = movement;
+        outcome->last_pass_movement_square = movement;
         outcome->last_tail = tail;
         outcome->largest_tail = tvi_larger(tail, outcome->largest_tail);
     }

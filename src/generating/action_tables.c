@@ -23,7 +23,7 @@ tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *
                is_separable = system->form == TVI_SEPARABLE;
     const bool one_more = definition->uses_highest_momentum_term && is_separable; /* p of degree N needs Q_{N+1} */
     tvi_action sizes = {.uses_hamilton_principle = uses_hamilton_principle,
-                        .has_truncated_nodes = options->nodes == TVI_NODES_TRUNCATED,
+                        .omits_highest_order_at_nodes = options->nodes == TVI_NODES_TRUNCATED,
                         .has_gradient_by_v = !uses_hamilton_principle && !is_separable,
                         .has_gradient_by_p = uses_hamilton_principle && (!is_separable || p_degree >= degree),
                         .q_degree = degree,
@@ -70,7 +70,7 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
         action->summation_by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
-    if (system->form == TVI_HAMILTONIAN && action->uses_hamilton_principle && action->has_truncated_nodes)
+    if (system->form == TVI_HAMILTONIAN && action->uses_hamilton_principle && action->omits_highest_order_at_nodes)
         action->second_derivative_block =
             tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
     action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);
@@ -104,7 +104,7 @@ static void set_power_tables(tvi_action *action, int node, long double s, bool a
         action->second_derivative_table.all_orders[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int place = k * action->points + node, weighted = node * action->orders + k;
-        const bool left_out = action->has_truncated_nodes && k == action->q_degree && !at_end;
+        const bool left_out = action->omits_highest_order_at_nodes && k == action->q_degree && !at_end;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
         action->power_table.all_orders[place] = power;
         action->slope_table.all_orders[place] = slope;

@@ -15,8 +15,9 @@
 static inline void step_move_state_to_centre(const tvi_curve_workspace *work, double z[])
 {
     const tvi_closure *closure = &work->closure;
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_at_centre, z);
-    CURVE_CALL(sum_combination, &closure->curve, &work->velocity_at_centre, z + curve_vector_length(&closure->curve));
+    CURVE_CALL(sum_combination, &closure->curve, &work->q_at_centre_weights, z);
+    CURVE_CALL(sum_combination, &closure->curve, &work->velocity_at_centre_weights,
+               z + curve_vector_length(&closure->curve));
 }
 
 /* Computes the natural sizes of the unknowns, by which their corrections are measured. A curve of degree 0 or 1 from a
@@ -43,7 +44,7 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
     const tvi_closure *closure = &work->closure;
     const int numbers = curve_vector_length(&closure->curve), width = curve_width(&closure->curve);
     const double *Q0 = tvi_curve_position_coefficients(&closure->curve, 0);
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_start_minus_centre, r);
+    CURVE_CALL(sum_combination, &closure->curve, &work->q_start_minus_centre_weights, r);
     CURVE_CALL(sum_combination, &closure->curve, &closure->u_at_start, r + numbers);
     for (int i = 0; i < curve_dimension(&closure->curve); i++) {
         const double kappa = closure->curve.kappa[i];

@@ -66,8 +66,12 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
               .q_degree = options->degree};
     allocate_closure(&w.closure, arena, system, options, has_corrections, width);
     const tvi_curve *curve = &w.closure.curve;
-    tvi_combination *const combinations[] = {&w.q_start_minus_centre, &w.q_at_centre, &w.velocity_at_centre,
-                                             &w.scaled_end_velocity,  &w.dense_q,     &w.dense_u};
+    tvi_combination *const combinations[] = {&w.q_start_minus_centre_weights,
+                                             &w.q_at_centre_weights,
+                                             &w.velocity_at_centre_weights,
+                                             &w.scaled_end_velocity,
+                                             &w.dense_q,
+                                             &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
@@ -109,8 +113,8 @@ static void set_centre_weights(work *w)
     const double s = -w->closure.span.start_s;
     double weight[TVI_MAX_DEGREE + 2];
     for (int k = 0; k <= curve->highest_order; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
-    tvi_combination_set_weights(&w->velocity_at_centre, curve, hamiltonian, weight);
-    tvi_combination_set_power_weights(&w->q_at_centre, curve, false, curve->highest_order, 1, s, 0, 0);
+    tvi_combination_set_weights(&w->velocity_at_centre_weights, curve, hamiltonian, weight);
+    tvi_combination_set_power_weights(&w->q_at_centre_weights, curve, false, curve->highest_order, 1, s, 0, 0);
     for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.end_s, k - 1) : 0;
     tvi_combination_set_weights(&w->scaled_end_velocity, curve, false, weight);
 }
@@ -132,7 +136,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
                                               of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
                                               from);
     tvi_combination_set_power_weights(&c->momentum_size_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
-    tvi_combination_set_power_weights(&w->q_start_minus_centre, &c->curve, false, w->q_degree, 1, from, -1, 0);
+    tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre_weights(w);
     if (!w->has_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
@@ -238,7 +242,8 @@ static tvi_status run_corrector(step_attempt *attempt)
     return status;
 }
 
-/* Tries the quick step, whose passes must converge as usual. Returns whether it succeeded. */
+/* Tries to make the step without measuring roundoff or renewing a Jacobian that failed. Returns whether the passes
+ * converged. */
 static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[])
 {
     work *w = attempt->work;

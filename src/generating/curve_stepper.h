@@ -30,9 +30,10 @@ typedef struct tvi_curve_workspace {
     tvi_action action;
     tvi_newton newton;
     tvi_legendre legendre;
-    tvi_combination q_start_minus_centre; /* the difference q- - Q_0 of the positions at the start and at the centre */
+    tvi_combination
+        q_start_minus_centre_weights; /* the difference q- - Q_0 of the positions at the start and at the centre */
     /* The centre state q and tau v, or p of a Hamiltonian, as values of the curve that starts at (q0, p0). */
-    tvi_combination q_at_centre, velocity_at_centre;
+    tvi_combination q_at_centre_weights, velocity_at_centre_weights;
     tvi_combination scaled_end_velocity; /* of a Lagrangian: tau v at the end of the step */
     tvi_combination dense_q, dense_u;    /* the increments to one point of dense output */
     double *predicted_state;             /* [2n] the predicted centre state */

@@ -93,7 +93,7 @@ JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, do
 {
     tvi_action sized_action = *action;
     sized_action.uses_hamilton_principle = code_action.uses_hamilton_principle;
-    sized_action.has_truncated_nodes = code_action.has_truncated_nodes;
+    sized_action.omits_highest_order_at_nodes = code_action.omits_highest_order_at_nodes;
     sized_action.has_gradient_by_v = code_action.has_gradient_by_v;
     sized_action.has_gradient_by_p = code_action.has_gradient_by_p;
     sized_action.q_degree = code_action.q_degree;

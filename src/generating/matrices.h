@@ -70,8 +70,9 @@ static inline void matrices_merge_member_jacobian(const tvi_closure *closure, in
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
 }
 
-/* Computes J = d(q-, u-)/dz for the corrector. Returns the number of members, among those that iterate, whose Jacobians
- * it renewed. It computes nothing if all of these can reuse theirs. */
+/* Computes, for the corrector, the Jacobian matrix of the end at s- (q-, u-) by the unknowns z. Returns the number of
+ * members, among those that iterate, whose Jacobians it renewed. It computes nothing if all of these can reuse
+ * theirs. */
 static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long iterating_mask[],
                                                     double matrix[])
 {

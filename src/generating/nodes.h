@@ -21,8 +21,8 @@ typedef struct {
 } tvi_node_table;
 
 typedef struct tvi_action {
-    bool uses_hamilton_principle; /* whether the action is that of Hamilton's principle in phase space */
-    bool has_truncated_nodes;     /* the positions at the nodes omit the highest order */
+    bool uses_hamilton_principle;      /* whether the action is that of Hamilton's principle in phase space */
+    bool omits_highest_order_at_nodes; /* the positions at the nodes omit the highest order */
     /* The tape of the field at the nodes; it also has tangents if momenta must be found from velocities. */
     const jet_tape *field_tape;
     bool has_gradient_by_v;                 /* gradient_by_v = L_v - p is not 0 by construction */

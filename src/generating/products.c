@@ -17,7 +17,7 @@ static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
         .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),
         .product = tvi_arena_allocate_doubles(arena, width),
-        .largest_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.highest_order + 1),
+        .largest_position_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.highest_order + 1),
     };
     if (allocated) *allocated = iteration;
     closure->solver_data = allocated;

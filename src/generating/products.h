@@ -124,8 +124,8 @@ typedef struct {
     double squared_image_norm[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction_image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
     double *inverse_unknown_size;
-    double *scratch, *product;   /* [2n] */
-    double *largest_coefficient; /* [highest_order + 1] for each k the largest |component| of Q_k */
+    double *scratch, *product;            /* [2n] */
+    double *largest_position_coefficient; /* [highest_order + 1] for each k the largest |component| of Q_k */
     bool has_initial_guess;
 } tvi_conjugate_residuals;
 
@@ -256,7 +256,7 @@ static inline void products_minimise_residual(tvi_closure *closure, int last_ord
  * from which on |Q_k| is below relative_accuracy / PRODUCTS_TRUNCATION_SAFETY |Q_0|, or the highest order. */
 static inline int products_choose_order_for_accuracy(const tvi_closure *closure, double relative_accuracy)
 {
-    const double *largest = products_get_conjugate_residuals(closure)->largest_coefficient,
+    const double *largest = products_get_conjugate_residuals(closure)->largest_position_coefficient,
                  bound = relative_accuracy / PRODUCTS_TRUNCATION_SAFETY * largest[0];
     int k = curve_highest_order(&closure->curve);
     while (k > 1 && !(largest[k - 1] > bound)) k--;
@@ -376,7 +376,7 @@ static inline void products_set_unknown_sizes(tvi_closure *closure)
     const tvi_subsystems *parts = &closure->curve.system->subsystems;
     closure_compute_momentum_sizes(closure);
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
-        products_get_conjugate_residuals(closure)->largest_coefficient[k] =
+        products_get_conjugate_residuals(closure)->largest_position_coefficient[k] =
             tvi_largest_magnitude(curve_dimension(&closure->curve), tvi_curve_inputs_of_order(&closure->curve, k), 1);
     for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
         products_set_subsystem_unknown_sizes(closure, parts->component, first, parts->end[k]);

@@ -127,7 +127,7 @@ static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve 
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
         for (int k = 0; k <= N; k++)
             for (int m = 0; m < width; m++) seeds_get_seed_of_component(curve, seed, k, i)[m] = row[k * width + m];
-        if (!action->has_truncated_nodes) continue;
+        if (!action->omits_highest_order_at_nodes) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
                                (action->power_table.all_orders[N * points + node] -
@@ -199,7 +199,7 @@ static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_c
                                                  double seed_U[])
 {
     const int n = curve_dimension(curve);
-    const bool is_bent = action->uses_hamilton_principle && action->has_truncated_nodes;
+    const bool is_bent = action->uses_hamilton_principle && action->omits_highest_order_at_nodes;
     seeds_set_position_terms(action, curve, seed_Q);
     if (is_bent || action->has_gradient_by_v) seeds_add_velocity_terms(action, n, seed_Q);
     if (is_bent || action->has_gradient_by_p) seeds_add_momentum_terms(action, curve, seed_Q, seed_U);
@@ -209,7 +209,7 @@ static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_c
 /* Returns whether the seeds need only the field, and no second derivatives. */
 static inline bool seeds_need_no_second_derivatives(const tvi_action *action)
 {
-    return !(action->uses_hamilton_principle && action->has_truncated_nodes);
+    return !(action->uses_hamilton_principle && action->omits_highest_order_at_nodes);
 }
 
 static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *action, tvi_curve *curve, double seed_Q[],

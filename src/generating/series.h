@@ -49,7 +49,7 @@ typedef struct {
     double *reciprocal_integer, *log_integer; /* [highest_order + 2] 1 / k and log k */
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;
-    double *movement_size, *momentum_size; /* [n] sum_k k |Q_k| and |U_0| + sum_k k |U_k|, summed with these weights */
+    double *movement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
     double *tail_share, *tail_ratio;       /* [n] scratch for the tails (tail.h) */
     tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
     bool is_velocity_hessian_inverted;     /* whether velocity_hessian.lu contains the inverse */

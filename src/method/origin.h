@@ -28,7 +28,9 @@ typedef struct {
 /* The increments of a step, in two parts: dq + dq_low and dp + dp_low. The second parts are 0 if the method rounds
  * its increments to one number. */
 typedef struct {
-    double *dq, *dp, *dq_low, *dp_low; /* Arrays dq, dq_low [N + 1] and dp, dp_low [N]. */
+    /* The increments of N coordinates and of the time, dq [N + 1], and of N momenta, dp [N], and their low-order
+     * parts. */
+    double *dq, *dp, *dq_low, *dp_low;
 } tvi_increments;
 
 /* Limits of the tail and of the number of passes. A step within both needs no check of its energy. */

@@ -83,7 +83,7 @@ JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi
 
 /* Computes bounds [width] of the changes of the members' energies. The kinetic energy changes by (F0 + F1)/2 . dq +
  * h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F between F0 and F1. */
-static void bound_energy_changes(const void *work, double bound[])
+static void bound_energy_changes_of_step(const void *work, double bound[])
 {
     const verlet_work *w = work;
     const int width = w->width;
@@ -135,7 +135,7 @@ static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .allocate = allocate_members,
                                                 .prepare = set_member_tables,
                                                 .step = step_members,
-                                                .bound_energy_change = bound_energy_changes};
+                                                .bound_energy_change = bound_energy_changes_of_step};
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
@@ -176,14 +176,14 @@ static void interpolate_one_member(void *work, double theta, double dq[], double
 static double bound_energy_change(const void *work)
 {
     double change;
-    bound_energy_changes(work, &change);
+    bound_energy_changes_of_step(work, &change);
     return change;
 }
 
 static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     return (tvi_tapes_of_steps){
-        .values = {.name = "tvi_values", .lane_counts = {1, choose_batch_width(system, options)}}};
+        .values = {.name_prefix = "tvi_values", .lane_counts = {1, choose_batch_width(system, options)}}};
 }
 
 static const tvi_stepper single_stepper_functions = {.allocate = allocate_one_member,

@@ -133,8 +133,8 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
 /* Finds the offset at which the method's own solution reaches the time, by Newton's method from an offset at which the
  * curve reaches it. The state whose time is nearest is kept. time_from_start is the wanted increment of the time, which
  * is more accurate than the difference of rounded times. */
-static tvi_status correct_offset_by_newton(tvi_partial_step *partial_step, double time, double time_from_start,
-                                           double offset)
+static tvi_status correct_time_offset_by_newton(tvi_partial_step *partial_step, double time, double time_from_start,
+                                                double offset)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const double h = partial_step->full_step_integrator->h;
@@ -168,7 +168,7 @@ tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step
     partial_step->full_step_number = 0;
     const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target,
                                                  &(time_target){partial_step, time_from_start});
-    return status == TVI_OK ? correct_offset_by_newton(partial_step, time, time_from_start,
-                                                       (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
+    return status == TVI_OK ? correct_time_offset_by_newton(partial_step, time, time_from_start,
+                                                            (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
                             : status;
 }

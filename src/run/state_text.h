@@ -10,7 +10,7 @@
  * text may lack it. */
 typedef struct {
     int n, parameter_count;
-    bool has_energy_offset;   /* true if the text contains e */
+    bool has_energy_offset;   /* true if the text has the energy offset e of a rescaled system */
     double *parameter_values; /* [parameter_count] the values of the parameters */
     double *state_values;     /* [2n + 2][2] t, q[n], p[n] and e, each followed by its low-order part */
 } tvi_state_text;

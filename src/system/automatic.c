@@ -113,8 +113,8 @@ static jet record_gyroscopic_term(const linearised_motion *motion, int i, int j)
 }
 
 /* Records the sum of term(i, j) over all i and j, for a term that is symmetric in i and j. terms [n^2] is scratch. */
-static jet record_symmetric_sum(const linearised_motion *motion, jet term(const linearised_motion *, int, int),
-                                jet terms[])
+static jet record_sum_over_symmetric_terms(const linearised_motion *motion,
+                                           jet term(const linearised_motion *, int, int), jet terms[])
 {
     int count = 0;
     for (int i = 0; i < motion->n; i++)
@@ -126,8 +126,9 @@ static jet record_traces_for_regular_H_pp(const linearised_motion *motion, jet t
 {
     diagonalise_H_pp(motion);
     subtract_gyroscopic_part_of_W(motion);
-    const jet square = record_symmetric_sum(motion, record_stiffness_term, terms);
-    return jet_add(square, jet_mul(0.25, jet_sqr(record_symmetric_sum(motion, record_gyroscopic_term, terms))));
+    const jet square = record_sum_over_symmetric_terms(motion, record_stiffness_term, terms);
+    return jet_add(square,
+                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_gyroscopic_term, terms))));
 }
 
 /* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
@@ -168,7 +169,7 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     if (!graph) sum = jet_const(0); /* All jets are plain numbers, and so is H: its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
         sum = base->is_regular ? record_traces_for_regular_H_pp(&motion, terms)
-                               : record_symmetric_sum(&motion, record_hessian_trace_term, terms);
+                               : record_sum_over_symmetric_terms(&motion, record_hessian_trace_term, terms);
     free(jets);
     return jet_pow(sum, -0.25);
 }
