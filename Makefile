@@ -26,7 +26,7 @@
 #                 minutes
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
-# make devices    what each device for speed gives (docs/adding.md), half an hour; PLAIN=1: a library without any
+# make devices    what each device for speed gives (docs/adding.md), ten minutes; PLAIN=1: a library without any
 # make python-cost  what a step and a run cost in Python beside C (docs/python.md), half a minute
 # make instructions  tests/instructions.txt anew: what a step costs
 # make abi        tests/abi.txt anew, what linked programs rely on: refused where they would break
