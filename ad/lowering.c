@@ -26,7 +26,7 @@ static void mark_needed_nodes(graph_lowering *lowering, int input_count, int out
             if (z->a) lowering->is_node_needed[z->a->index] = true;
             if (z->b) lowering->is_node_needed[z->b->index] = true;
             for (int term = 0; term < z->count; term++) lowering->is_node_needed[z->terms[term].node->index] = true;
-            if (!needs_partner(lowering, z) || lowering->is_node_needed[z->w->index]) continue;
+            if (!must_compute_partner(lowering, z) || lowering->is_node_needed[z->w->index]) continue;
             lowering->is_node_needed[z->w->index] = true;
             again = again || z->w->index > i;
         }
@@ -41,7 +41,7 @@ static void count_node_uses(graph_lowering *lowering, int output_count, const je
         const struct jet_node *z = jet_graph_node_at(lowering->graph, i);
         if (z->a) lowering->use_counts[z->a->index]++;
         if (z->b) lowering->use_counts[z->b->index]++;
-        if (needs_partner(lowering, z)) lowering->use_counts[z->w->index]++;
+        if (must_compute_partner(lowering, z)) lowering->use_counts[z->w->index]++;
         for (int term = 0; term < z->count; term++) lowering->use_counts[z->terms[term].node->index]++;
     }
 }
@@ -116,7 +116,7 @@ static void assign_levels(graph_lowering *lowering)
         if (z->operand_pair_count == 0)
             for (int term = 0; term < z->node->count; term++)
                 z->level = larger_int(z->level, node_level(lowering, z->node->terms[term].node) + 1);
-        lowering->nodes_by_level[lowering->needed_count++] = z;
+        lowering->nodes_by_level[lowering->needed_node_count++] = z;
     }
 }
 
@@ -137,7 +137,7 @@ static void set_subgroup_if_unset(const graph_lowering *lowering, const struct j
  * or its position among the terms of the first sum that reads it. As an example, let x, y and z be the components of
  * the distances of many pairs of bodies; they are squared and summed, and each is multiplied by a function of its pair.
  * Then all x form one subgroup, all y the next, and all z the third. */
-static void assign_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
+static void assign_operand_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
@@ -300,8 +300,8 @@ static void assign_slots_of_level(graph_lowering *lowering, tape_placement *leve
 static void call_for_each_level(graph_lowering *lowering,
                                 void (*function)(graph_lowering *lowering, tape_placement *level[], int count))
 {
-    for (int begin = 0, end = 0; begin < lowering->needed_count; begin = end) {
-        while (end < lowering->needed_count &&
+    for (int begin = 0, end = 0; begin < lowering->needed_node_count; begin = end) {
+        while (end < lowering->needed_node_count &&
                lowering->nodes_by_level[end]->level == lowering->nodes_by_level[begin]->level)
             end++;
         function(lowering, lowering->nodes_by_level + begin, end - begin);
@@ -312,8 +312,9 @@ static void call_for_each_level(graph_lowering *lowering,
  * lower levels. */
 static void assign_slots_by_level(graph_lowering *lowering)
 {
-    qsort(lowering->nodes_by_level, (size_t)lowering->needed_count, sizeof *lowering->nodes_by_level, compare_by_level);
-    call_for_each_level(lowering, assign_subgroups);
+    qsort(lowering->nodes_by_level, (size_t)lowering->needed_node_count, sizeof *lowering->nodes_by_level,
+          compare_by_level);
+    call_for_each_level(lowering, assign_operand_subgroups);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

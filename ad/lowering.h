@@ -11,7 +11,7 @@ typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level;         /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    int subgroup;      /* Number of the subgroup: its operations read adjacent slots (assign_subgroups). */
+    int subgroup;      /* Number of the subgroup: its operations read adjacent slots (assign_operand_subgroups). */
     int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
     /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */
@@ -27,14 +27,14 @@ typedef struct {
 typedef struct {
     const jet_graph *graph;
     jet_tape_kind kind;
-    int node_count;       /* Number of nodes in the graph. */
-    bool *is_node_needed; /* [node_count] Tells whether an output depends on the node. */
-    int *use_counts;      /* [node_count] Number of operations that read the node; later scratch of assign_subgroups. */
-    tape_placement *placements;      /* Placements of all nodes by their index, followed by those of the copies. */
-    tape_placement **nodes_by_level; /* [needed_count] The needed nodes, sorted by level. */
+    int node_count;             /* Number of nodes in the graph. */
+    bool *is_node_needed;       /* [node_count] Tells whether an output depends on the node. */
+    int *use_counts;            /* [node_count] Number of operations that read the node; later scratch for subgroups. */
+    tape_placement *placements; /* Placements of all nodes by their index, followed by those of the copies. */
+    tape_placement **nodes_by_level; /* [needed_node_count] The needed nodes, sorted by level. */
     tape_placement **nodes_by_slot;  /* [slot_count] Nodes and copies, sorted by slot. */
     int (*operands)[2];              /* Memory for tape_placement.operand of all placements. */
-    int needed_count, copy_count, slot_count, operand_pair_count;
+    int needed_node_count, copy_count, slot_count, operand_pair_count;
 } graph_lowering;
 
 /* Chooses the nodes that the outputs depend on, the operations that compute them, and their slots. The first
@@ -50,7 +50,7 @@ void jet_assign_slots(graph_lowering *lowering, int input_count, int output_coun
 bool jet_pad_runs_to_whole_vectors(jet_tape *tape);
 
 /* Tells whether the tape needs the partner of z, as all tapes of series do. */
-static inline bool needs_partner(const graph_lowering *lowering, const struct jet_node *z)
+static inline bool must_compute_partner(const graph_lowering *lowering, const struct jet_node *z)
 {
     return z->w && lowering->kind == JET_TAPE_SERIES;
 }
@@ -58,7 +58,7 @@ static inline bool needs_partner(const graph_lowering *lowering, const struct je
 /* Tells whether order k of z is computed from order k of its partner. */
 static inline bool reads_partner_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
 {
-    return needs_partner(lowering, z) && jet_rules[z->op]->partner_orders == W_SAME;
+    return must_compute_partner(lowering, z) && jet_rules[z->op]->partner_orders == W_SAME;
 }
 
 static inline bool is_sum_of_products_op(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }

@@ -82,7 +82,7 @@ static jet_run make_rule_run(const graph_lowering *lowering, const tape_placemen
 {
     const int *operand = z->operand[0];
     jet_run run = {z->op, 1, z->slot, operand[0], operand[1], .exponent = z->node->number};
-    if (needs_partner(lowering, z->node)) run.w = node_slot(lowering, z->node->w);
+    if (must_compute_partner(lowering, z->node)) run.w = node_slot(lowering, z->node->w);
     if (reads_partner_at_same_order(lowering, z->node)) {
         run.b = 0;
         run.w = operand[1];

@@ -11,8 +11,9 @@
 /* A stall ratio with which passes are stuck only if the correction does not shrink at all. */
 #define TVI_PASSES_ALL (1 - DBL_EPSILON)
 
-/* The rule of an iteration, which decides whether the sizes of its corrections are absolute or relative. A ratio of
- * corrections is that of a correction to the one before it. A field that is 0 has no effect. */
+/* The rule by which the passes of an iteration end, from the sizes of their corrections. The iteration measures these
+ * sizes, absolutely or relative to its unknowns. The ratio of a correction is its size over that of the correction
+ * before it. A member that is 0 switches its part of the rule off. */
 typedef struct {
     /* The largest number of passes, and the exact number of passes if the user asked for one. */
     int max_passes, exact_passes;

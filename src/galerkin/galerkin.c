@@ -157,7 +157,7 @@ static void prepare_stepper(void *work)
                                               .passes_rule = &stepper->passes_rule,
                                               .impulse_matrix = stepper->field.impulse_matrix,
                                               .node_abscissa = stepper->coefficients.node_abscissa,
-                                              .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
+                                              .two_step_weights = stepper->predictor.two_step_weights,
                                               .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
                                               .rough_movement_square = stepper->predictor.rough_movement_square,
                                               .impulse_ring = stepper->predictor.impulse_ring,

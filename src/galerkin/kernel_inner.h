@@ -1,8 +1,9 @@
-/* kernel_inner.h - Defines the part of kernel.h that makes the inner iterations of a pass with second derivatives
- * (hamiltonian.c). They are in single precision, in half the time: the error that a pass leaves is larger than 2^-24 of
- * its movement, except in the last pass, whose movement is roundoff. Changes are relative to the sizes of the unknowns,
- * so that the iterations do not depend on units. The first iteration starts from the difference between the new
- * impulses and those from which the unknowns were computed, which is rounded to single precision after it is taken. */
+/* kernel_inner.h - Defines the part of kernel.h that solves the linear equations of a pass with second derivatives
+ * (hamiltonian.c), by inner iterations: the movement of the unknowns, multiplied by the second derivatives, changes the
+ * forces and so the impulses at the nodes, and these move the unknowns again. Single precision is enough, in half the
+ * time of double precision: the error that a pass leaves is larger than 2^-24 of its movement, except in the last pass,
+ * whose movement is roundoff. Changes are relative to the sizes of the unknowns, so that the iterations do not depend
+ * on units. */
 
 /* SINGLE is the single-precision vector with as many elements as V. ROW_VECTOR is the widest single-precision vector
  * that divides a row of LANES numbers. SINGLE_AT and PART_AT access such vectors in a row. */

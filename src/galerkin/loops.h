@@ -51,10 +51,10 @@ typedef struct {
 } galerkin_batch_iteration;
 
 /* The impulses from which a step is predicted, and the tables of factors by which it is done. Usually both of the last
- * two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step. Members
+ * two steps are used, with two_step_weights [2][j][i], whose second half belongs to the earlier step. Members
  * that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
 typedef struct {
-    const double *two_step_extrapolation, *last_step_extrapolation, *last_impulses, *impulses_before;
+    const double *two_step_weights, *last_step_extrapolation, *last_impulses, *impulses_before;
     /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
      * same size, or the prediction of the last step was rough. */
     const long long *last_step_only_mask;

@@ -132,7 +132,7 @@ static void split_table_by_order_parity(const tvi_action *action, tvi_node_table
 
 /* Returns the node of the quadrature rule at which this point of the action lies, and sets *weight_fraction to the
  * point's fraction of the node's weight. */
-static int find_quadrature_node(const tvi_action *action, int rule_points, int point, double *weight_fraction)
+static int find_node_and_weight_fraction(const tvi_action *action, int rule_points, int point, double *weight_fraction)
 {
     const int half = action->half_node_count, at = half > 0 ? point % half : point,
               node = at < (rule_points + 1) / 2 || half == 0 ? at : 0;
@@ -147,7 +147,7 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
     for (int point = 0; point < action->points; point++) {
         double weight_fraction;
-        const int i = find_quadrature_node(action, count, point, &weight_fraction);
+        const int i = find_node_and_weight_fraction(action, count, point, &weight_fraction);
         const bool at_end = s[i] == -1 || s[i] == 1;
         /* Maps [-1, 1] to the span. */
         const long double place = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;

@@ -27,8 +27,8 @@ static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *
 /* Adds one curve's part to the difference out = b - a at the nodes: it subtracts the terms of a, or adds those of b,
  * from order 1 on. `apart` is the difference a_0 - b_0 of the coefficients of order 0, which nearly cancel; the call
  * for either curve subtracts half of it. */
-static void add_curve_to_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
-                                    const double *coefficients, size_t stride, double apart, double out[])
+static void add_curve_end_to_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
+                                        const double *coefficients, size_t stride, double apart, double out[])
 {
     evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++)
@@ -48,10 +48,10 @@ static void add_curve_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int
     add_blended_series(w, x, w->degree, Q, stride, power, w->node_position + place);
     add_blended_series(w, x, w->degree, Q, stride, slope, w->node_velocity + place);
     if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_curve_to_difference(w, x, w->degree, Q, stride, q_apart, w->node_velocity + place);
+        add_curve_end_to_difference(w, x, w->degree, Q, stride, q_apart, w->node_velocity + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->node_momentum + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->node_force + place);
-    add_curve_to_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->node_force + place);
+    add_curve_end_to_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->node_force + place);
 }
 
 /* Computes the blended position y, velocity v, momentum pi and its derivative dpi/ds at the nodes. */

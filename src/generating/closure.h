@@ -32,7 +32,8 @@ typedef struct tvi_closure_solver {
     void (*take)(struct tvi_closure *closure, tvi_arena *arena);
     /* Begins a step: it discards the factors and guesses of the step before. */
     void (*begin)(struct tvi_closure *closure);
-    /* Computes the corrections of the ends from the curve at z and its seeds. scale [2n] has the natural sizes of z. */
+    /* Computes the corrections that the equations of the generating function add to the ends of the Taylor curve. The
+     * curve is that of the unknowns z; scale [2n] has the natural sizes of z. */
     tvi_status (*compute_corrections)(struct tvi_closure *closure, const double z[], const double scale[],
                                       tvi_stats *stats);
     /* Solves the equations. In gradient_then_solution [2n] it replaces the rows of the unknowns by the solution x, and

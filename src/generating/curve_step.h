@@ -57,7 +57,7 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
 }
 
 /* Returns whether the method corrects the ends of the curve; all generated steps do. */
-static inline bool step_has_corrections(const tvi_curve_workspace *work)
+static inline bool step_corrects_curve_ends(const tvi_curve_workspace *work)
 {
     return CURVE_SIZE(true, work->has_corrections);
 }
@@ -68,7 +68,7 @@ static inline void step_sum_combination_with_correction(const tvi_curve_workspac
                                                         const tvi_combination *combination, double out[])
 {
     CURVE_CALL(sum_combination, &work->closure.curve, combination, out);
-    if (!step_has_corrections(work)) return;
+    if (!step_corrects_curve_ends(work)) return;
     CURVE_CALL(multiply_jacobian_by_direction, &work->closure.curve, combination, work->scratch);
     for (int i = 0; i < curve_vector_length(&work->closure.curve); i++) out[i] += work->scratch[i];
 }
@@ -86,7 +86,7 @@ static inline void step_compute_increments(const tvi_curve_workspace *work, cons
     step_sum_combination_with_correction(work, u_increment, dp);
     for (int i = 0; i < curve_vector_length(&closure->curve); i++) {
         dp[i] /= closure->curve.kappa[i / width];
-        if (!step_has_corrections(work)) continue;
+        if (!step_corrects_curve_ends(work)) continue;
         dq[i] += correction_fraction * closure->increment_correction_q[i];
         dp[i] += correction_fraction * closure->increment_correction_p[i];
     }

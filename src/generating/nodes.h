@@ -16,7 +16,8 @@
  * [half_node_count][seeds_round_up_to_vectors(orders / 2)]. */
 typedef struct {
     double *all_orders, *even_orders, *odd_orders;
-    /* The sign of the even orders at the other half of the nodes, 1 or -1. */
+    /* The sign by which the rows of even k at a node are multiplied to get those at its mirror node, 1 or -1. It is 1
+     * for powers and second derivatives, and -1 for first derivatives. */
     double mirror_sign;
 } tvi_node_table;
 

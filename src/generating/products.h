@@ -48,11 +48,11 @@ static inline double *products_get_adjoint_of_Q(const tvi_curve *curve, int k)
 
 /* The vectors that a product with transposed Jacobians adds up: the seeds seed_Q [highest_order + 1][n] are multiplied
  * by the transposed Jacobians of the coefficients Q_k; x and y [n], times `factor`, by those of the combinations
- * jacobian_of_x and jacobian_of_y. Seeds and combinations that are NULL are omitted. */
+ * x_combination and y_combination. Seeds and combinations that are NULL are omitted. */
 typedef struct {
     const double *seed_Q;
     double factor;
-    const tvi_combination *jacobian_of_x, *jacobian_of_y;
+    const tvi_combination *x_combination, *y_combination;
     const double *x, *y;
 } tvi_transposed_product_terms;
 
@@ -60,10 +60,10 @@ typedef struct {
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         if (terms->seed_Q) sum += JET_OF(V, terms->seed_Q + k * n, 0);                                                 \
-        if (terms->jacobian_of_x)                                                                                      \
-            sum += terms->factor * terms->jacobian_of_x->order_weight[k] * JET_OF(V, terms->x, 0);                     \
-        if (terms->jacobian_of_y)                                                                                      \
-            sum += terms->factor * terms->jacobian_of_y->order_weight[k] * JET_OF(V, terms->y, 0);                     \
+        if (terms->x_combination)                                                                                      \
+            sum += terms->factor * terms->x_combination->order_weight[k] * JET_OF(V, terms->x, 0);                     \
+        if (terms->y_combination)                                                                                      \
+            sum += terms->factor * terms->y_combination->order_weight[k] * JET_OF(V, terms->y, 0);                     \
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
@@ -155,8 +155,8 @@ static inline tvi_transposed_product_terms products_get_equation_matrix_terms(co
                                                                               double factor, const double vector[])
 {
     return (tvi_transposed_product_terms){.factor = factor,
-                                          .jacobian_of_x = equations->first_combination,
-                                          .jacobian_of_y = equations->second_combination,
+                                          .x_combination = equations->first_combination,
+                                          .y_combination = equations->second_combination,
                                           .x = vector + products_find_first_unknown(closure, equations),
                                           .y = vector + curve_dimension(&closure->curve)};
 }
@@ -334,8 +334,8 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
         of_u[i] = -correction[i] / kappa[i];
     }
     const tvi_transposed_product_terms ends = {.factor = 1,
-                                               .jacobian_of_x = &closure->q_at_start,
-                                               .jacobian_of_y = &closure->u_at_start,
+                                               .x_combination = &closure->q_at_start,
+                                               .y_combination = &closure->u_at_start,
                                                .x = of_q,
                                                .y = of_u};
     products_multiply_by_transposed_jacobians(&closure->curve, last_order, &ends,

@@ -6,7 +6,9 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Computes the corrections with z = (q0, v). With G- = (I, 0), G+ = (A, B) and R = G+ - G- = (A - I, B),
+/* Computes the corrections d0 and d1 of the momenta at the ends. The unknowns are z = (q0, v). With
+ * G- = (I, 0), G+ = (A, B), R = G+ - G- = (A - I, B), and with the blocks
+ * (D_q, D_v) of D_z and (R_q, R_v) of R, the equations are
  *     R_v^T d1 = D_v,   d1 - d0 = D_q - R_q^T d1. */
 static tvi_status correct_ends(tvi_closure *closure)
 {

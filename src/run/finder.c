@@ -50,8 +50,8 @@ static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index
         finder->line_direction[i] = (high - low) / (b - a);
         finder->chord_midpoint[i] = (low + high) / 2;
     }
-    /* If both ends are inside the step, the difference quotient is central, and its error is proportional to
-     * EVENT_CHORD^2. */
+    /* If both ends a and b of the chord are inside the step, 0 < a and b < 1, the slope is a central difference, whose
+     * error is proportional to EVENT_CHORD^2. Otherwise it is one-sided, with an error proportional to EVENT_CHORD. */
     finder->is_chord_inside_step = a > 0 && b < 1;
     return status;
 }

@@ -16,7 +16,7 @@ typedef struct {
     double scale;              /* |H - level| when the level was set, plus the amounts by which it was lowered since */
     double H;                  /* the member's energy at its current state */
     long was_level_searched;   /* true if a level and a scale have been searched for */
-    long has_scale;            /* true if they were found; otherwise both are 0 */
+    long has_scale;            /* true if the level and the scale are set; otherwise both are 0 */
     long may_level_be_lowered; /* true if the level is an estimate from above, which may be lowered */
     long is_H_known;           /* true if H is set */
 } tvi_reference_energy;

@@ -7,7 +7,8 @@
 #include "run/integrator.h"
 #include "system/rates.h"
 
-/* The two integrators of a partial step, and the state that was computed last. */
+/* The integrator of the run, the integrator that repeats a part of its last step, and the state that this computed
+ * last. */
 typedef struct {
     tvi_integrator *full_step_integrator; /* the integrator of the run, which has made a step of size h */
     /* The integrator that makes the partial steps. It starts from the state and the history at the start of the last

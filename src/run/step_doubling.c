@@ -163,8 +163,8 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
         distances[k] = doubling->orbit_distance;
-        /* Without the reset the step would keep e = -H of the state at which the companion started. The scout resets
-         * before each step, too. */
+        /* A rescaled system has its energy at the start, e = -H, as a momentum of its own. The reset computes it anew
+         * at this state, as the scout does before each step. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
         if (k == scout->step_count ||
             step_orbit(doubling, &doubling->half_step_orbit, scout->positions[k + 1] - scout->positions[k]) != TVI_OK)

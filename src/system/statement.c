@@ -17,7 +17,8 @@ typedef struct {
     tvi_factors_fn *factors;
     const double *mass;
     void *ctx;
-    const tvi_system *base;     /* The system whose lift is created. */
+    /* The system of which the tangent lift is created: its own equations, and those of a tangent vector. */
+    const tvi_system *base;
     bool has_conjugate_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
     tvi_drive_fn *drive;        /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;

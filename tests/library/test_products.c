@@ -93,7 +93,7 @@ START_TEST(products_are_those_of_the_matrices)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
     const tvi_transposed_product_terms of = {
-        .factor = 1, .jacobian_of_x = &products.q, .jacobian_of_y = &products.u, .x = x, .y = x + n};
+        .factor = 1, .x_combination = &products.q, .y_combination = &products.u, .x = x, .y = x + n};
     products_multiply_by_transposed_jacobians(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
