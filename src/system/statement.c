@@ -17,8 +17,7 @@ typedef struct {
     tvi_factors_fn *factors;
     const double *mass;
     void *ctx;
-    /* The system of which the tangent lift is created: its own equations, and those of a tangent vector. */
-    const tvi_system *base;
+    const tvi_system *base;     /* The system whose tangent lift is created: its equations and those of its tangents. */
     bool has_conjugate_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
     tvi_drive_fn *drive;        /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
