@@ -51,7 +51,7 @@ typedef struct {
     jet_text *text;
     const jet_tape *tape;
     const jet_emission_request *request;
-    int operation_count;
+    int tape_operation_count;
     bool splits_operations; /* Each operation is a run of its own. */
 } tape_emitter;
 
@@ -196,8 +196,9 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
         jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
         jet_text_append(emitter->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
-                        emitter->operation_count <= (fits ? EMIT_MAX_INLINED_IN_REGISTER : EMIT_MAX_INLINED) ? "ALWAYS"
-                                                                                                             : "NEVER");
+                        emitter->tape_operation_count <= (fits ? EMIT_MAX_INLINED_IN_REGISTER : EMIT_MAX_INLINED)
+                            ? "ALWAYS"
+                            : "NEVER");
 }
 
 /* Writes the functions that other generated code inlines, or calls if they are large. Value functions for one

@@ -152,7 +152,7 @@
 #define PRODUCTS_MIN_COORDINATES 8
 /* [iterations] The most directions of generalised conjugate residuals. */
 #define PRODUCTS_MAX_ITERATIONS 40
-/* [orders] The preconditioner counts the orders of the curve up to this one. */
+/* [orders] The preconditioner includes only the orders of the curve up to this one. */
 #define PRODUCTS_NEAR_ORDER 3
 /* [1] Each pass computes the residual anew and exactly, and need not reduce it by more than this factor. */
 #define PRODUCTS_REDUCTION 1e-6
@@ -320,8 +320,9 @@
 #define SUGGEST_RESOLVED_ERROR 0.1
 #define SUGGEST_COVERED_PART   0.05
 #define SUGGEST_MAX_TAIL_RATIO 40.0
-/* A size serves if the whole run has at most this part of the wanted error. It is the longest if that is at least the
- * second part, or if a step that is longer by the factor does not serve. */
+/* A step size is accepted if the error of the whole run is at most SUGGEST_MAX_ERROR times the wanted error. It is the
+ * longest one if that error is at least SUGGEST_FULL_ERROR times the wanted one, or if a step that is
+ * SUGGEST_LONGER_FACTOR times as long is not accepted. */
 #define SUGGEST_MAX_ERROR     0.9
 #define SUGGEST_FULL_ERROR    0.02
 #define SUGGEST_LONGER_FACTOR 1.1
@@ -369,7 +370,7 @@
 #define SCOUT_HARDER_FACTOR        0.9  /* A later position is harder if its resolving step is smaller by this. */
 #define SCOUT_MAX_ENERGY_CHANGE    0.1  /* The largest relative change of the energy in the first step. */
 #define SCOUT_MAX_DISTANCE         0.25 /* The largest relative distance of the first step from two half steps. */
-#define SCOUT_ERROR_POWER          4.0  /* The error of a step is as resolving step^-power, */
-#define SCOUT_MIN_WEIGHT           0.02 /* and at least this part of that at the hardest position. */
+#define SCOUT_ERROR_POWER          4.0  /* The weight of a position is its resolving step size to the power -this. */
+#define SCOUT_MIN_WEIGHT           0.02 /* The weight is at least this part of that at the hardest position. */
 
 #endif

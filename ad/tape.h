@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 typedef enum {
-    JET_TAPE_VALUES, /* Only order 0 is computed; partners are left out. */
+    JET_TAPE_VALUES, /* Only order 0 is computed, without partners, such as the cosine of a sine. */
     JET_TAPE_SERIES
 } jet_tape_kind;
 

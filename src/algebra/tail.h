@@ -15,8 +15,8 @@
 typedef struct {
     double momentum_size; /* The magnitude of p plus that of its change. */
     double movement_size; /* The movement: the magnitude of the change of q in the step. */
-    double last_term_p;   /* The last term of p', times the factor that makes it a momentum. */
-    /* The last term of q', times the factor that makes it a movement. It is 0 in a separable system, where q' follows
+    double last_term_p;   /* The change of p that the last term of the series of p' makes. */
+    /* The change of q that the last term of the series of q' makes. It is 0 in a separable system, where q' follows
      * from p. */
     double last_term_q;
     double position_size;                                /* The magnitude of q at the start of the step. */

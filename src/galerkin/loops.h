@@ -157,7 +157,7 @@ typedef struct {
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
-static inline galerkin_nodes galerkin_nodes_with_all_moving(const galerkin_nodes *nodes)
+static inline galerkin_nodes galerkin_nodes_with_all_members_active(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
     all.moving_unknown_count = all.unknown_count;
@@ -215,7 +215,7 @@ typedef struct {
      * precision. */
     float *packed_hessian;
     /* [hessian_row_count] The size of each unknown in this step, and its reciprocal. */
-    double *unknown_size, *inverse_unknown_size;
+    double *unknown_magnitude, *inverse_unknown_size;
     /* [hessian_row_count][lanes] The change of the unknowns in the last inner iteration, and the sum of all its
      * changes. */
     float *last_unknown_change, *total_unknown_change;

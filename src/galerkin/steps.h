@@ -165,7 +165,8 @@ JET_INLINE void galerkin_iterate_member(const galerkin_step_data *step_data, con
     }
 }
 
-/* Computes the increments of a step from its impulses, and the tail of each member, [member_count]. */
+/* Computes the increments of a step from its impulses, and for each member the tail, an estimate of what the truncated
+ * series leaves out, [member_count]. */
 JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
                                             const tvi_step_origin *origin, const tvi_increments *increments,
                                             double tail[])

@@ -56,7 +56,7 @@ tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve
     memcpy(action->gradient_by_v, v, panel);
     memcpy(action->node_momentum, p, panel);
     seeds_set_node_times(action, curve, action->field_block);
-    return seeds_compute_lagrange_terms(action, curve);
+    return seeds_compute_for_lagrangian(action, curve);
 }
 
 /* Computes the derivatives of the action's terms at truncated nodes. There q_i lacks the highest term of the curve, and

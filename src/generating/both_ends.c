@@ -67,7 +67,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
                                &w.gradient_by_q, &w.gradient_by_v, &w.gradient_by_difference};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
         *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
-    w.node_series_sum = tvi_arena_allocate_doubles(arena, points);
+    w.series_value_at_node = tvi_arena_allocate_doubles(arena, points);
     double **const vectors[] = {&w.start_z, &w.start_correction_p, &w.increment_correction_p, &w.dq, &w.dp, &w.scratch};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_allocate_doubles(arena, 2 * n);

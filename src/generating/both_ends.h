@@ -44,8 +44,8 @@ typedef struct {
     double *node_position, *node_velocity, *node_momentum, *node_force;
     /* [n][points] The derivatives of the action by y_i, v_i and by the difference a - b of the curves at node i. */
     double *gradient_by_q, *gradient_by_v, *gradient_by_difference;
-    double *node_series_sum; /* [points] scratch: one component of a series at the nodes */
-    double *start_z;         /* [2n] the centre state of the start curve */
+    double *series_value_at_node; /* [points] scratch: one component of a series at the nodes */
+    double *start_z;              /* [2n] the centre state of the start curve */
     /* [n] a Lagrangian's velocity at the last predictor, from which the next search begins; part of the history. */
     double *velocity_guess;
     double *start_correction_p;     /* [n] the correction p0 - p_a(0) */

@@ -4,16 +4,16 @@
 
 #include <string.h>
 
-/* Sums a series of one component at the nodes: node_series_sum = sum of coefficient_k * table_k for the orders k =
+/* Sums a series of one component at the nodes: series_value_at_node = sum of coefficient_k * table_k for the orders k =
  * lowest_order .. degree. coefficient_k is at coefficients + k * stride, and table_k are the powers s^k at the nodes,
  * or their derivatives. */
 static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int lowest_order, int degree,
                                      const double *coefficients, size_t stride, const double *table)
 {
-    for (int node = 0; node < w->points; node++) w->node_series_sum[node] = 0;
+    for (int node = 0; node < w->points; node++) w->series_value_at_node[node] = 0;
     for (int k = degree; k >= lowest_order; k--)
         for (int node = 0; node < w->points; node++)
-            w->node_series_sum[node] += coefficients[(size_t)k * stride] * table[k * w->points + node];
+            w->series_value_at_node[node] += coefficients[(size_t)k * stride] * table[k * w->points + node];
 }
 
 /* Adds the series of one curve at the nodes, times the curve's weight in the blend, to out: w a, or (1 - w) b. */
@@ -21,7 +21,8 @@ static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *
                                const double *coefficients, size_t stride, const double *table, double out[])
 {
     evaluate_series_at_nodes(w, 0, degree, coefficients, stride, table);
-    for (int node = 0; node < w->points; node++) out[node] += x->node_blend_weight[node] * w->node_series_sum[node];
+    for (int node = 0; node < w->points; node++)
+        out[node] += x->node_blend_weight[node] * w->series_value_at_node[node];
 }
 
 /* Adds one curve's part to the difference out = b - a at the nodes: it subtracts the terms of a, or adds those of b,
@@ -32,7 +33,7 @@ static void add_curve_end_to_difference(tvi_both_ends_workspace *w, const tvi_en
 {
     evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++)
-        out[node] -= x->sign_in_difference * w->node_series_sum[node] + apart / 2;
+        out[node] -= x->sign_in_difference * w->series_value_at_node[node] + apart / 2;
 }
 
 /* Adds one curve's part to component i of the blended position y, velocity v (dy/ds), momentum pi and its derivative

@@ -51,7 +51,8 @@ typedef struct tvi_action {
      * the derivative of p^T dq is replaced by its values at the ends; NULL if all errors are 0. */
     double *summation_by_parts_error;
     double *field_block; /* the block of the field's tape, with one lane for each node */
-    /* The block of the tape that computes H_qp p and H_pp p, for truncated nodes of a Hamiltonian. */
+    /* The block of the tape that computes the products H_qp p and H_pp p of a Hamiltonian at the nodes, for positions
+     * that omit the highest order. */
     double *second_derivative_block;
     double *momentum_coefficients; /* [p_degree + 1][n] the coefficients P_k of the momentum */
     /* [n][points] The curve's momentum p and its derivative dp/ds at the nodes. */

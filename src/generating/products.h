@@ -172,9 +172,9 @@ static inline void products_multiply_by_equation_matrix(tvi_closure *closure, in
 
 /* Computes vector = P r with a diagonal preconditioner P, the reciprocals of the weights with which Q_0 and Q_1 enter
  * A. */
-static inline void products_divide_by_leading_weights(const tvi_closure *closure,
-                                                      const tvi_transposed_equations *equations, const double r[],
-                                                      double vector[])
+static inline void products_solve_by_leading_weights(const tvi_closure *closure,
+                                                     const tvi_transposed_equations *equations, const double r[],
+                                                     double vector[])
 {
     const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
     const double first = 1 / equations->first_combination->order_weight[place > 0],
@@ -192,14 +192,14 @@ static inline void products_apply_preconditioner(tvi_closure *closure, const tvi
     double *twice = products_get_conjugate_residuals(closure)->scratch,
            *v = products_get_conjugate_residuals(closure)->product;
     memset(s, 0, (size_t)products_get_padded_length(closure) * sizeof *s);
-    products_divide_by_leading_weights(closure, equations, r, s);
+    products_solve_by_leading_weights(closure, equations, r, s);
     products_multiply_by_equation_matrix(closure,
                                          curve_highest_order(&closure->curve) < PRODUCTS_NEAR_ORDER
                                              ? curve_highest_order(&closure->curve)
                                              : PRODUCTS_NEAR_ORDER,
                                          equations, s, v);
     for (int i = 0; i < 2 * curve_dimension(&closure->curve); i++) twice[i] = 2 * r[i] - v[i];
-    products_divide_by_leading_weights(closure, equations, twice, s);
+    products_solve_by_leading_weights(closure, equations, twice, s);
 }
 
 /* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
@@ -294,8 +294,8 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
             verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
              size <= PRODUCTS_STALLED_CORRECTION * products_compute_scaled_maximum(closure, iteration->solution));
-        if (may_end && equations->second_combination) /* The residual is not needed if all rows are solved for. */
-            products_add_multiple(closure, 1, s, iteration->solution);
+        /* With a second combination all rows are solved for, and no residual is needed. */
+        if (may_end && equations->second_combination) products_add_multiple(closure, 1, s, iteration->solution);
         else
             products_minimise_residual(
                 closure, products_choose_order_for_accuracy(closure, goal < size ? goal / size : 1), equations, step);

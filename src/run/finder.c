@@ -280,8 +280,8 @@ static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, co
 /* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
  * derivatives of the state there. If the distance from there to the root is long, the time derivatives are computed
  * again at its midpoint. *is_done is set if the result is accurate. */
-static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
-                                                 bool *is_done)
+static tvi_status find_event_on_field_line(tvi_event_finder *finder, tvi_event_root *root, double state[],
+                                           bool *is_done)
 {
     finder_event_context context = {finder, root->event_index};
     double g = 0, before = 0, after = 0, found = 0;
@@ -349,6 +349,6 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
     if (is_theta_guess_inside_bracket(root) && is_line_along_rates_accurate(finder))
-        status = find_event_on_line_along_rates(finder, root, state, &is_done);
+        status = find_event_on_field_line(finder, root, state, &is_done);
     return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, state);
 }

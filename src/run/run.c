@@ -79,7 +79,8 @@ static void set_time_to_t_end(tvi_integrator *it, double t_end, double *t)
 
 /* Returns how many steps of size h can be made in one call. If the steps are steps in time (not in s), the last steps
  * are excluded, since roundoff decides whether one more fits before t_end. */
-static long count_steps_of_one_call(const tvi_integrator *it, const tvi_schedule *schedule, double remaining_time)
+static long count_steps_for_one_stepper_call(const tvi_integrator *it, const tvi_schedule *schedule,
+                                             double remaining_time)
 {
     const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(remaining_time / schedule->plan->h)) - 1;
     return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->most_steps_per_call);
@@ -94,9 +95,9 @@ static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule 
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
     const bool ends = !tvi_is_rescaled(it) && fabs(remaining_time) <= fabs(h) + roundoff;
     const double before_end = t_end - copysign(roundoff, h);
-    tvi_status status =
-        ends ? tvi_step(it, remaining_time, t, q, p)
-             : tvi_make_steps(it, count_steps_of_one_call(it, schedule, remaining_time), 0, h, before_end, t, q, p);
+    tvi_status status = ends ? tvi_step(it, remaining_time, t, q, p)
+                             : tvi_make_steps(it, count_steps_for_one_stepper_call(it, schedule, remaining_time), 0, h,
+                                              before_end, t, q, p);
     const double left = ends ? 0 : remaining_time_to(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
