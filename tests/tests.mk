@@ -10,7 +10,7 @@ FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
 CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
            headers readme formatting tables symbols names floors)
-LONG    := $(patsubst %,check-%,sanitizers arm coverage isas plain thorough valgrind gallery warnings-clang dist threads)
+LONG    := $(patsubst %,check-%,sanitizers arm coverage isas plain thorough valgrind gallery warnings-clang dist threads bench)
 ALL     := $(patsubst %,check-%,generated equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
@@ -244,6 +244,12 @@ check-warnings-clang:
 	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/read CC=clang CFLAGS='-Werror -fsyntax-only'
 do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
 
+# The programs of the bench are linked, some of them with functions of the library replaced by name. None is run.
+BENCH_PROGRAMS = $(SWEEP_PROGRAMS) $(SCENE_PROGRAMS) $(EXPERIMENT_PROGRAMS) $(PERFORMANCE_PROGRAMS) $(ADAPTIVE)/adaptive \
+                 $(LONGRUN)/longrun $(MAPS)/maps $(STABILITY)/break
+check-bench: ; $(REPORT) "the programs of the bench are built" $(DO)
+do-bench: ; $(MAKE) -s --no-print-directory $(JOBS) $(BENCH_PROGRAMS)
+
 # .clang-format, and its 120 columns in comments too, which it leaves as they are; the width of prose
 FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.hpp *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
 check-formatting: ; $(REPORT) "formatting" $(DO)
@@ -342,7 +348,7 @@ check-floors: ; $(REPORT) "floors: no include goes up; no file and no function i
 WORDED := $(wildcard $(foreach folder,run galerkin system method compiled algebra generating,src/$(folder)/*.[ch]) ad/*.[ch] include/* tests/*/*.[ch] bench/*/*.[ch] bench/*/*/*.[ch] docs/examples/*.[ch] docs/examples/*.hpp docs/examples/*.cpp tests/*/*.cpp tests/*/*.hpp)
 do-floors:
 	tests/floors.sh
-	tests/named.sh $(addprefix docs/,walk.md adding.md contributing.md notation.md)
+	tests/named.sh $(addprefix docs/,walk.md adding.md contributing.md notation.md jets.md)
 	tests/sizes.sh
 	awk -f tests/words.awk $(WORDED) README.md $(wildcard docs/*.md docs/*/*.md)
 

@@ -15,11 +15,11 @@ enum { BODIES = sizeof bodies / sizeof *bodies, DEGREES = sizeof degrees / sizeo
 
 static tvi_jacobians forced = TVI_NO_JACOBIANS; /* TVI_NO_JACOBIANS: the library chooses. */
 
-tvi_jacobians __real_tvi_curve_jacobians_for(const tvi_system *system);
-tvi_jacobians __wrap_tvi_curve_jacobians_for(const tvi_system *system);
-tvi_jacobians __wrap_tvi_curve_jacobians_for(const tvi_system *system)
+tvi_jacobians __real_tvi_curve_choose_jacobian_method(const tvi_system *system);
+tvi_jacobians __wrap_tvi_curve_choose_jacobian_method(const tvi_system *system);
+tvi_jacobians __wrap_tvi_curve_choose_jacobian_method(const tvi_system *system)
 {
-    return forced == TVI_NO_JACOBIANS ? __real_tvi_curve_jacobians_for(system) : forced;
+    return forced == TVI_NO_JACOBIANS ? __real_tvi_curve_choose_jacobian_method(system) : forced;
 }
 
 /* ---- Measurements ---------------------------------------------------------------------------------------------------
