@@ -1,7 +1,7 @@
 /* compiler.h - Defines everything that the library asks of the compilers, gcc and clang: attributes, pragmas and
- * built-in functions, each with its reason. Only OpenMP's pragmas, the processor queries of isa.c and the visibility of
- * bodies.c stand elsewhere. The macros change at most the last bits of results, where a sum is computed as a vector.
- * Generated code begins with this text, and files get measured.h with it. */
+ * built-in functions, each with its reason. Only OpenMP's pragmas, the processor queries of isa.c, the visibility of
+ * bodies.c and the counter of attach.c stand elsewhere. The macros change at most the last bits of results, where a
+ * sum is computed as a vector. Generated code begins with this text, and files get measured.h with it. */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 

@@ -4,8 +4,6 @@
 #include "rule.h"
 #include "split.h"
 
-#include <stdlib.h>
-
 /* Numbers of lanes. A vector register holds from LEAST_REGISTER lanes to MOST_REGISTER lanes, depending on the
  * instruction set. Multiples of REGISTER lanes are processed in whole vectors: on a wider machine, a shorter vector
  * takes the last lanes. */
@@ -64,7 +62,7 @@ static void emit_tape_arrays(const tape_emitter *emitter)
     emit_int_array(emitter->text, name, "operand_b", tape->term_count, tape->term_operand_b);
     emit_int_array(emitter->text, name, "output", tape->output_count, tape->output_slot);
     emit_double_array(emitter->text, name, "coefficient", tape->term_count, tape->term_coefficient);
-    emit_double_array(emitter->text, name, "base", tape->linear_operation_count, tape->constant_terms);
+    emit_double_array(emitter->text, name, "constant_terms", tape->linear_operation_count, tape->constant_terms);
     jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         emit_run_initialiser(emitter->text, run);
@@ -74,7 +72,7 @@ static void emit_tape_arrays(const tape_emitter *emitter)
         emitter->text,
         "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .run = (jet_run "
         "*)%s_run,\n"
-        "    .constant_terms = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1,\n"
+        "    .constant_terms = (double *)%s_constant_terms + 1, .term_slot = (int *)%s_slot + 1,\n"
         "    .term_operand_b = (int *)%s_operand_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
         name, tape->input_count, tape->constant_count, tape->slot_count, name, name, name, name, name);
 }
@@ -243,8 +241,8 @@ static void emit_tangents_sweep(const tape_emitter *emitter)
                     "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
                     name);
     for (const int *lanes = emitter->request->direction_counts; *lanes > 0; lanes++)
-        jet_text_append(emitter->text, "    if (lanes == %d) (void)%s_tangents_of(x, dx, k, %d);\n    else\n", *lanes,
-                        name, *lanes);
+        jet_text_append(emitter->text, "    if (lanes == %d) %s_tangents_of(x, dx, k, %d);\n    else\n", *lanes, name,
+                        *lanes);
     jet_text_append(emitter->text, "    tape->interpreter_sweeps->tangents(tape, x, dx, k, lanes);\n}\n");
 }
 

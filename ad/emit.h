@@ -34,7 +34,8 @@ void jet_emit_rule_source(jet_text *text);
 /* Writes the definition `static const jet_sweeps NAME_sweeps`, which has NULL for sweeps that are not requested. For
  * other generated code it also defines the tape NAME; NAME_values_LANES(x) for each requested number of lanes and for
  * 2, 4 and 8; for one lane NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), to be inlined with constants;
- * and the number NAME_top, the top_order of the request. */
+ * and the numbers NAME_top, the top_order of the request, NAME_slots and
+ * NAME_outputs, the counts of the tape, and NAME_is_split, 1 if each operation is a run of its own. */
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request);
 
 #endif

@@ -86,7 +86,7 @@ static void choose_all_operations(graph_lowering *lowering, int output_count, co
         z->op = choose_tape_operation(lowering, z->node);
         z->subgroup = z->slot = -1;
         z->operand = lowering->operands + lowering->operand_pair_count;
-        if (is_sum_of_products_op(z->op)) z->operand_pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
+        if (jet_is_sum_of_products(z->op)) z->operand_pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
         else z->operand_pair_count = jet_rules[z->op] ? 1 : 0;
         lowering->operand_pair_count += z->operand_pair_count;
         if (z->op == z->node->op || z->node->op != OP_LINEAR) continue;
@@ -253,15 +253,15 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
 
 /* Arranges the operations of a group so that their operands are adjacent. If the order by subgroups does this, it is
  * kept. Otherwise the group is sorted by one operand, and the other operand is copied to adjacent slots. Tapes of
- * values read scattered operands where they are, unless each subgroup has at least SHORT operations on
- * average; copies are then cheaper. */
-enum { SHORT = 4 };
+ * values read scattered operands where they are, unless each subgroup has at least TAPE_COPY_MIN_OPERATIONS operations
+ * on average; copies are then cheaper. */
 static void arrange_group_operands(graph_lowering *lowering, tape_placement *group[], int count)
 {
     int subgroup_count = 0;
     const bool in_subgroups = are_operands_adjacent_in_subgroups(lowering, group, count, &subgroup_count);
     const bool is_scattered = JET_HAS(SCATTERED) && lowering->kind == JET_TAPE_VALUES &&
-                              is_sum_of_products_op(group[0]->op) && (!in_subgroups || count < SHORT * subgroup_count);
+                              jet_is_sum_of_products(group[0]->op) &&
+                              (!in_subgroups || count < TAPE_COPY_MIN_OPERATIONS * subgroup_count);
     for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
     if (in_subgroups || is_scattered) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))

@@ -19,8 +19,8 @@ typedef struct {
     /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
      * otherwise 1. */
     int operand_pair_count;
-    int (*operand)
-        [2]; /* [operand_pair_count] Slots of the operands that are read at the order that is being computed. */
+    /* [operand_pair_count] Slots of the operands that are read at the order that is being computed. */
+    int (*operand)[2];
 } tape_placement;
 
 /* The state of the lowering of one graph. */
@@ -60,8 +60,6 @@ static inline bool reads_partner_at_same_order(const graph_lowering *lowering, c
 {
     return must_compute_partner(lowering, z) && jet_rules[z->op]->partner_orders == W_SAME;
 }
-
-static inline bool is_sum_of_products_op(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
 
 /* Returns the term number `term`, from 0 on, of a sum of products. A product that stands alone is a sum of one term. */
 static inline jet_term sum_term(const tape_placement *z, int term)

@@ -11,8 +11,11 @@
 /* ---- Tapes: make devices ----------------------------------------------------------------------------------------- */
 
 /* [operations] A run is padded to whole vectors of 8 if more than this many are in its last vector. */
-#define TAPE_PAD_MIN_REST 4
-/* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow. */
+#define TAPE_PAD_MAX_UNPADDED_REST 4
+/* [operations] On tapes of values, scattered operands are copied if a subgroup has so many operations on average. */
+#define TAPE_COPY_MIN_OPERATIONS 4
+/* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow (suite
+ * elementary of build/check/ad). */
 #define TAPE_POWER_MAX_EXPONENT 8
 
 /* ---- Generated code of tapes: make performance ONE=compiling (seconds to compile) and ONE=compiled --------------- */
@@ -49,9 +52,8 @@
 
 /* ---- Matrices: suite linear of build/check/library --------------------------------------------------------------- */
 
-/* [rows] Matrices of up to this size are factored here. Whole steps are then faster than with the reference LAPACK: 1.2
- * to 1.5 times for pendulum, Kepler, Henon-Heiles and double pendulum, 1.2 for FPU with 12 rows (make performance
- * ONE=cost). */
+/* [rows] Matrices of up to this size are factored by algebra/linear_small.h, larger ones by LAPACK: a call of it costs
+ * more than the arithmetic of a small matrix. */
 #define LINEAR_OWN_MAX_ROWS 16
 /* [rows] OpenBLAS factors matrices of fewer rows with one thread (make blas-threads). */
 #define LAPACK_THREADED_MIN_ROWS 100
@@ -65,7 +67,8 @@
 
 /* ---- The end of the passes of every iteration: suite convergence of build/check/generating ----------------------- */
 
-/* [1] Nothing is expected of the next correction if this part, or more, of the last one is left. */
+/* [1] Nothing is expected of the next correction if this part, or more, of the last one is left. Newton's method,
+ * which allows for a loss of contraction, trusts every contraction below 1. */
 #define PASSES_MAX_CONTRACTION 0.5
 /* [1] Newton's method, and products of Jacobians, are stuck if more than this part of a correction is left. */
 #define PASSES_STALL_RATIO 0.5
@@ -73,7 +76,8 @@
  * (suite equilibria of build/check/stability) one in a hundred was larger, which costs a pass or a Jacobian. A
  * correction below the limit does no harm even if it is not roundoff. */
 #define ROUNDOFF_MAX_UNITS 32.0
-/* [1] A motion is small if the nodes are no farther from the start than so many times the way of its velocity. */
+/* [1] A motion is small if the nodes are no farther from q at the start than |q| and so many times the way of its
+ * velocity. */
 #define ROUNDOFF_MAX_SPEED_GROWTH 4
 
 /* ---- The Galerkin curve: make longrun, make stability ------------------------------------------------------------ */
@@ -117,7 +121,7 @@
 #define LAGRANGIAN_MIN_ITERATIONS 2
 /* [bits] The points where the gradient of a Lagrangian is evaluated are rounded by so many last bits. */
 #define LAGRANGIAN_ROUNDED_BITS 6
-/* [quarters] The second derivatives of K = g h serve the passes of large steps. The field with them has at most this
+/* [quarters] The second derivatives of K = g f save passes of large steps. The field with them has at most this
  * many quarters of the operations of the field alone; otherwise more passes without them take as little time. */
 #define HESSIAN_MAX_COST 13
 /* [numbers] All of K'' is recorded up to so many nodes of the graph times rows, and its shorter form up to so many
@@ -135,12 +139,12 @@
 /* [1] Corrections that no longer shrink are roundoff if they are this small against the largest unknowns, or against
  * the numbers that the residual is computed from. */
 #define NEWTON_STALLED_CORRECTION (256 * DBL_EPSILON)
-/* [1] Corrections above this are no roundoff, and show slack: later passes contract less than the first one. */
-#define NEWTON_SLACK_MIN_CORRECTION 1e-13
+/* [1] Corrections above this are no roundoff, and show the loss of contraction of the passes after the first one. */
+#define NEWTON_LOSS_MIN_CORRECTION 1e-13
 /* [1] A pass that checks an expectation moves no more than this. */
 #define NEWTON_CHECK_MAX_CORRECTION (8 * DBL_EPSILON)
-/* [1] The largest slack that is allowed for. */
-#define NEWTON_MAX_SLACK 1e6
+/* [1] The largest loss of contraction that is allowed for. */
+#define NEWTON_MAX_LOSS 1e6
 /* [1] The error that old Jacobians, or the last correction by products, may leave in the state, relative to it. It is
  * well below the roundoff of a step. */
 #define CURVE_NEGLIGIBLE_ERROR (DBL_EPSILON / 16)
@@ -158,7 +162,8 @@
 #define PRODUCTS_REDUCTION 1e-6
 /* [1] Corrections by products that no longer shrink are roundoff if they are this part of the solution. */
 #define PRODUCTS_STALLED_CORRECTION 1e-12
-/* [1] A product of a given relative accuracy leaves out orders of the curve below this fraction of it. */
+/* [1] A product of a given relative accuracy leaves out orders of the curve below that accuracy
+ * divided by this. */
 #define PRODUCTS_TRUNCATION_SAFETY 10
 /* [iterations] The most for the momenta of the nodes, H_p = v (suite statements of build/check/generating). */
 #define MOMENTA_MAX_ITERATIONS 50
@@ -172,8 +177,8 @@
 
 /* ---- Legendre transforms y = f(x): suites points and serves of build/check/generating ---------------------------- */
 
-/* [1] A solution has |y - f(x)| below this part of |y|. If the iteration runs off to infinity, the residual is large.
- * */
+/* [1] A solution has |y - f(x)| at most this part of the larger of |y| and of |f(x)| at the start. If the iteration
+ * runs off to infinity, the residual is large. */
 #define LEGENDRE_MAX_RESIDUAL 1e-6
 /* [iterations] The most of Newton's method, and [halvings] of a correction; after the last so many f(x) need not be
  * nearer to y. */
@@ -194,17 +199,17 @@
 
 /* [1] The last term is e to minus this, times the tolerance: 2 of it is that of the paper, and 3 allows for the growth
  * of errors in tens of revolutions. */
-#define REACH_SAFETY 5.0
+#define STEP_SIZE_SAFETY 5.0
 /* [1] A step is at most this part of the radius of convergence. */
-#define REACH_MAX_PART_OF_RADIUS 0.7
+#define STEP_SIZE_MAX_PART_OF_RADIUS 0.7
 /* [1], [expansions] A step's size is accepted from a curve whose tau is within this factor of it, a power of two; the
  * most curves that are tried. */
-#define REACH_MAX_TAU_RATIO  16.0
-#define REACH_MAX_EXPANSIONS 64
+#define STEP_SIZE_MAX_TAU_RATIO  16.0
+#define STEP_SIZE_MAX_EXPANSIONS 64
 /* [1] A step is at most so many times as large as the one before it. If its coefficients allow the second factor, or in
  * a first step, it must show that it is right at its end. */
-#define REACH_MAX_GROWTH     4.0
-#define REACH_CHECKED_GROWTH 1.5
+#define STEP_SIZE_MAX_GROWTH     4.0
+#define STEP_SIZE_CHECKED_GROWTH 1.5
 /* [1] Increments are refined for tolerances below this. Larger tolerances leave errors that exceed roundoff. */
 #define REFINE_MAX_TOLERANCE 1e-13
 /* [1] The change of the energy is taken as at most so many times that of the last two terms (make guard). */
@@ -225,7 +230,7 @@
 #define AUTOMATIC_TAIL_FIRST_EXPONENT 3
 #define AUTOMATIC_TAIL_LAST_ORDER     16
 
-/* ---- The guard: make guard; the zero of the energy: suite zero of build/check/stability -------------------------- */
+/* ---- The guard: make guard; the reference level of the energy: suite zero of build/check/stability --------------- */
 
 /* [1] The relative change of the energy that a step may make. Steps near a pericentre right to 1e-3 changed it by 4 %.
  * */
@@ -239,19 +244,21 @@
 /* [1] A change of the energy below this part of it is roundoff. */
 #define GUARD_ENERGY_ROUNDOFF (64 * DBL_EPSILON)
 /* [1] An energy below the first part of p.dq/dt measures nothing, as that of K = g (H + e); the second replaces it. */
-#define GUARD_MIN_PART_OF_ACTION  1e-6
-#define GUARD_PART_OF_ACTION      (1.0 / 64)
-#define GUARD_ZERO_MAX_DIFFERENCE 1e-9 /* [1] The energies of bodies at rest, far apart, differ by this part. */
-/* [increments of the step] The zero is searched on lines between these distances, by factors [1]. A step from rest that
- * is too large may be a billion times as long as it should be. */
-#define GUARD_ZERO_MIN_DISTANCE 0x1p-30
-#define GUARD_ZERO_MAX_DISTANCE 0x1p12
-#define GUARD_ZERO_RATIO        2
+#define GUARD_MIN_PART_OF_ACTION 1e-6
+#define GUARD_PART_OF_ACTION     (1.0 / 64)
+/* [1] Energies that differ by at most this part are the same: of bodies at rest, far apart, at two distances, and
+ * H(q, p) and H(q, -p) of an H that is even in p. */
+#define GUARD_LEVEL_MAX_DIFFERENCE 1e-9
+/* [increments of the step] The reference level is searched on lines between these distances, by factors [1]. A step
+ * from rest that is too large may be a billion times as long as it should be. */
+#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30
+#define GUARD_LEVEL_MAX_DISTANCE 0x1p12
+#define GUARD_LEVEL_RATIO        2
 
 /* ---- Runs: suites times and plans of build/check/events ---------------------------------------------------------- */
 
 #define RUN_STEPS_BETWEEN_CHECKS     64        /* [steps] A run then checks again whether its time moves. */
-#define RUN_MAX_SLOW_STEPS           (1 << 16) /* [steps] It fails after these in turn (suite refused, rescaled). */
+#define RUN_MAX_SLOW_STEPS           (1 << 16) /* [steps] It fails after these in turn (build/check/rescaled). */
 #define PARTIAL_STEP_MAX_CORRECTIONS 12        /* [corrections] The most until its time is the given one. */
 /* [h] Partial steps whose sizes differ by less have nearly the same nodes, so that one's history serves the other. */
 #define PARTIAL_STEP_NEAR 1e-3

@@ -76,7 +76,7 @@ void jet_sweep_long_double_values(const jet_tape *tape, const double *block, lon
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++)
             values[run->z + i] = run->op == OP_LINEAR ? evaluate_linear_sum(tape, run, i, values)
-                                 : run->op == OP_PRODUCTS || run->op == OP_SQUARES
+                                 : jet_is_sum_of_products(run->op)
                                      ? evaluate_product_sum(tape, run, i, values)
                                      : evaluate_operation(run, values[run->a + i], values[run->b + i]);
 }

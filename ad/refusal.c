@@ -2,7 +2,6 @@
 #include "refusal.h"
 #include "rule.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

@@ -91,26 +91,27 @@ void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run *run
     else FUNCTION(sums_any, run)(tape, run, block, lanes);
 }
 
-#define ADD_NUMBER(V, S) JET_AT(V, z, 0) += base;
+#define ADD_CONSTANT_TERM(V, S) JET_AT(V, z, 0) += constant_term;
 
 JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
     const size_t stride = (size_t)lanes;
     if (!run->has_constant_terms) return;
     for (int i = 0; i < run->operation_count; i++) {
-        const double base = tape->constant_terms[run->first_constant_term + i];
+        const double constant_term = tape->constant_terms[run->first_constant_term + i];
         double *z = block + (size_t)(run->z + i) * stride;
-        if (base != 0) JET_BLOCKS(lanes, ADD_NUMBER, JET_OF);
+        if (constant_term != 0) JET_BLOCKS(lanes, ADD_CONSTANT_TERM, JET_OF);
     }
 }
 
-TABLE(with_numbers, compute_sums_of_many_lanes, (const jet_tape *tape, const jet_run *run, double *block, int lanes),
-      tape, run, block, lanes, tape->constant_terms + run->first_constant_term)
+TABLE(sums_with_constants, compute_sums_of_many_lanes,
+      (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run, block, lanes,
+      tape->constant_terms + run->first_constant_term)
 
 void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
     if (run->has_constant_terms && lanes > 8) {
-        FUNCTION(with_numbers, run)(tape, run, block, lanes);
+        FUNCTION(sums_with_constants, run)(tape, run, block, lanes);
     } else {
         jet_compute_sums_without_constants(tape, run, block, lanes);
         add_constant_terms(tape, run, block, lanes);

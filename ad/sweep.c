@@ -7,13 +7,11 @@ const jet_rule *const jet_rules[OP_COUNT] = {JET_RULE_LIST(RULE)};
 
 static double *slot_numbers(double *block, int slot, int lanes) { return block + (size_t)slot * (size_t)lanes; }
 
-static bool is_product_run(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
-
 JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
     bool inside = true;
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
-        if (is_product_run(run)) jet_compute_product_values(tape, run, block, lanes);
+        if (jet_is_sum_of_products(run->op)) jet_compute_product_values(tape, run, block, lanes);
         else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
         else
             inside &= jet_rules[run->op]->compute_values(
@@ -36,7 +34,7 @@ JET_INLINE bool sweep_series_inlined(const jet_tape *tape, double *block, int or
     if (order == 0) return sweep_values(tape, block, lanes);
     const size_t stride = (size_t)tape->slot_count;
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
-        if (is_product_run(run)) jet_compute_product_series_order(tape, run, block, order, lanes);
+        if (jet_is_sum_of_products(run->op)) jet_compute_product_series_order(tape, run, block, order, lanes);
         else if (run->op == OP_LINEAR)
             jet_compute_sums_without_constants(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
         else jet_rules[run->op]->compute_series_order(run, block, order, stride, lanes);
@@ -53,7 +51,8 @@ static void sweep_tangents(const jet_tape *tape, const double *block, double *ta
 {
     const size_t stride = (size_t)tape->slot_count;
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
-        if (is_product_run(run)) jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, lanes);
+        if (jet_is_sum_of_products(run->op))
+            jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, lanes);
         else if (run->op == OP_LINEAR)
             jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride * (size_t)lanes,
                                                lanes);
@@ -66,7 +65,8 @@ static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, d
 {
     const size_t stride = (size_t)tape->slot_count * (size_t)lanes;
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
-        if (is_product_run(run)) jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
+        if (jet_is_sum_of_products(run->op))
+            jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
         else if (run->op == OP_LINEAR)
             jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride, lanes);
         else {
@@ -80,7 +80,8 @@ static void sweep_adjoints(const jet_tape *tape, const double *block, double *ad
 {
     const size_t stride = (size_t)tape->slot_count;
     for (const jet_run *run = tape->run + tape->run_count; run-- > tape->run;) {
-        if (is_product_run(run)) jet_add_product_adjoints(tape, run, block, adjoint_block, order, top_order);
+        if (jet_is_sum_of_products(run->op))
+            jet_add_product_adjoints(tape, run, block, adjoint_block, order, top_order);
         else if (run->op == OP_LINEAR) jet_add_linear_adjoints(tape, run, adjoint_block + (size_t)order * stride);
         else jet_rules[run->op]->add_adjoints(run, block, adjoint_block, order, top_order, stride);
     }

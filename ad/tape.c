@@ -105,9 +105,9 @@ static bool join_last_run(const graph_lowering *lowering, jet_tape *tape, const 
     jet_run *run = &tape->run[tape->run_count - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
-    const bool joins = next->op == OP_LINEAR             ? join_linear_run(run, next)
-                       : is_sum_of_products_op(next->op) ? join_product_run(tape, run, next)
-                                                         : can_join_rule_run(run, next);
+    const bool joins = next->op == OP_LINEAR              ? join_linear_run(run, next)
+                       : jet_is_sum_of_products(next->op) ? join_product_run(tape, run, next)
+                                                          : can_join_rule_run(run, next);
     run->operation_count += joins;
     return joins;
 }
@@ -115,9 +115,9 @@ static bool join_last_run(const graph_lowering *lowering, jet_tape *tape, const 
 /* Appends an operation to the last run, or as a run of its own. */
 static void append_operation(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
 {
-    const jet_run next = z->op == OP_LINEAR             ? make_linear_run(lowering, tape, z)
-                         : is_sum_of_products_op(z->op) ? make_product_run(tape, z)
-                                                        : make_rule_run(lowering, z);
+    const jet_run next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
+                         : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
+                                                         : make_rule_run(lowering, z);
     if (!join_last_run(lowering, tape, &next)) tape->run[tape->run_count++] = next;
 }
 

@@ -34,6 +34,9 @@ typedef struct {
     int first_constant_term, term_count, first_term;
 } jet_run;
 
+/* Tells whether the operation is a sum of products, as which all products and squares are computed. */
+static inline bool jet_is_sum_of_products(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
+
 /* A constant that may be replaced: the parameter with this index. */
 typedef struct {
     int parameter_index, slot;

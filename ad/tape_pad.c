@@ -3,10 +3,8 @@
 #include "split.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-/* VECTOR is the number of operations of a whole vector. A run is padded if more than FEW of them stand in the vector at
- * its end. */
+/* The number of operations of a whole vector. */
 enum { VECTOR = 8 };
 
 typedef struct {
@@ -20,7 +18,7 @@ typedef struct {
 static int padding_count(int operation_count)
 {
     const int rest = operation_count % VECTOR;
-    return operation_count > VECTOR && rest > TAPE_PAD_MIN_REST ? VECTOR - rest : 0;
+    return operation_count > VECTOR && rest > TAPE_PAD_MAX_UNPADDED_REST ? VECTOR - rest : 0;
 }
 
 static int last_slot_of_range(const jet_run *run, int first) { return first + run->operation_count - 1; }
@@ -154,7 +152,7 @@ static bool build_padded_tape(const run_padding *p, int new_slot_count)
     jet_tape *tape = p->tape, to = *tape;
     size_t terms = 1;
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
-        terms += (size_t)run->operation_count * (size_t)run->term_count * (VECTOR - TAPE_PAD_MIN_REST);
+        terms += (size_t)run->operation_count * (size_t)run->term_count * (VECTOR - TAPE_PAD_MAX_UNPADDED_REST);
     const size_t slots = (size_t)new_slot_count + 1;
     to.slot_count = new_slot_count;
     to.linear_operation_count = to.term_count = to.run_count = 0;

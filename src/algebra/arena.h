@@ -19,6 +19,8 @@
 #endif
 #endif
 
+typedef struct tvi_block tvi_block;
+
 /* The arena. Its history is a region that contains everything one step leaves to the next one. All zeros are the
  * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history without
  * knowing its contents.
@@ -26,7 +28,6 @@
  * The history has two parts. The first one is copied before each step, and restored if the step fails. The second one,
  * the uncopied history, is neither copied nor restored: it contains data that is set at the start of a run, and ring
  * buffers that steps fill in turn. The copied history says which buffer is the current one. */
-typedef struct tvi_block tvi_block;
 typedef struct {
     char *memory, *history, *uncopied_history;
     /* The numbers of bytes that are allocated so far outside of the history, in the copied history, and in the uncopied

@@ -15,7 +15,7 @@ typedef struct {
     REAL next; /* The expected size of the next correction. */
     /* The expected size is multiplied by this margin, which is more than 1 only for Newton's method
      * (generating/newton.h). */
-    REAL slack;
+    REAL contraction_loss;
     REAL roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
 } JUDGED(passes);
 
@@ -51,7 +51,8 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
     passes->ratio = IF(shows_ratio, ratio, ratio_before);
     passes->slowest_ratio = slowest_ratio;
     passes->size_without_roundoff = without_roundoff;
-    passes->next = IF(is_significant & is_first, correction_size, passes->slack * expected_ratio * without_roundoff);
+    passes->next =
+        IF(is_significant & is_first, correction_size, passes->contraction_loss * expected_ratio * without_roundoff);
     const TRUTH is_cycle = SAME(correction_size, before) & SAME(correction_size, earlier) & NOT(is_significant);
     const TRUTH is_at_goal = AT_MOST(passes->next, rule->correction_goal - none),
                 is_roundoff = AT_MOST(correction_size, passes->roundoff);

@@ -4,10 +4,6 @@
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-
 /* Declares the Fortran functions of LAPACK, whose matrices are column-major. A character argument has a hidden
  * length at the end. */
 void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);

@@ -59,7 +59,7 @@ static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
     passes->count = 0;
     passes->size = passes->before = passes->earlier = INFINITY;
     passes->ratio = passes->size_without_roundoff = passes->next = passes->roundoff = 0;
-    passes->slack = 1;
+    passes->contraction_loss = 1;
     passes->slowest_ratio = slowest_ratio;
 }
 

@@ -51,6 +51,11 @@ static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
 /* Returns the number with the smaller magnitude. */
 static inline double tvi_smaller_magnitude(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 
+/* Returns 1, -1 or 0. */
+static inline int tvi_sign(double x) { return (x > 0) - (x < 0); }
+/* Returns the number of the interval that is nearest to x. */
+static inline double tvi_clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
+
 /* Returns part / whole, or 0 if part is 0. */
 static inline double tvi_ratio_or_zero(double part, double whole) { return part == 0 ? 0 : part / whole; }
 

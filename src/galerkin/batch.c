@@ -1,5 +1,5 @@
 /* batch.c - Makes steps of the Galerkin curves of several members of an ensemble at once, by the code of steps.h.
- * Node i of member m is element i * member_count + m of a row, in one lane of the tape. * The passes of each member
+ * Node i of member m is element i * member_count + m of a row, in one lane of the tape. The passes of each member
  * converge by themselves: a member that has converged is not moved any more, while passes of the others go on. A
  * step is made in lanes if the member's last step had the same size and ended where this step begins. All other
  * steps are made one member after the other by the stepper of a single curve: the first step of a run, a step that
@@ -20,7 +20,7 @@ typedef struct {
      * bits of last_step_only_mask are set if its unknowns are predicted from its last step alone. */
     long long *stepped_together_mask, *last_step_only_mask;
     tvi_increments increments; /* [n][member_count] the increments of the state */
-    double *tail;              /* [width] */
+    double *tail;              /* [member_count] */
     /* The integrator's history stores `history`, last_ring_index and impulse_ring. */
     galerkin_history *history; /* [member_count] each member's history; its own last_ring_index is not used */
     long *last_ring_index;
@@ -187,7 +187,7 @@ static void forget_lane_history(void *work, int lane)
 
 static bool is_ring_index_valid(const void *work)
 {
-    return galerkin_has_last_step(*((const galerkin_batch_stepper *)work)->last_ring_index);
+    return galerkin_is_ring_index_valid(*((const galerkin_batch_stepper *)work)->last_ring_index);
 }
 
 static void step_member_alone(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,

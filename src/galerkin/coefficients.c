@@ -46,7 +46,8 @@ static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, in
     }
 }
 
-void tvi_galerkin_prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
+/* Prepares the tables for the Gauss nodes of [0, 1]. */
+static void prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
     double single_integral[MAX_LANES], double_integral[MAX_LANES];
     for (int k = 1; k < MAX_LANES + 2; k++) polynomials->reciprocal_integer[k] = 1 / (long double)k;
@@ -83,8 +84,9 @@ static void integrate_legendre_polynomials(const galerkin_node_polynomials *poly
         I[k] = (P[k + 1] - P[k - 1]) * polynomials->legendre_integral_factor[k];
 }
 
-void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, long double s,
-                                             const long double node[], long double single_integral[])
+/* Computes single_integral[j] = int_0^s l_j / b_j in long double. `node` contains the Gauss nodes. */
+static void integrate_node_polynomials(const galerkin_node_polynomials *polynomials, long double s,
+                                       const long double node[], long double single_integral[])
 {
     long double P[MAX_LANES + 1], I[MAX_LANES + 1];
     integrate_legendre_polynomials(polynomials, s, I);
@@ -125,7 +127,6 @@ void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi
     coefficients->node_weight = tvi_arena_allocate_doubles(arena, width);
     coefficients->node_abscissa = tvi_arena_allocate_doubles(arena, width);
     coefficients->impulse_matrix = tvi_arena_allocate_doubles(arena, width * width);
-    coefficients->end_sum_weights.node_count = node_count;
     coefficients->end_sum_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
     coefficients->end_sum_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
 }
@@ -195,8 +196,8 @@ static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerk
     const int m = coefficients->node_count, lanes = coefficients->lane_count;
     double *matrix = coefficients->impulse_matrix;
     for (int i = 0; i < m; i++)
-        tvi_galerkin_integrate_node_polynomials(polynomials, coefficients->long_double_abscissa[i],
-                                                coefficients->long_double_abscissa, collocation_matrix[i]);
+        integrate_node_polynomials(polynomials, coefficients->long_double_abscissa[i],
+                                   coefficients->long_double_abscissa, collocation_matrix[i]);
     for (int i = 0; i < m; i++)
         for (int j = 0; j <= i; j++) {
             const long double exact =
@@ -215,7 +216,7 @@ void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, gale
                                        bool is_second_order)
 {
     set_nodes_and_weights(coefficients);
-    tvi_galerkin_prepare_node_polynomials(polynomials, coefficients->lane_count, coefficients->long_double_abscissa);
+    prepare_node_polynomials(polynomials, coefficients->lane_count, coefficients->long_double_abscissa);
     set_end_weights(coefficients, polynomials);
     set_impulse_matrix(coefficients, polynomials, is_second_order);
 }

@@ -25,14 +25,9 @@ typedef struct {
 
 void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
                                             int lanes, const jet_sweeps *sweeps);
-/* Prepares the tables for the Gauss nodes of [0, 1]. */
-void tvi_galerkin_prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[]);
 /* Computes P[k][i] = P_k(2 s_i - 1), k < node_count, i < lanes. */
 void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int lanes,
                                                 const double s[], double *P);
-/* Computes single_integral[j] = int_0^s l_j / b_j in long double. `node` contains the Gauss nodes. */
-void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, long double s,
-                                             const long double node[], long double single_integral[]);
 /* Computes single_integral[j] = int_0^s l_j(r) / b_j dr and double_integral[j] = int_0^s (s - r) l_j(r) / b_j dr. */
 void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
                                   double double_integral[]);

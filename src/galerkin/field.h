@@ -9,7 +9,6 @@
 #include "system/roundoff.h"
 
 #include <math.h>
-#include <string.h>
 
 typedef struct galerkin_field_form galerkin_field_form;
 

@@ -11,7 +11,6 @@
 #include "galerkin/step.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
@@ -111,6 +110,8 @@ static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena,
     inputs->subsystems = system->tail_subsystems;
     inputs->impulse_scale = impulse_scale;
     inputs->inverse_impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    inputs->component_share = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    inputs->component_ratio = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -127,8 +128,6 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
                                            system->field_values->sweeps);
     stepper.step_data.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     stepper.step_data.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
-    stepper.tail_inputs.component_share = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
-    stepper.tail_inputs.component_ratio = tvi_arena_allocate_doubles(arena, (size_t)stepper.n);
     stepper.increment_factor = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
     allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
     stepper.field.form->allocate(&stepper.field, arena);
@@ -157,7 +156,7 @@ static void prepare_stepper(void *work)
                                               .passes_rule = &stepper->passes_rule,
                                               .impulse_matrix = stepper->field.impulse_matrix,
                                               .node_abscissa = stepper->coefficients.node_abscissa,
-                                              .two_step_weights = stepper->predictor.two_step_weights,
+                                              .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
                                               .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
                                               .rough_movement_square = stepper->predictor.rough_movement_square,
                                               .impulse_ring = stepper->predictor.impulse_ring,
@@ -275,7 +274,7 @@ static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_ru
     const long passes = outcome->pass_count + (outcome->step_count < 1 ? outcome->pass_count_of_failed_step : 0);
     stats->passes += passes;
     stats->force_evaluations += passes * stepper->field.node_count;
-    stats->factorisations += outcome->hessian_pass_count * stepper->field.node_count;
+    stats->factorisations += outcome->inversion_pass_count * stepper->field.node_count;
 }
 
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
@@ -380,7 +379,7 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
 
 static bool is_history_valid(const void *work)
 {
-    return galerkin_has_last_step(((const galerkin_stepper *)work)->predictor.history->last_ring_index);
+    return galerkin_is_ring_index_valid(((const galerkin_stepper *)work)->predictor.history->last_ring_index);
 }
 
 const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_stepper,

@@ -48,7 +48,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.inner_iterations.hessian_block = passes.tape_blocks.hessian_block;
     if (IS_PACKED) {
         passes.inner_iterations.packed_hessian = packed;
-        passes.inner_iterations.unknown_magnitude = size;
+        passes.inner_iterations.unknown_size = size;
         passes.inner_iterations.inverse_unknown_size = per_size;
         passes.inner_iterations.last_unknown_change = change;
         passes.inner_iterations.total_unknown_change = total;

@@ -59,7 +59,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, lagrangian_predict_unknowns, NULL,
                                                     &passes};
     galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
-    outcome->hessian_pass_count = passes.inversion_count;
+    outcome->inversion_pass_count = passes.inversion_count;
 }
 
 #endif

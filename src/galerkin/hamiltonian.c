@@ -25,7 +25,7 @@ static void allocate_inner_iterations(lanes_inner_iterations *inner, tvi_arena *
 {
     inner->impulse_matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *inner->impulse_matrix);
     inner->packed_hessian = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *inner->packed_hessian);
-    inner->unknown_magnitude = tvi_arena_allocate_doubles(arena, rows);
+    inner->unknown_size = tvi_arena_allocate_doubles(arena, rows);
     inner->inverse_unknown_size = tvi_arena_allocate_doubles(arena, rows);
     float **const vectors[] = {&inner->last_unknown_change, &inner->total_unknown_change, &inner->last_impulse_change,
                                &inner->total_impulse_change};

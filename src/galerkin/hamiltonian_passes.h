@@ -4,7 +4,6 @@
 #ifndef TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 #define TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 
-#include "algebra/sizes.h"
 #include "galerkin/blocks.h"
 #include "galerkin/loops.h"
 
@@ -44,7 +43,7 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
     hamiltonian_passes *passes = work;
     (void)nodes;
     double moved;
-    const galerkin_nodes all = galerkin_nodes_with_all_members_active(passes->nodes);
+    const galerkin_nodes all = galerkin_nodes_with_all_unknowns_moving(passes->nodes);
     GALERKIN_KERNEL(passes->kernels, predict, &passes->rate_nodes, extrapolation);
     GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values,
                     passes->rate_row_of_unknown, &moved);
@@ -56,7 +55,7 @@ static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passe
     const lanes_inner_iterations *inner = &passes->inner_iterations;
     for (int i = 0; i < inner->hessian_row_count; i++) {
         inner->inverse_unknown_size[i] = passes->nodes->inverse_unknown_size[inner->unknown_of_row[i]];
-        inner->unknown_magnitude[i] = 1 / inner->inverse_unknown_size[i];
+        inner->unknown_size[i] = 1 / inner->inverse_unknown_size[i];
     }
 }
 

@@ -35,7 +35,7 @@ JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_iterat
         for (int column = 0; column < inner->hessian_column_count; column++, index += group, packed += group * LANES)
             for (int v = 0; v < NAME(vectors); v++) {
                 const V by_column =
-                    (nodes->impulse_scale[inner->unknown_of_row[column]] * inner->unknown_magnitude[column]) *
+                    (nodes->impulse_scale[inner->unknown_of_row[column]] * inner->unknown_size[column]) *
                     BLOCK_OF(V, nodes->impulse_weight, v);
                 for (int i = 0; i < group; i++) {
                     const V factor = inner->inverse_unknown_size[first + i] * by_column;
@@ -126,7 +126,7 @@ JET_INLINE void NAME(end_inner_iterations)(const lanes_inner_iterations *inner, 
     for (int i = 0; i < inner->hessian_row_count; i++)
         for (int v = 0; v < NAME(vectors); v++)
             BLOCK_AT(V, changes + inner->unknown_of_row[i] * LANES, v) =
-                INNER_MOVEMENT_UNIT * inner->unknown_magnitude[i] *
+                INNER_MOVEMENT_UNIT * inner->unknown_size[i] *
                 KERNEL_NAME(WIDEN, V)(SINGLE_AT(inner->total_impulse_change + i * LANES, v));
 }
 

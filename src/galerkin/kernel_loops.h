@@ -115,7 +115,7 @@ OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *
                                  .ratio = *(V *)(iteration->contraction_ratio + m),
                                  .slowest_ratio = slowest,
                                  .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
-                                 .slack = 1 - (V){0},
+                                 .contraction_loss = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
         const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, movement, &is_stuck),

@@ -177,7 +177,7 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapo
 {
     const double *last = ROW(extrapolation->last_impulses, u);
     const double *before = ROW(extrapolation->impulses_before, u);
-    const double *of_before = extrapolation->two_step_weights + shape.lane_count * shape.lane_count;
+    const double *of_before = extrapolation->two_step_extrapolation + shape.lane_count * shape.lane_count;
     const JET_MASK(jet_widest) uses_last_step =
         *(const JET_MASK(jet_widest) *)(extrapolation->last_step_only_mask + here);
     const V none = {0};
@@ -188,7 +188,7 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapo
         sum[j % CHAINS] = FUSED(V,
                                 JET_CHOOSE(V, uses_last_step,
                                            OF_NODE(extrapolation->last_step_extrapolation + j * shape.lane_count, v),
-                                           OF_NODE(extrapolation->two_step_weights + j * shape.lane_count, v)),
+                                           OF_NODE(extrapolation->two_step_extrapolation + j * shape.lane_count, v)),
                                 AT(last, j), sum[j % CHAINS]);
 }
 #endif
@@ -204,9 +204,10 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
 #if !MEMBERS
     const bool uses_last_step = *extrapolation.last_step_only_mask;
     const NAME(table) of_last =
-        NAME(table_of)(uses_last_step ? extrapolation.last_step_extrapolation : extrapolation.two_step_weights);
+        NAME(table_of)(uses_last_step ? extrapolation.last_step_extrapolation : extrapolation.two_step_extrapolation);
     /* If the last step alone is used, of_before is not used, and any valid address will do. */
-    const NAME(table) of_before = NAME(table_of)(extrapolation.two_step_weights + (uses_last_step ? 0 : LANES * LANES));
+    const NAME(table) of_before =
+        NAME(table_of)(extrapolation.two_step_extrapolation + (uses_last_step ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknown_count; u++) {
         const double *high = ROW(nodes->drift_values, u);

@@ -51,10 +51,10 @@ typedef struct {
 } galerkin_batch_iteration;
 
 /* The impulses from which a step is predicted, and the tables of factors by which it is done. Usually both of the last
- * two steps are used, with two_step_weights [2][j][i], whose second half belongs to the earlier step. Members
+ * two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step. Members
  * that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
 typedef struct {
-    const double *two_step_weights, *last_step_extrapolation, *last_impulses, *impulses_before;
+    const double *two_step_extrapolation, *last_step_extrapolation, *last_impulses, *impulses_before;
     /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
      * same size, or the prediction of the last step was rough. */
     const long long *last_step_only_mask;
@@ -63,7 +63,6 @@ typedef struct {
 /* The weights of the impulses in the sums from which the increments and the tail of a step are computed, [lanes] each:
  * one_minus_abscissa is 1 - c_j, and last_term_weight gives the last term of the rate's Legendre series. */
 typedef struct {
-    int node_count;
     double *one_minus_abscissa, *last_term_weight;
 } galerkin_end_sum_weights;
 
@@ -157,7 +156,7 @@ typedef struct {
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
-static inline galerkin_nodes galerkin_nodes_with_all_members_active(const galerkin_nodes *nodes)
+static inline galerkin_nodes galerkin_nodes_with_all_unknowns_moving(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
     all.moving_unknown_count = all.unknown_count;
@@ -215,7 +214,7 @@ typedef struct {
      * precision. */
     float *packed_hessian;
     /* [hessian_row_count] The size of each unknown in this step, and its reciprocal. */
-    double *unknown_magnitude, *inverse_unknown_size;
+    double *unknown_size, *inverse_unknown_size;
     /* [hessian_row_count][lanes] The change of the unknowns in the last inner iteration, and the sum of all its
      * changes. */
     float *last_unknown_change, *total_unknown_change;
@@ -270,12 +269,12 @@ typedef struct galerkin_kernels {
      * are rounded once. */
     double (*move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
                                 const double *changes, const int slot[]);
-    /* Makes the inner iterations of a pass (hamiltonian.c). Each computes, to first order, the changes of the impulses
-     * that the last changes of the unknowns cause, and the changes of the unknowns that these cause. `changes`
-     * [unknowns][lanes] is the sum of the changes of the impulses. The iterations end when the square of the next
-     * change is expected to be at most the larger of `least` and the error of the expansion to first order. `changes`
-     * is 0 if they do not shrink. If the second derivatives are reused (is_new is false), `movement` is that of the
-     * last pass, which shows how far they are from their point. */
+    /* Makes the inner iterations of a pass (hamiltonian.c). Each computes, to first order, the changes of the
+     * impulses that the last changes of the unknowns cause, and the changes of the unknowns that these cause.
+     * `changes` [unknowns][lanes] is the sum of the changes of the impulses. The iterations end when the square of
+     * the next change is expected to be at most the larger of `least` and GALERKIN_INNER_GOAL times the square of
+     * the error of the expansion to first order. `changes` is 0 if they do not shrink. If the second derivatives are
+     * reused (is_new is false), `movement` is that of the last pass, which shows how far they are from their point. */
     void (*run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner, const double *rates,
                                  const int slot[], bool is_new, double movement, double least, double *changes);
     void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);

@@ -5,8 +5,7 @@
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
 /* Computes x [components][point_count]: the components of the curve at the fractions theta of the step, by integrals of
- * its forces. integral_table
- * [lanes][point_count] contains integrals of coefficients.h. */
+ * its forces. integral_table [lanes][point_count] contains integrals of coefficients.h. */
 static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int point_count,
                                const double theta[], const double *integral_table, const double *impulses,
                                const double *start, const double *drift, const double *impulse_scale, double *x)

@@ -13,8 +13,8 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
     predictor->rough_movement_square = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_in_uncopied_history(arena, count * width * sizeof(double));
-    predictor->two_step_weights = tvi_arena_allocate_doubles(arena, 2 * width * width);
-    predictor->last_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
+    predictor->two_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
+    predictor->last_step_extrapolation = tvi_arena_allocate_doubles(arena, width * width);
     predictor->resized_step_extrapolation = tvi_arena_allocate_doubles(arena, width * width);
     predictor->extrapolated_rates = tvi_arena_allocate_doubles(arena, count * width);
     predictor->zeros = tvi_arena_allocate_doubles(arena, count + width);
@@ -85,7 +85,7 @@ void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerki
                                     const galerkin_field *field)
 {
     const int degree = coefficients->node_count > 1 ? 3 * coefficients->node_count / 2 : 1;
-    set_extrapolation_table(coefficients, field, 2, degree, predictor->two_step_weights);
+    set_extrapolation_table(coefficients, field, 2, degree, predictor->two_step_extrapolation);
     set_extrapolation_table(coefficients, field, 1, coefficients->node_count - 1, predictor->last_step_extrapolation);
     for (int i = 0; i < field->nodes.unknown_count + coefficients->lane_count; i++) predictor->ones[i] = 1;
 }

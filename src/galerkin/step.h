@@ -22,7 +22,7 @@ typedef struct {
 } galerkin_history;
 
 /* Returns whether the index of a loaded history is within the ring. */
-static inline bool galerkin_has_last_step(long last_ring_index)
+static inline bool galerkin_is_ring_index_valid(long last_ring_index)
 {
     return last_ring_index >= 0 && last_ring_index < GALERKIN_RING;
 }
@@ -32,7 +32,7 @@ typedef struct {
     /* The impulses of the last steps, [unknowns][lanes] each, stored in the history as a ring buffer. */
     double *impulse_ring[GALERKIN_RING];
     /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
-    double *two_step_weights, *last_step_extrapolation;
+    double *two_step_extrapolation, *last_step_extrapolation;
     /* If the movement of the first pass of a step, a sum of squares, is larger than this, its prediction had a relative
      * error above 1/100. The next step is then predicted from the last step alone. */
     double rough_movement_square;

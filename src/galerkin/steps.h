@@ -17,7 +17,7 @@ typedef struct galerkin_step_data {
     const galerkin_end_sum_weights *end_sum_weights;
     const tvi_passes_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
-    const double *two_step_weights, *last_step_extrapolation; /* the tables of galerkin_extrapolation */
+    const double *two_step_extrapolation, *last_step_extrapolation; /* the tables of galerkin_extrapolation */
     /* If the movement of the first pass of a step is larger than this, the next step is predicted from the last step
      * alone. */
     double rough_movement_square;
@@ -60,8 +60,8 @@ typedef struct galerkin_steps_outcome {
     int pass_count_of_failed_step;
     /* The number of steps that were made, and of all their passes. */
     long step_count, pass_count;
-    /* The number of passes that evaluated second derivatives at the nodes; generated code alone sets it. */
-    long hessian_pass_count;
+    /* The number of passes that inverted L_vv at the nodes; the generated code of a Lagrangian alone sets it. */
+    long inversion_pass_count;
     /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
      * size of the next step. */
     int last_ring_index, equal_step_count;
@@ -103,7 +103,7 @@ JET_INLINE long long galerkin_mask_last_step_only(const galerkin_step_data *step
 JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_data *step_data, int ring_index,
                                                                 const long long *last_step_only_mask)
 {
-    return (galerkin_extrapolation){step_data->two_step_weights, step_data->last_step_extrapolation,
+    return (galerkin_extrapolation){step_data->two_step_extrapolation, step_data->last_step_extrapolation,
                                     galerkin_impulses_in_ring(step_data, ring_index),
                                     galerkin_impulses_in_ring(step_data, ring_index - 1), last_step_only_mask};
 }

@@ -3,7 +3,6 @@
  * here. If passes no longer converge, it also estimates the roundoff of the ends of a step from that of the field at
  * the nodes (docs/method.md section 5). curve_stepper.c, both_ends.c and both_ends_nodes.c call it. */
 #include "generating/curve_stepper.h"
-#include "algebra/passes.h"
 #include "algebra/sizes.h"
 
 #include <float.h>

@@ -29,7 +29,8 @@ typedef struct {
 /* A solver of such equations, by matrices (matrices.c) or by products (products.c). The generating functions do not
  * know which of them is used. */
 typedef struct tvi_closure_solver {
-    void (*take)(struct tvi_closure *closure, tvi_arena *arena);
+    /* Allocates the memory of the solver, closure->solver_data. */
+    void (*allocate)(struct tvi_closure *closure, tvi_arena *arena);
     /* Begins a step: it discards the factors and guesses of the step before. */
     void (*begin)(struct tvi_closure *closure);
     /* Computes the corrections that the equations of the generating function add to the ends of the Taylor curve. The
@@ -53,8 +54,8 @@ typedef struct tvi_closure {
     int n;
     tvi_scaled_span span; /* the ends of the step in scaled time */
     tvi_curve curve;
-    /* The combinations of Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (to q- - from q+)/(to -
-     * from), with the ends `from` and `to` of the span in scaled time. The last one has no term in Q_1; it is the mean
+    /* The combinations of Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (end_s q- - start_s
+     * q+)/(end_s - start_s), with the ends of the span in scaled time. The last one has no term in Q_1; it is the mean
      * of the ends if the curve is expanded at the midpoint. */
     tvi_combination q_at_start, q_at_end, q_increment, q_mean;
     tvi_combination u_at_start, u_at_end, u_increment, u_mean; /* the same combinations of the scaled momentum u */

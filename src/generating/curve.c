@@ -24,12 +24,38 @@ static const tvi_curve_code *find_generated_code(const tvi_system *system, int h
     return code && code->highest_order == highest_order ? code : NULL;
 }
 
+/* Allocates the arrays of derivatives along directions, and of the factored velocity Hessian. */
+static void allocate_derivatives(tvi_curve *curve, tvi_arena *arena)
+{
+    const tvi_system *system = curve->system;
+    const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n, numbers = n * (size_t)curve->width,
+                 jacobian = orders * n * 2 * numbers,
+                 slots = (size_t)system->field_series->slot_count * (size_t)curve->width,
+                 tangent_lanes = curve->width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(system);
+    if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) {
+        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
+        curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
+    }
+    if (curve->jacobian_method == TVI_JACOBIAN_MATRICES) {
+        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
+        curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
+        curve->product_with_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
+        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
+    }
+    if (system->form != TVI_SEPARABLE) {
+        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
+        curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
+        curve->velocity_right_sides = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
+        curve->column = tvi_arena_allocate_doubles(arena, n);
+    }
+}
+
 void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int highest_order,
                         tvi_jacobians jacobians, int width)
 {
-    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n, numbers = n * (size_t)width,
-                 jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slot_count * (size_t)width;
-    const size_t tangent_lanes = width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(system);
+    const size_t orders = (size_t)highest_order + 1, n = (size_t)system->n, numbers = n * (size_t)width;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
     curve->generated_code = width > 1 ? NULL : find_generated_code(system, highest_order);
@@ -48,24 +74,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, width, 0);
-    if (jacobians == TVI_JACOBIAN_PRODUCTS) {
-        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
-        curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
-    }
-    if (jacobians == TVI_JACOBIAN_MATRICES) {
-        curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
-        curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
-        curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
-        curve->product_with_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
-        curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
-        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
-    }
-    if (system->form != TVI_SEPARABLE) {
-        tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
-        curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
-        curve->velocity_right_sides = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
-        curve->column = tvi_arena_allocate_doubles(arena, n);
-    }
+    allocate_derivatives(curve, arena);
 }
 
 void tvi_curve_fill_constant_tables(tvi_curve *curve)

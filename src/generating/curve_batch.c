@@ -1,5 +1,5 @@
 /* curve_batch.c - makes one step of several members of an ensemble at once, each a curve in one vector lane.
- * Ensembles call it through tvi_curve_batch (method/single.h). It uses the quick step of curve_step.h: member m is
+ * Ensembles call it through tvi_curve_batch (method/stepper.h). It uses the quick step of curve_step.h: member m is
  * lane m of a sweep, and lane node * width + m at the nodes. A member for which the quick step fails, or that is
  * outside of the domain, makes its step alone. */
 #include "generating/curve.h"

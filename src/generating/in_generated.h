@@ -19,7 +19,7 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_solve_factored, x)
 
 #define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->series_block, k)
-#define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->series_block, dx, k, lanes)
+#define ORDERS_TANGENTS(curve, dx, k, lanes) tvi_series_tangents_of((curve)->series_block, dx, k, lanes)
 
 #define PRODUCTS_TANGENTS tvi_series_tangents
 #define PRODUCTS_ADJOINTS tvi_series_adjoints

@@ -55,8 +55,7 @@ enum { CURVE_MOST_WIDTH = 1 };
     (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_per_lane : jet_sweep_tangents)((curve)->system->field_series,         \
                                                                                 (curve)->series_block, dx, k, lanes)
 
-/* PRODUCTS_TANGENTS and PRODUCTS_ADJOINTS multiply by the Jacobian of order k of the field and by its transpose.
- * PRODUCTS_CLEAR sets the adjoints of one order to 0, except those of q. */
+/* PRODUCTS_TANGENTS and PRODUCTS_ADJOINTS multiply by the Jacobian of order k of the field and by its transpose. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
 /* SEEDS_VALUES evaluates the field at the nodes, and SEEDS_TANGENTS its tangents. */

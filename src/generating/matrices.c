@@ -3,7 +3,6 @@
  * long as the resulting error is below roundoff. closure.c calls it through tvi_solver_by_matrices. */
 #include "generating/curve.h"
 #include "generating/matrices.h"
-#include "algebra/sizes.h"
 
 #include <string.h>
 

@@ -3,14 +3,13 @@
 #include "generating/newton.h"
 #include "algebra/sizes.h"
 #include "method/stepper.h"
-#include "system/roundoff.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 /* The rule for the corrections relative to each unknown's scale: passes end if the next correction is expected to be
- * half a unit of roundoff or less. Passes that contract by CONTRACTION reach this after 53. */
+ * half a unit of roundoff or less. Passes that contract by PASSES_STALL_RATIO reach this after 53. */
 static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
                                            .correction_goal = DBL_EPSILON / 2,
                                            .max_trusted_ratio = 1,

@@ -72,9 +72,9 @@ static inline void tvi_newton_update_contraction_loss(tvi_newton_passes *passes,
     if (each->count < 2) return;
     if (shows)
         passes->contraction_loss =
-            tvi_smaller(tvi_larger(passes->contraction_loss, passes->unconfirmed_loss), NEWTON_MAX_SLACK);
-    const double slack = each->slack * size / each->next;
-    passes->unconfirmed_loss = shows && size > NEWTON_SLACK_MIN_CORRECTION ? slack : 0;
+            tvi_smaller(tvi_larger(passes->contraction_loss, passes->unconfirmed_loss), NEWTON_MAX_LOSS);
+    const double loss = each->contraction_loss * size / each->next;
+    passes->unconfirmed_loss = shows && size > NEWTON_LOSS_MIN_CORRECTION ? loss : 0;
 }
 
 /* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
@@ -86,7 +86,7 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
                  relative_group_correction = sizes->relative_group_correction[m];
     const double expected = passes->by_unknown.next;
     tvi_newton_update_contraction_loss(passes, rules, largest_relative_correction);
-    passes->by_unknown.slack = tvi_larger(passes->contraction_loss, passes->unconfirmed_loss);
+    passes->by_unknown.contraction_loss = tvi_larger(passes->contraction_loss, passes->unconfirmed_loss);
     const tvi_passes_verdict verdict =
         tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative_correction);
     const tvi_passes_verdict settled =

@@ -18,7 +18,6 @@ static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curv
 {
     const int n = curve_dimension(curve), points = action->points;
     const jet_tape *tape = action->field_tape;
-    (void)tape;
     for (int j = 0; j < n; j++) {
         double *direction = action->field_tangent_block + (n + j) * points;
         for (int node = 0; node < points; node++) direction[node] = 1;

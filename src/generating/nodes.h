@@ -10,10 +10,10 @@
 #include "vector.h"
 
 /* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. all_orders has the rows of
- * nodes, [highest_order + 1][points]. If nodes mirror each other, even_orders and odd_orders have the even and the odd
- * k at the first half of the nodes, [orders / 2][half_node_count]; the values at the other half differ by a sign only.
- * Weighted tables are for sums over the nodes; they are transposed, [points][highest_order + 1] and
- * [half_node_count][seeds_round_up_to_vectors(orders / 2)]. */
+ * nodes, [highest_order + 1][points]. If nodes mirror each other, even_orders and odd_orders have the even and the
+ * odd k at the first half of the nodes, [(orders + 1) / 2][half_node_count]; the values at the other half differ by
+ * a sign only. Weighted tables are for sums over the nodes; they are transposed, [points][highest_order + 1] and
+ * [half_node_count][seeds_round_up_to_vectors((orders + 1) / 2)]. */
 typedef struct {
     double *all_orders, *even_orders, *odd_orders;
     /* The sign by which the rows of even k at a node are multiplied to get those at its mirror node, 1 or -1. It is 1
@@ -30,7 +30,7 @@ typedef struct tvi_action {
     bool has_gradient_by_p;                 /* gradient_by_p = dg/ds - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: highest_order + 1 */
     int width;                              /* the number of members; rows of nodes are [points][width] */
-    /* [points] The nodes s_i in scaled time, and their weights, whose sum is to - from. */
+    /* [points] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
     double *node_scaled_time, *node_weight;
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
      * the seeds need second derivatives. The nodes of the first half are first, and their mirror images follow. A node
@@ -47,8 +47,8 @@ typedef struct tvi_action {
     /* power_table and slope_table times the weights of the nodes. */
     tvi_node_table weighted_power_table, weighted_slope_table;
     double *order_sums; /* [highest_order + 1] scratch: sums over the nodes for each order */
-    /* [q_degree + 1][p_degree + 1] (j+k) times the error of the quadrature for s^(j+k-1), which remains if the sum of
-     * the derivative of p^T dq is replaced by its values at the ends; NULL if all errors are 0. */
+    /* [highest_order + 1][highest_order + 1] (j+k) times the error of the quadrature for s^(j+k-1), which remains if
+     * the sum of the derivative of p^T dq is replaced by its values at the ends; NULL if all errors are 0. */
     double *summation_by_parts_error;
     double *field_block; /* the block of the field's tape, with one lane for each node */
     /* The block of the tape that computes the products H_qp p and H_pp p of a Hamiltonian at the nodes, for positions

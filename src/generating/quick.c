@@ -13,9 +13,10 @@ static bool make_quick_step(tvi_curve_workspace *work, double tau, const tvi_bat
     return step_by_quick_passes(work, &functions, tau, origin, results, stats);
 }
 
-const tvi_curve_variant JET_FOR_ISA(tvi_curve_variant) = {.rescale_and_sum = curve_rescale_and_sum,
-                                                          .compute_seeds = seeds_compute_without_second_derivatives,
-                                                          .quick_step = make_quick_step,
-                                                          .quick_step_of_members = JET_FOR_ISA(tvi_quick_step_batch),
-                                                          .taylor_step_of_members = JET_FOR_ISA(tvi_taylor_step_batch),
-                                                          .product_solver = &JET_FOR_ISA(tvi_solver_by_products)};
+const tvi_curve_variant JET_FOR_ISA(tvi_curve_variant) = {
+    .rescale_and_sum = curve_rescale_and_sum,
+    .compute_seeds = seeds_compute_without_second_derivatives,
+    .quick_step = make_quick_step,
+    .quick_step_of_members = JET_FOR_ISA(tvi_quick_step_of_members),
+    .taylor_step_of_members = JET_FOR_ISA(tvi_taylor_step_of_members),
+    .product_solver = &JET_FOR_ISA(tvi_solver_by_products)};

@@ -8,7 +8,7 @@
 
 #include "generating/curve_step.h"
 
-tvi_quick_step_fn JET_FOR_ISA(tvi_quick_step_batch), JET_FOR_ISA(tvi_taylor_step_batch);
+tvi_quick_step_fn JET_FOR_ISA(tvi_quick_step_of_members), JET_FOR_ISA(tvi_taylor_step_of_members);
 extern const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products);
 
 static inline tvi_status quick_expand_with_tangents(tvi_curve *curve)

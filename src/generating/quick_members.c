@@ -18,8 +18,8 @@ static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at
             iterating_mask[m] = 0;
 }
 
-bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                                       const tvi_quick_step_results *results, tvi_stats *stats)
+bool JET_FOR_ISA(tvi_quick_step_of_members)(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                            const tvi_quick_step_results *results, tvi_stats *stats)
 {
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
                                                    seeds_compute_without_second_derivatives,
@@ -27,8 +27,8 @@ bool JET_FOR_ISA(tvi_quick_step_batch)(tvi_curve_workspace *work, double tau, co
     return step_by_quick_passes(work, &functions, tau, origin, results, stats);
 }
 
-bool JET_FOR_ISA(tvi_taylor_step_batch)(tvi_curve_workspace *work, double h, const tvi_batch_origin *origin,
-                                        const tvi_quick_step_results *results, tvi_stats *stats)
+bool JET_FOR_ISA(tvi_taylor_step_of_members)(tvi_curve_workspace *work, double h, const tvi_batch_origin *origin,
+                                             const tvi_quick_step_results *results, tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve), width = curve_width(curve);

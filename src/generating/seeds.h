@@ -261,7 +261,7 @@ typedef struct tvi_curve_code {
     void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                    double out[]);
     const struct tvi_closure_solver
-        *solver; /* the solver by products, except for its allocation (`take`); NULL: the library has its own */
+        *solver; /* the solver by products, except for `allocate`; NULL: the library has its own */
     /* Computes the seeds of actions that need only the field, which may be not finite; NULL: the library has its own.
      * */
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);

@@ -151,7 +151,7 @@ static inline void curve_set_time_unit(tvi_curve *curve, double tau)
         curve->kappa[i] = tau / curve->system->mass[i];
 }
 
-/* Writes the data z at the centre into the block of the series. The second half of z is tau v for a Lagrangian. */
+/* Writes the centre state z into the block of the series. The second half of z is tau v for a Lagrangian. */
 static inline void curve_set_centre_state(const tvi_curve *curve, const double z[])
 {
     const int numbers = curve_vector_length(curve);

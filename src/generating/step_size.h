@@ -14,14 +14,14 @@
 #include "generating/series.h"
 #include "generating/taylor_sweep.h"
 
-/* The estimate compares the last REACH_LAST nonzero coefficients of a series, of which two in a row may happen to be
- * small, with its first REACH_SIZED_BY nonzero ones, which show its size. REACH_FIRST of the first coefficients of q
- * are found, since those of p in a separable system, p_k = (k + 1) q_{k+1}, follow from them. */
-enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
-/* The ratios of the last coefficients show the radius of convergence: each to the one REACH_APART orders before it,
+/* The estimate compares the last STEP_SIZE_LAST nonzero coefficients of a series, of which two in a row may happen
+ * to be small, with its first STEP_SIZE_SIZED_BY nonzero ones, which show its size. STEP_SIZE_FIRST of the first
+ * coefficients of q are found, since those of p in a separable system, p_k = (k + 1) q_{k+1}, follow from them. */
+enum { STEP_SIZE_SIZED_BY = 2, STEP_SIZE_FIRST = STEP_SIZE_SIZED_BY + 1, STEP_SIZE_LAST = 3 };
+/* The ratios of the last coefficients show the radius of convergence: each to the one STEP_SIZE_APART orders before it,
  * which has the same phase if a pair of singularities makes the coefficients swing. Beside a state that is large the
  * coefficients may be so small that they would allow any step. */
-enum { REACH_APART = 4 };
+enum { STEP_SIZE_APART = 4 };
 
 /* A term of a series: its order k, and log_size = log max_i |x_k| over the components i, which is -INFINITY if there is
  * no such term. */
@@ -32,7 +32,7 @@ typedef struct {
 
 /* The first and the last terms of a series that are not 0. */
 typedef struct {
-    step_size_term first_terms[REACH_FIRST], last_terms[REACH_LAST];
+    step_size_term first_terms[STEP_SIZE_FIRST], last_terms[STEP_SIZE_LAST];
 } step_size_end_terms;
 
 /* Returns max_i of the absolute values of coefficient k of q, or of the scaled momentum kappa p, in which masses do not
@@ -48,25 +48,26 @@ static inline double step_size_largest_component(const tvi_curve *curve, bool of
 }
 
 /* A coefficient below this has lost digits to underflow, and counts as 0. */
-static const double REACH_LEAST = 1e-280;
+static const double STEP_SIZE_LEAST = 1e-280;
 
 /* Returns the first nonzero term among the orders k, k + step, ... before the order `end`. */
 static inline step_size_term step_size_find_nonzero_term(const tvi_curve *curve, bool of_momentum, int k, int step,
                                                          int end)
 {
     double size = 0;
-    while (step * (end - k) > 0 && (size = step_size_largest_component(curve, of_momentum, k)) < REACH_LEAST) k += step;
-    return (step_size_term){k, size < REACH_LEAST ? -INFINITY : log(size)};
+    while (step * (end - k) > 0 && (size = step_size_largest_component(curve, of_momentum, k)) < STEP_SIZE_LEAST)
+        k += step;
+    return (step_size_term){k, size < STEP_SIZE_LEAST ? -INFINITY : log(size)};
 }
 
 static inline void step_size_find_end_terms(const tvi_curve *curve, bool of_momentum, int degree,
                                             step_size_end_terms *ends)
 {
-    for (int i = 0, k = 0; i < REACH_FIRST; i++, k++) {
+    for (int i = 0, k = 0; i < STEP_SIZE_FIRST; i++, k++) {
         ends->first_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, 1, degree);
         k = ends->first_terms[i].order;
     }
-    for (int i = 0, k = degree; i < REACH_LAST; i++, k--) {
+    for (int i = 0, k = degree; i < STEP_SIZE_LAST; i++, k--) {
         ends->last_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, -1, 1);
         k = ends->last_terms[i].order;
     }
@@ -84,9 +85,9 @@ static inline void step_size_find_derivative_terms(const tvi_curve *curve, const
                                                    step_size_end_terms *p)
 {
     const bool has_place = q->first_terms[0].order == 0;
-    for (int i = 0; i < REACH_SIZED_BY; i++)
+    for (int i = 0; i < STEP_SIZE_SIZED_BY; i++)
         p->first_terms[i] = step_size_differentiate_term(curve, has_place ? q->first_terms[i + 1] : q->first_terms[i]);
-    for (int i = 0; i < REACH_LAST; i++) p->last_terms[i] = step_size_differentiate_term(curve, q->last_terms[i]);
+    for (int i = 0; i < STEP_SIZE_LAST; i++) p->last_terms[i] = step_size_differentiate_term(curve, q->last_terms[i]);
 }
 
 /* Returns the logarithm of the largest s at which the term is at most a fraction of the size of the series: s^k |x_k|
@@ -96,7 +97,7 @@ static inline double step_size_log_from_term(const tvi_curve *curve, const step_
                                              step_size_term term, double log_relative_size)
 {
     double farthest = -INFINITY;
-    for (int i = 0; i < REACH_SIZED_BY; i++) {
+    for (int i = 0; i < STEP_SIZE_SIZED_BY; i++) {
         const int apart = term.order - first_terms[i].order;
         const double usable_step =
             apart > 0 ? (log_relative_size + first_terms[i].log_size - term.log_size) * curve->reciprocal_integer[apart]
@@ -112,7 +113,7 @@ static inline double step_size_log_from_last_terms(const tvi_curve *curve, const
                                                    double log_relative_size)
 {
     double least = INFINITY;
-    for (int i = 0; i < REACH_LAST; i++) {
+    for (int i = 0; i < STEP_SIZE_LAST; i++) {
         const step_size_term x = ends->last_terms[i];
         const double usable_step =
             x.order > 1 ? step_size_log_from_term(curve, ends->first_terms, x,
@@ -123,30 +124,30 @@ static inline double step_size_log_from_last_terms(const tvi_curve *curve, const
     return least;
 }
 
-/* Returns |q_{k - REACH_APART}| / |q_k|, or INFINITY if there is no such term or q_k is 0. */
+/* Returns |q_{k - STEP_SIZE_APART}| / |q_k|, or INFINITY if there is no such term or q_k is 0. */
 static inline double step_size_coefficient_ratio(const tvi_curve *curve, int k)
 {
-    const double last = k > REACH_APART + 1 ? step_size_largest_component(curve, false, k) : 0;
-    return last > REACH_LEAST ? step_size_largest_component(curve, false, k - REACH_APART) / last : INFINITY;
+    const double last = k > STEP_SIZE_APART + 1 ? step_size_largest_component(curve, false, k) : 0;
+    return last > STEP_SIZE_LEAST ? step_size_largest_component(curve, false, k - STEP_SIZE_APART) / last : INFINITY;
 }
 
-/* Returns the usable step, or REACH_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius follows
- * from the second largest of the last three ratios of coefficients. */
+/* Returns the usable step, or STEP_SIZE_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius
+ * follows from the second largest of the last three ratios of coefficients. */
 static inline double step_size_limit_to_convergence_radius(const tvi_curve *curve, double usable_step)
 {
     const int k = curve_q_degree(curve);
-    const double part = usable_step / REACH_MAX_PART_OF_RADIUS, fourth = (part * part) * (part * part);
+    const double part = usable_step / STEP_SIZE_MAX_PART_OF_RADIUS, fourth = (part * part) * (part * part);
     const double first = step_size_coefficient_ratio(curve, k), second = step_size_coefficient_ratio(curve, k - 1);
     if (tvi_smaller(first, second) >= fourth) return usable_step;
     const double third = step_size_coefficient_ratio(curve, k - 2), smaller = tvi_smaller(first, second);
     const double middle = tvi_larger(smaller, tvi_smaller(tvi_larger(first, second), third));
-    return middle >= fourth ? usable_step : REACH_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
+    return middle >= fourth ? usable_step : STEP_SIZE_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
 }
 
 static inline double curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
-    const double log_relative_size = log_tolerance - REACH_SAFETY;
+    const double log_relative_size = log_tolerance - STEP_SIZE_SAFETY;
     step_size_end_terms q, p;
     step_size_find_end_terms(curve, false, q_degree, &q);
     if (curve_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
@@ -181,13 +182,13 @@ static inline void step_size_rescale_separable(const tvi_curve *curve, const dou
 }
 
 /* Computes power[k] = factor^k, k = 0 .. highest_order and up to 3 more, in chains that do not wait for each other. */
-enum { REACH_CHAINS = 4 };
+enum { STEP_SIZE_CHAINS = 4 };
 static inline void step_size_compute_powers(double factor, int highest_order, double power[])
 {
     const double second = factor * factor, fourth = second * second;
-    double next[REACH_CHAINS] = {1, factor, second, second * factor};
-    for (int k = 0; k <= highest_order; k += REACH_CHAINS)
-        for (int i = 0; i < REACH_CHAINS; i++) {
+    double next[STEP_SIZE_CHAINS] = {1, factor, second, second * factor};
+    for (int k = 0; k <= highest_order; k += STEP_SIZE_CHAINS)
+        for (int i = 0; i < STEP_SIZE_CHAINS; i++) {
             power[k + i] = next[i];
             next[i] *= fourth;
         }
@@ -198,7 +199,7 @@ static inline void curve_rescale_and_sum(tvi_curve *curve, double factor, double
     const int n = curve_dimension(curve), q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const int numbers = curve_vector_length(curve);
     const tvi_form form = curve_form(curve);
-    double power[TVI_MAX_DEGREE + 1 + REACH_CHAINS];
+    double power[TVI_MAX_DEGREE + 1 + STEP_SIZE_CHAINS];
     step_size_compute_powers(factor, curve_highest_order(curve), power);
     curve->tau *= factor;
     if (form == TVI_SEPARABLE) {

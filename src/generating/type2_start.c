@@ -4,7 +4,7 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Computes the corrections with z = (q0, w), p1 = p+. With u = kappa p the solution is l / kappa.
+/* Computes the corrections with z = (q0, w), p1 = p+. With u = kappa p the solution is -l / kappa.
  *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l.
  * Here the centre state is z = (q0, w), so that w is the momentum there. Subscripts are derivatives of q-, q+, p-
  * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */

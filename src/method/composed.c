@@ -1,11 +1,10 @@
 /* composed.c - Makes a step of a composition: half a step of a method, then half a step of its adjoint. The
- * composition is symmetric for every method (docs/method.md, section 7). It is the stepper (stepper.h) for options
+ * composition is symmetric for every method (docs/method.md, section 4). It is the stepper (stepper.h) for options
  * with compose_adjoint. */
 #include "method/method.h"
 #include "method/single.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The memory of the stepper for compositions. */
 typedef struct {

@@ -76,7 +76,7 @@ struct tvi_descriptor {
     bool needs_conjugate_momenta;
     const tvi_stepper *stepper;
     const tvi_stepper *predictor; /* The stepper for TVI_PREDICT_ONLY; NULL: `stepper` itself. */
-    tvi_curve_definition curve;   /* The curve, if the stepper is tvi_stepper_curve. */
+    tvi_curve_definition curve;   /* The curve, if the method expands Taylor curves. */
 };
 
 static inline bool tvi_is_method_symmetric(const tvi_descriptor *descriptor)

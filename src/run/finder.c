@@ -10,7 +10,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
 {

@@ -81,8 +81,8 @@ static double energy_at_rest_at_step_start(tvi_integrator *it, int member)
     return energy_at_rest_on_line(it, member, 1, 0, FORWARD);
 }
 
-/* Tells whether H(q, -p) = H(q, p) to roundoff at the end of the step. The start is not tested, since p may be 0
- * there. */
+/* Tells whether H(q, -p) = H(q, p), up to the part GUARD_LEVEL_MAX_DIFFERENCE, at the end of the step. The start is
+ * not tested, since p may be 0 there. */
 static bool is_energy_even_in_p(tvi_integrator *it, int member)
 {
     const int width = it->width, end = it->system->n * width;
@@ -96,7 +96,7 @@ static bool is_energy_even_in_p(tvi_integrator *it, int member)
         it->end.q[end + member] = it->state.q[end + member];
         H[sign] = member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
     }
-    return fabs(H[1] - H[0]) <= GUARD_ZERO_MAX_DIFFERENCE * fabs(H[0]);
+    return fabs(H[1] - H[0]) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H[0]);
 }
 
 /* Returns the limit of H(c q, 0) for large c. It is NAN if there is no limit, or if H(c q, 0) is not monotonic in c: a
@@ -112,7 +112,7 @@ static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double 
         falls = falls && difference <= roundoff;
         last = next;
     }
-    return (rises || falls) && fabs(difference) <= GUARD_ZERO_MAX_DIFFERENCE * fabs(H - last) ? last : NAN;
+    return (rises || falls) && fabs(difference) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H - last) ? last : NAN;
 }
 
 /* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
@@ -121,7 +121,8 @@ static double lowest_energy_at_rest_on_line(tvi_integrator *it, int member, sear
                                             double roundoff)
 {
     double lowest = energy_at_start;
-    for (double distance = GUARD_ZERO_MIN_DISTANCE; distance <= GUARD_ZERO_MAX_DISTANCE; distance *= GUARD_ZERO_RATIO) {
+    for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
+         distance *= GUARD_LEVEL_RATIO) {
         const double next = energy_at_rest_on_line(it, member, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);

@@ -6,7 +6,6 @@
 #include "system/refuse.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* Returns the address in history_before, the copy of the history, that corresponds to an address in the history
  * itself. */

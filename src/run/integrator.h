@@ -39,7 +39,7 @@ static inline size_t tvi_size_of_stop_in_bytes(int n)
     return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
 }
 /* Forgets a stop, so that the next run reports the events at its first state. Called when the user sets parameters,
- * or loads a state from text. */
+ * or loads a state from text, and before a new stop is stored. */
 static inline void tvi_event_stop_forget(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
 
 struct tvi_integrator {
@@ -93,7 +93,8 @@ struct tvi_integrator {
     tvi_run_state member_state; /* the state of one member, without low-order parts */
     tvi_energy_work member_energy_work; /* memory to compute the energy of one member; tape_block = NULL if unused */
     tvi_energy_work rescaled_hamiltonian_work; /* memory to compute the Hamiltonian K of a rescaled system */
-    tvi_energy_work all_energies_work;         /* the same for the energies of all members of a batch */
+    /* memory for the energies of all members of a batch; its tape_block is NULL if there is none */
+    tvi_energy_work all_energies_work;
     double *field_block;  /* memory to evaluate the forces, or the derivatives of L or H, at one point */
     tvi_tangent *tangent; /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);

@@ -263,10 +263,10 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.g_returns_to_zero_before_time_moves)
+    if (locator->search.g_returns_to_zero_before_time_moves) {
         tvi_integrator_undo_step(locator->search.integrator, t, q, p);
-    if (locator->search.g_returns_to_zero_before_time_moves)
         tvi_columns_restore_step_start(locator->search.integrator, columns);
+    }
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
     if (status != TVI_ESTOPPED && !locator->search.g_returns_to_zero_before_time_moves)

@@ -1,11 +1,10 @@
 /* narrow.c - Narrows a bracket of a sign change of a function until it contains the zero to the wanted accuracy, by the
  * ITP method (narrow.h). */
 #include "run/narrow.h"
+#include "algebra/sizes.h"
 #include "measured.h"
 
 #include <math.h>
-
-static int sign_of(double g) { return (g > 0) - (g < 0); }
 
 /* Returns the next abscissa at which the function is evaluated: the root of the secant, truncated and projected as
  * ITP prescribes (narrow.h). first_width is the width of the first bracket, and evaluations_left the number of
@@ -36,7 +35,7 @@ tvi_status tvi_narrow_bracket(tvi_sign_bracket *bracket, double least_width, tvi
         double here;
         const tvi_status status = function(ctx, at, &here);
         if (status != TVI_OK) return status;
-        if (sign_of(here) == sign_of(bracket->g_left)) bracket->left = at, bracket->g_left = here;
+        if (tvi_sign(here) == tvi_sign(bracket->g_left)) bracket->left = at, bracket->g_left = here;
         else bracket->right = at, bracket->g_right = here;
     }
     return TVI_OK;

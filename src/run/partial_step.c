@@ -2,7 +2,6 @@
  * (partial_step.h). */
 #include "run/partial_step.h"
 #include "run/narrow.h"
-#include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <float.h>

@@ -1,8 +1,7 @@
 /* run.c - Runs an integrator step by step and calls the observers (run.h). It also defines the functions
- * tvi_integrate..., except for tvi_integrate_at (times.c), and tvi_step_tangent. */
+ * tvi_integrate..., except for tvi_integrate_at (times.c), tvi_step_tangent, and tvi_taylor_order. */
 #include "run/run.h"
 #include "run/times.h"
-#include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <float.h>

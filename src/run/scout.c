@@ -1,7 +1,7 @@
 /* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The
  * tail of a step (tvi_stats.tail) estimates how well its polynomial resolves the forces. A step size resolves the
- * orbit at a position if a step of that size would have the tail TVI_SCOUT_TAIL there; this resolving step size is
- * extrapolated from the tail of the step that was made. The orbit is hardest where it is smallest. */
+ * orbit at a position if a step of that size would have the tail SCOUT_RESOLVING_TAIL there; this resolving step
+ * size is extrapolated from the tail of the step that was made. The orbit is hardest where it is smallest. */
 #include "run/scout.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -35,7 +35,7 @@ static void store_current_state(tvi_orbit_scout *scout, const tvi_integrated_orb
 }
 
 /* Returns the resolving step size at the last step, which had the size h: the one whose tail would be
- * TVI_SCOUT_TAIL. The tail of a step is taken as proportional to the power `degree` of its size. */
+ * SCOUT_RESOLVING_TAIL. The tail of a step is taken as proportional to the power `degree` of its size. */
 static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, double h)
 {
     const double tail = tvi_integrator_stats(orbit->integrator)->tail,

@@ -8,10 +8,7 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-static int sign_of(double g) { return (g > 0) - (g < 0); }
 
 static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
 
@@ -111,17 +108,17 @@ static tvi_status sample_event_at_distance(tvi_event_search *search, int event_i
 static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_event_sample left,
                                 tvi_event_sample middle, tvi_event_sample right)
 {
-    const int sign = sign_of(left.g);
+    const int sign = tvi_sign(left.g);
     tvi_event_sample near = middle;
     tvi_status status = TVI_OK;
     if (middle.g == 0)
         status = sample_event_at_distance(search, event_index, middle.theta,
                                           -fmin(EVENT_EDGE, (middle.theta - left.theta) / 2), &near);
-    if (middle.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
+    if (middle.g == 0 && tvi_sign(near.g) != -sign && status == TVI_OK)
         status = sample_event_at_distance(search, event_index, middle.theta,
                                           fmin(EVENT_EDGE, (right.theta - middle.theta) / 2), &near);
     if (status != TVI_OK) return status;
-    const bool crosses = sign_of(near.g) == -sign;
+    const bool crosses = tvi_sign(near.g) == -sign;
     (void)add_root(search, event_index, -sign, left, crosses ? near : middle);
     if (crosses) (void)add_root(search, event_index, sign, near, right);
     return TVI_OK;
@@ -136,7 +133,7 @@ static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index
     for (int sample_count = 0; tvi_dip_choose_next_theta(x, sample_count, &new.theta); sample_count++) {
         const tvi_status status = evaluate_event_on_curve(search, event_index, new.theta, &new.g);
         if (status != TVI_OK) return status;
-        if (sign_of(new.g) != sign_of(x[2].g)) return add_root_pair(search, event_index, dip[1], new, dip[3]);
+        if (tvi_sign(new.g) != tvi_sign(x[2].g)) return add_root_pair(search, event_index, dip[1], new, dip[3]);
         tvi_dip_insert_sample(x, new);
     }
     return TVI_OK;
@@ -213,7 +210,7 @@ static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_ind
     if (is_at_step_end) memcpy(x, last, sizeof x);
     const tvi_status status = evaluate_event_on_curve(search, event_index, x[2].theta, &x[2].g);
     if (status != TVI_OK) return status;
-    if (sign_of(x[2].g) != sign_of(x[1].g)) return add_root_pair(search, event_index, x[1], x[2], x[3]);
+    if (tvi_sign(x[2].g) != tvi_sign(x[1].g)) return add_root_pair(search, event_index, x[1], x[2], x[3]);
     if (fabs(x[2].g) < fabs(x[is_at_step_end ? 3 : 1].g)) return search_dip_for_roots(search, event_index, x);
     return TVI_OK;
 }
@@ -229,15 +226,15 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
     if (status == TVI_OK && right.g == 0)
         status = sample_event_at_distance(search, event_index, right.theta, -EVENT_EDGE, &right);
     if (status != TVI_OK) return status;
-    if (left.g != 0 && right.g != 0 && sign_of(left.g) != sign_of(right.g)) {
-        tvi_event_root *root = add_root(search, event_index, sign_of(right.g), left, right);
+    if (left.g != 0 && right.g != 0 && tvi_sign(left.g) != tvi_sign(right.g)) {
+        tvi_event_root *root = add_root(search, event_index, tvi_sign(right.g), left, right);
         if (root && may_interpolate && !root->is_return_to_zero)
             root->theta_guess =
                 guess_root_by_interpolation(search->watched_events[event_index].g_samples, root->bracket.left,
                                             root->bracket.g_left, root->bracket.right, root->bracket.g_right);
     }
     const tvi_event_sample before = right.g != 0 ? right : left;
-    if (at_right.g == 0 && before.g != 0) (void)add_root(search, event_index, -sign_of(before.g), before, at_right);
+    if (at_right.g == 0 && before.g != 0) (void)add_root(search, event_index, -tvi_sign(before.g), before, at_right);
     return TVI_OK;
 }
 

@@ -36,8 +36,8 @@ typedef struct {
     double theta_after_leaving_zero; /* if begins_on_event: a theta at which g certainly has the sign of g_samples[0] */
 } tvi_watched_event;
 
-/* The kinds of state from which a run starts: the end of the integrator's last step (LAST_STEP), the state of its last
- * stop with any momentum p (STOP), or any other state. */
+/* The kinds of state from which a run starts: the end of the integrator's last step (TVI_FROM_LAST_STEP), the state
+ * of its last stop with any momentum p (TVI_FROM_STOP), or any other state (TVI_FROM_ANY). */
 typedef enum { TVI_FROM_LAST_STEP, TVI_FROM_STOP, TVI_FROM_ANY } tvi_run_start_kind;
 
 /* A search for roots of event functions on the curve of the integrator's last step. */

@@ -14,8 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-static int sign_of(double g) { return (g > 0) - (g < 0); }
-
 static bool are_bitwise_equal(int n, const double a[], const double b[])
 {
     return memcmp(a, b, (size_t)n * sizeof *a) == 0;
@@ -155,11 +153,11 @@ static tvi_status find_sign_of_g_change(tvi_event_search *search, int event_inde
     double g_change = 0;
     bool is_sign_certain = false;
     const tvi_status status = tvi_step_start_compute_g_change(search, event_index, theta, &g_change, &is_sign_certain);
-    *sign = is_sign_certain ? sign_of(g_change) : 0;
+    *sign = is_sign_certain ? tvi_sign(g_change) : 0;
     return status;
 }
 
-/* Returns a theta, at least LEAST, up to which the time changes by one unit of its roundoff.
+/* Returns a theta, at least EVENT_RETURN_MIN_THETA, up to which the time changes by one unit of its roundoff.
  * search->scratch_increment holds the increments of q, p and t up to first_theta. */
 static double first_theta_that_moves_time(const tvi_event_search *search, double first_theta)
 {

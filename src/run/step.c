@@ -5,7 +5,6 @@
 #include "run/guard.h"
 #include "run/integrator.h"
 #include "method/single.h"
-#include "algebra/sizes.h"
 #include "system/refuse.h"
 #include "vector.h"
 

@@ -37,8 +37,8 @@ typedef struct {
      * third of large_error. */
     double step_size_of_large_error, large_error;
     double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
-    /* The longest step size with which a trial of the whole run had an error that is small enough (KEPT), and the
-     * shortest one with which a trial had a larger error; 0 if there is none. */
+    /* The longest step size with which a trial of the whole run had an error that is small enough
+     * (SUGGEST_MAX_ERROR), and the shortest one with which a trial had a larger error; 0 if there is none. */
     double longest_good_step_size, shortest_bad_step_size;
     double error_of_longest_good_step_size; /* the error of the trial with longest_good_step_size */
     /* True if the suggestion rests on a trial that has passed the hardest position with an estimate near the aim. */
@@ -47,7 +47,6 @@ typedef struct {
 
 /* ---- All trials -------------------------------------------------------------------------------------------------- */
 
-static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static double step_size_factor_after_failure(const suggestion_search *search)
 {
     return search->trials.step_doubling.is_rescaled ? SUGGEST_FAILED_FACTOR_RESCALED : SUGGEST_FAILED_FACTOR;
@@ -58,7 +57,7 @@ static double next_step_size_factor(const suggestion_search *search, const tvi_s
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
     const double wrong = fmin(trial->estimated_error / search->trials.aimed_error, 1 / SUGGEST_MIN_AIM_PER_ERROR);
-    return wrong > 0 ? clamp(SUGGEST_MIN_FACTOR, pow(wrong, -1.0 / search->order), 1 / SUGGEST_MIN_FACTOR)
+    return wrong > 0 ? tvi_clamp(SUGGEST_MIN_FACTOR, pow(wrong, -1.0 / search->order), 1 / SUGGEST_MIN_FACTOR)
                      : 1 / SUGGEST_MIN_FACTOR;
 }
 

@@ -12,6 +12,35 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A step whose Jacobian matrix is wanted: the state at its start, the parameters that it is made with, and its size. */
+typedef struct {
+    const tvi_run_state *start;
+    const double *parameters;
+    double h;
+} differentiated_step;
+
+/* The memory of an integrator for tangent vectors. n is the number of coordinates of the system that is stepped. */
+struct tvi_tangent {
+    int n;                     /* coordinates of the stepped system: one more than the user's if it is rescaled */
+    bool are_momenta_swapped;  /* true if the momenta of the coordinates (q, dq) are (dp, p), not (p, dp) */
+    tvi_system *lifted_system; /* the lifted system, with coordinates (q, dq) */
+    tvi_integrator *lifted_integrator; /* makes steps of the lifted system */
+    double *lifted_q, *lifted_p;       /* [2n] each, the state of the lifted system */
+    double *column;                    /* [2n + parameters] the tangent vector that is being multiplied */
+    double *gradient;                  /* [2n] the derivatives K_q and K_p of a rescaled system's Hamiltonian K */
+    double *field_block;  /* memory in which the tape of K_q and K_p is evaluated; NULL if the system is not rescaled */
+    double *energy_block; /* memory in which the lifted energy is evaluated, the change of K along a tangent vector */
+    /* [2 parameters] The parameters of the lifted system: the integrator's values, then their components of the tangent
+     * vector. */
+    double *parameters_and_rates;
+    /* Matrices [2n + parameters][columns] of a run's tangent vectors, before and after the last step. Their n is
+     * that of the user's system. */
+    double *columns_at_step_start, *columns_at_step_end;
+    int column_capacity;         /* the number of columns for which these matrices have memory */
+    long step_number;            /* the number of the step to which they belong; 0 if there is none */
+    int propagated_column_count; /* the number of columns that were propagated by this step */
+};
+
 static void free_tangent(tvi_tangent *tangent)
 {
     if (!tangent) return;
@@ -113,8 +142,7 @@ static int find_scaling_exponent(int n, const double q[], const double p[], cons
 
 /* Sets the parameters of the lifted system: the values that the step is made with, and the scaled components of the
  * column that belong to the parameters. */
-static tvi_status set_lifted_parameters(const tvi_integrator *it, const tvi_step_to_differentiate *step,
-                                        int scaling_exponent)
+static tvi_status set_lifted_parameters(const tvi_integrator *it, const differentiated_step *step, int scaling_exponent)
 {
     tvi_tangent *tangent = it->tangent;
     const int parameters = tvi_system_parameters(it->system);
@@ -127,7 +155,7 @@ static tvi_status set_lifted_parameters(const tvi_integrator *it, const tvi_step
 }
 
 /* Sets the state of the lifted system: the state at the start of the step, and the scaled column. */
-static void set_lifted_state(const tvi_integrator *it, const tvi_step_to_differentiate *step, int scaling_exponent)
+static void set_lifted_state(const tvi_integrator *it, const differentiated_step *step, int scaling_exponent)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -143,8 +171,7 @@ static void set_lifted_state(const tvi_integrator *it, const tvi_step_to_differe
 
 /* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of
  * a rescaled system. project_column_to_orbit_time must follow in the latter. */
-static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *it,
-                                                          const tvi_step_to_differentiate *step)
+static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *it, const differentiated_step *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -184,7 +211,7 @@ static tvi_status compute_rescaled_gradient(const tvi_integrator *it, const doub
 /* Sets the component of the column that belongs to e, the constant of K = g (H + e) of a rescaled system. A
  * neighbouring orbit at the same time has an e of its own, since K = 0 on each orbit: dK = 0 and K_e = g give de =
  * -(K_q dq + K_p dp) / g. */
-static tvi_status set_energy_offset_component(const tvi_integrator *it, const tvi_step_to_differentiate *step)
+static tvi_status set_energy_offset_component(const tvi_integrator *it, const differentiated_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->lifted_system->energy;
@@ -203,7 +230,7 @@ static tvi_status set_energy_offset_component(const tvi_integrator *it, const tv
 
 /* Projects the column to the time of the orbit. After a step in s a neighbouring orbit is at another time. It is moved
  * back along the flow by the difference dt of the times: dq - dt K_p / g, dp + dt K_q / g. */
-static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const tvi_step_to_differentiate *step)
+static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const differentiated_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -234,7 +261,7 @@ static void load_column_from_user(const tvi_integrator *it, const double D[], si
 
 /* Computes the product of M and the loaded column, and writes it to `product`, a column of a matrix whose rows are
  * row_stride numbers apart. */
-static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tvi_step_to_differentiate *step,
+static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const differentiated_step *step,
                                               double product[], size_t row_stride)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -252,8 +279,11 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const tv
     return jet_refuse(TVI_ENONFINITE, "it overflows");
 }
 
-tvi_status tvi_columns_multiply_by_jacobian(const tvi_integrator *it, const tvi_step_to_differentiate *step,
-                                            const tvi_tangent_columns *columns, const tvi_tangent_columns *product)
+/* Computes product = M columns, where M is the Jacobian matrix of the step. Rows of the parameters are not written.
+ * The caller has allocated the integrator's memory by tvi_integrator_allocate_tangents. On failure `product` is
+ * undefined. */
+static tvi_status multiply_columns_by_jacobian(const tvi_integrator *it, const differentiated_step *step,
+                                               const tvi_tangent_columns *columns, const tvi_tangent_columns *product)
 {
     const size_t row_stride = (size_t)columns->count * columns->element_spacing,
                  out_row_stride = (size_t)product->count * product->element_spacing;
@@ -328,8 +358,8 @@ tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *it, const tv
     tangent->step_number = 0;
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
-        status = tvi_columns_multiply_by_jacobian(it, &(tvi_step_to_differentiate){&it->start, it->parameters, it->h},
-                                                  &start, &end);
+        status =
+            multiply_columns_by_jacobian(it, &(differentiated_step){&it->start, it->parameters, it->h}, &start, &end);
     if (status != TVI_OK) return status;
     tangent->step_number = it->stats.steps;
     tangent->propagated_column_count = columns->count;
@@ -346,8 +376,8 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
     if (offset == it->h) return TVI_OK;
     tvi_columns_restore_step_start(it, columns);
     if (offset == 0) return TVI_OK;
-    const tvi_status status = tvi_columns_multiply_by_jacobian(
-        it, &(tvi_step_to_differentiate){&it->start, parameters, offset}, &start, columns);
+    const tvi_status status =
+        multiply_columns_by_jacobian(it, &(differentiated_step){&it->start, parameters, offset}, &start, columns);
     if (status != TVI_OK) tvi_columns_restore_step_end(it, columns);
     return status;
 }

@@ -13,7 +13,6 @@
 #include "algebra/sizes.h"
 #include "run/integrator.h"
 
-static double clamp(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
 /* Updates the error estimate after a step of the trial, at whose end the two orbits have this distance. */
@@ -25,7 +24,7 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
     if (trials->is_driven && step_number >= TRIAL_GROWTH_FIRST_STEP && step_number % TRIAL_GROWTH_INTERVAL == 0 &&
         trial->previous_orbit_distance > 0)
         trials->error_growth_exponent =
-            clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), TRIAL_GROWTH_EXPONENT);
+            tvi_clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), TRIAL_GROWTH_EXPONENT);
     trial->estimated_error = distance < TRIAL_MAX_DISTANCE
                                  ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
                                        pow(trial->covered_error_part, -trials->error_growth_exponent)

@@ -16,7 +16,7 @@ enum { DEGREE = 3, SHORT = DEGREE + 1, LANES = 8, DIRECTIONS = 3 };
 
 static library code;
 
-/* Each operation once, odd ones with loops, and the last compositions. */
+/* Each operation once, and the last compositions. */
 static bool is_tested(int i)
 {
     if (i >= operation_count) return i >= operation_count + composition_count - 4;

@@ -24,7 +24,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
     int slot = tape->input_count + tape->constant_count, row = 0, term = 0;
     for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
         const jet_rule *rule = jet_rules[run->op];
-        if (run->z != slot) { /* a vector begins (pad.h) */
+        if (run->z != slot) { /* a vector begins (tape_pad.c) */
             ck_assert_int_eq(kind, JET_TAPE_SERIES);
             ck_assert_int_eq(run->z, (slot + VECTOR - 1) / VECTOR * VECTOR);
         }

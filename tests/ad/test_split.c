@@ -20,9 +20,7 @@ static recording split_of(const recording *r, jet_split_mode which, jet_tape *sp
     return other;
 }
 
-/* The same values, but for the last two bits of powers that the tape has together, or none, too; and of pairs, of the
- * terms of a sum, whose factors may be those of products. A slot that is read before it is computed would be no number.
- */
+/* The same values, to roundoff. A slot that is read before it is computed would be no number. */
 static void check_values(const recording *r, const function *f, jet_split_mode which)
 {
     double x[INPUTS_MAX * LANES], want[OUTPUTS_MAX * LANES], got[OUTPUTS_MAX * LANES];

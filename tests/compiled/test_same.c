@@ -47,7 +47,7 @@ static const struct {
     {&degenerate, "galerkin", 10, QUICK},
     {&kepler_rescaled, "galerkin", 16, USUAL},
     {&kepler_rescaled, "taylor", 8, QUICK},
-    {&nonseparable, "midpoint", 8, USUAL}, /* whole steps of a curve, orders unrolled */
+    {&nonseparable, "midpoint", 8, USUAL}, /* whole steps of a curve */
     {&kepler, "midpoint", 8, WIDE},
     {&fpu, "midpoint", 8, QUICK},
     {&chain, "midpoint", 6, QUICK},
@@ -62,7 +62,7 @@ static const struct {
     {&magnetic, "start", 4, QUICK},
     {&double_pendulum, "end", 4, QUICK},
     {&degenerate, "both-ends", 6, QUICK},
-    {&solar, "symmetric-tvi", 2, QUICK}, /* blocks of directions with a rest, orders in a loop */
+    {&solar, "symmetric-tvi", 2, QUICK}, /* blocks of directions with a rest */
     {&pendulum, "stormer-verlet", 2, QUICK},
 };
 

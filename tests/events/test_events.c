@@ -5,7 +5,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 /* ---- States as good as those of steps ---------------------------------------------------------------------------- */
 

@@ -4,7 +4,6 @@
 #include "problems/refusals.h"
 #include "runs.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,7 +5,6 @@
 #include "problems/refusals.h"
 #include "run/integrator.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "events.h"
 #include "problems/refusals.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -14,14 +14,14 @@ static const size_t sizes[PIECES] = {1, 8, 64, 100, 12};
 
 typedef struct {
     tvi_arena arena;
-    char *memory, *piece[PIECES], *history[PIECES], *ring[PIECES];
+    char *memory, *piece[PIECES], *history[PIECES], *uncopied[PIECES];
 } open_arena;
 
 static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
         x->piece[i] = tvi_arena_allocate(&x->arena, sizes[i]);
-        x->ring[i] = tvi_arena_allocate_in_uncopied_history(&x->arena, sizes[i]);
+        x->uncopied[i] = tvi_arena_allocate_in_uncopied_history(&x->arena, sizes[i]);
         x->history[i] = tvi_arena_allocate_in_copied_history(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
@@ -30,7 +30,7 @@ static open_arena open_all(void)
 {
     open_arena x = {.memory = NULL};
     take_all(&x);
-    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.ring[i]);
+    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.uncopied[i]);
     const tvi_arena measured = x.arena;
     x.memory = tvi_arena_obtain_memory(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
@@ -63,14 +63,14 @@ START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
     char *const end = x.memory + x.arena.bytes_outside_history,
-                *const end_of_marked = end + x.arena.copied_history_bytes,
-                *const end_of_rings = end + tvi_arena_history_bytes(&x.arena);
+                *const end_of_copied = end + x.arena.copied_history_bytes,
+                *const end_of_uncopied = end + tvi_arena_history_bytes(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
         check_piece(x.piece[i], sizes[i], ARENA_ALIGNMENT, is_last ? end : x.piece[i + 1]);
         check_piece(x.history[i], sizes[PIECES - 1 - i], ARENA_COPIED_ALIGNMENT,
-                    is_last ? end_of_marked : x.history[i + 1]);
-        check_piece(x.ring[i], sizes[i], ARENA_ALIGNMENT, is_last ? end_of_rings : x.ring[i + 1]);
+                    is_last ? end_of_copied : x.history[i + 1]);
+        check_piece(x.uncopied[i], sizes[i], ARENA_ALIGNMENT, is_last ? end_of_uncopied : x.uncopied[i + 1]);
     }
     free(x.memory);
 }
@@ -84,14 +84,14 @@ START_TEST(histories_are_copied)
     char *copy = malloc(remembered + 1);
     memset(copy, 7, remembered + 1);
     for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
-    for (int i = 0; i < PIECES; i++) memset(x.ring[i], 11 + i, sizes[i]);
+    for (int i = 0; i < PIECES; i++) memset(x.uncopied[i], 11 + i, sizes[i]);
     tvi_arena_copy_history(copy, x.arena.history, remembered);
     tvi_arena_copy_history(x.arena.history, NULL, remembered);
     for (int i = 0; i < PIECES; i++)
-        ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.ring[i][sizes[i] - 1] == 0);
+        ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.uncopied[i][sizes[i] - 1] == 0);
     tvi_arena_copy_history(x.arena.history, copy, remembered);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 1 + i);
-    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.ring[i][sizes[i] - 1], 11 + i);
+    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.uncopied[i][sizes[i] - 1], 11 + i);
     ck_assert_int_eq(copy[remembered], 7);
     free(copy);
     free(x.memory);

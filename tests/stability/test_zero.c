@@ -218,7 +218,7 @@ static jet relativistic(const jet q[], const jet v[], jet t, void *ctx)
     return jet_sub(jet_neg(jet_sqrt(jet_sub(1, jet_sqr(v[0])))), flat_valley(q));
 }
 
-/* The search for the zero leaves nothing to the energies that are compared. */
+/* The search for the reference level leaves nothing to the energies that are compared. */
 START_TEST(right_steps_of_a_lagrangian_pass)
 {
     static const hard_method methods[] = {{"tvi", 2, false}, {"galerkin", 4, false}, {"midpoint", 4, false}};

@@ -1,0 +1,135 @@
+/* curve_workspace.c - lays out the memory with which steps by one Taylor curve are made, for one member or several, and
+ * fills the tables of weights that depend on the method alone (docs/method.md section 3). curve_stepper.c and
+ * curve_batch.c call it. */
+#include "generating/curve_step.h"
+#include "method/method.h"
+
+#include <math.h>
+
+typedef tvi_curve_workspace work;
+
+static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                             bool has_corrections, int width)
+{
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const tvi_action sizes = tvi_create_sized_action(system, options, 1);
+    const size_t n = (size_t)system->n * (size_t)width;
+    const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
+    c->system = system;
+    c->n = system->n;
+    c->span = definition->span;
+    c->p_degree = sizes.p_degree;
+    c->correct_ends = definition->correct_ends;
+    c->end_factors = &definition->end_factors;
+    const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
+    const tvi_closure_solver *solver =
+        has_products ? tvi_choose_curve_variant(system->field_series)->product_solver : &tvi_solver_by_matrices;
+    tvi_curve_allocate(&c->curve, arena, system, sizes.orders - 1, jacobians, width);
+    c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
+    tvi_combination *const combinations[] = {&c->q_at_start,  &c->q_at_end,   &c->q_increment,
+                                             &c->q_mean,      &c->u_at_start, &c->u_at_end,
+                                             &c->u_increment, &c->u_mean,     &c->momentum_size_weights};
+    for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
+        *combinations[i] = tvi_combination_allocate(&c->curve, arena);
+    double **const corrections[] = {&c->start_correction_q, &c->start_correction_p, &c->increment_correction_q,
+                                    &c->increment_correction_p};
+    for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
+        *corrections[i] = tvi_arena_allocate_doubles(arena, n);
+    if (!has_corrections) return;
+    const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
+    c->momentum_size = tvi_arena_allocate_doubles(arena, n);
+    c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
+    solver->allocate(c, arena);
+    c->seed_Q = tvi_arena_allocate_doubles(arena, seeds);
+    c->seed_U = tvi_arena_allocate_doubles(arena, seeds);
+}
+
+/* Allocates what the method "taylor" has: a curve without corrections, whose steps may adapt to a tolerance. */
+static void allocate_plain_taylor_step(work *w, tvi_arena *arena, int width)
+{
+    const tvi_curve *curve = &w->closure.curve;
+    const tvi_system *system = curve->system;
+    w->last_adapted_step_size = tvi_arena_allocate_in_copied_history(arena, (size_t)width * sizeof(double));
+    if (width > 1) w->quick_step = tvi_choose_curve_variant(system->field_series)->taylor_step_of_members;
+    else tvi_allocate_increment_refinement(&w->refinement, arena, curve);
+    if (width > 1 || system->form != TVI_SEPARABLE) return;
+    w->end_field_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+    tvi_roundoff_allocate(&w->end_field_roundoff, arena, system);
+}
+
+void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+{
+    work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
+    const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
+    const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const size_t n = (size_t)system->n * (size_t)width;
+    work w = {.has_corrections = has_corrections,
+              .needs_extra_pass = definition->is_first_pass_rough,
+              .options = options,
+              .q_degree = options->degree};
+    allocate_closure(&w.closure, arena, system, options, has_corrections, width);
+    const tvi_curve *curve = &w.closure.curve;
+    tvi_combination *const combinations[] = {&w.q_start_minus_centre_weights,
+                                             &w.q_at_centre_weights,
+                                             &w.velocity_at_centre_weights,
+                                             &w.scaled_end_velocity,
+                                             &w.dense_q,
+                                             &w.dense_u};
+    for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
+        *combinations[i] = tvi_combination_allocate(curve, arena);
+    if (system->form == TVI_LAGRANGIAN) {
+        tvi_legendre_allocate(&w.legendre, arena, system);
+        w.velocity_guess = tvi_arena_allocate_in_copied_history(arena, n * sizeof *w.velocity_guess);
+    }
+    if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena, width);
+    w.scratch = tvi_arena_allocate_doubles(arena, n);
+    w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
+    if (has_corrections) {
+        tvi_allocate_action(&w.action, arena, system, options, width);
+        tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
+        w.quick_step = tvi_choose_quick_step(&w.closure, options);
+    }
+    if (workspace) *workspace = w;
+    return workspace;
+}
+
+/* ---- The weights of the ends ------------------------------------------------------------------------------------- */
+
+/* Sets the combinations of position and velocity (or momentum) at the centre, and of the velocity at the end. */
+static void set_centre_weights(work *w)
+{
+    const tvi_curve *curve = &w->closure.curve;
+    const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
+    const double s = -w->closure.span.start_s;
+    double weight[TVI_MAX_DEGREE + 2];
+    for (int k = 0; k <= curve->highest_order; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
+    tvi_combination_set_weights(&w->velocity_at_centre_weights, curve, hamiltonian, weight);
+    tvi_combination_set_power_weights(&w->q_at_centre_weights, curve, false, curve->highest_order, 1, s, 0, 0);
+    for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.end_s, k - 1) : 0;
+    tvi_combination_set_weights(&w->scaled_end_velocity, curve, false, weight);
+}
+
+void tvi_curve_workspace_fill_tables(void *workspace)
+{
+    work *w = workspace;
+    tvi_closure *c = &w->closure;
+    tvi_combination *const ends[2][4] = {{&c->q_at_start, &c->q_at_end, &c->q_increment, &c->q_mean},
+                                         {&c->u_at_start, &c->u_at_end, &c->u_increment, &c->u_mean}};
+    const double from = c->span.start_s, to = c->span.end_s;
+    const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
+    tvi_curve_fill_constant_tables(&c->curve);
+    tvi_curve_set_tail_degrees(&c->curve, w->q_degree, c->p_degree);
+    if (w->refinement.high_order_weight) tvi_prepare_increment_refinement(&w->refinement, &c->curve);
+    for (int of_momentum = 0; of_momentum < 2; of_momentum++)
+        for (int i = 0; i < 4; i++)
+            tvi_combination_set_power_weights(ends[of_momentum][i], &c->curve, of_momentum,
+                                              of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
+                                              from);
+    tvi_combination_set_power_weights(&c->momentum_size_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
+    tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
+    set_centre_weights(w);
+    if (!w->has_corrections) return;
+    tvi_prepare_action_tables(&w->action, w->options, c->span);
+    /* A curve of degree 0 is constant: passes correct q and p alternately, and the first contraction is no measure. */
+    tvi_newton_set_pass_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
+}
