@@ -6,8 +6,9 @@
 
 #include <math.h>
 
-/* Returns the minimum of the parabola through the three middle samples. If that lies outside of them, or if
- * wants_golden_section is set, it returns a point that divides the larger of the two intervals in the golden ratio. */
+/* Returns the theta of the minimum of the parabola through the three middle samples. If the minimum lies outside of
+ * these samples, or if wants_golden_section is set, the function returns the theta that divides the larger of their two
+ * intervals in the golden ratio. */
 static double next_sample_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], bool wants_golden_section)
 {
     const double golden = 0.3819660112501051;
@@ -31,7 +32,7 @@ static double lower_bound_of_convex_function(tvi_event_sample a, double least_sl
 
 /* Tells whether g cannot have a zero among the five samples. If g is convex where it is positive (concave where it is
  * negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a zero.
- * This holds also if g has a kink. */
+ * The argument includes functions g with a kink. */
 static bool is_zero_excluded(const tvi_event_sample dip[TVI_DIP_SAMPLES])
 {
     tvi_event_sample x[TVI_DIP_SAMPLES];

@@ -1,6 +1,6 @@
 /* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
- * integrators of its threads. Between two steps the memory of a batch is the history of an integrator (arena.h),
- * together with the parameters and the stops of its members. */
+ * integrators of its threads. Between runs an ensemble keeps the history of an integrator for each batch
+ * (integrator.h), and the parameters, the stop and the status of the failure for each member. */
 #include "run/ensemble.h"
 #include "run/saved.h"
 #include "run/parallel_for.h"
@@ -18,7 +18,7 @@ static size_t count_parameters_of_all_members(const tvi_ensemble *ensemble)
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 /* Creates the integrators of one thread. The first thread's single_integrator is created from the options; all other
- * integrators are created like it. */
+ * integrators copy its system and options. */
 static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble,
                                             const tvi_options *options)
 {
@@ -30,7 +30,7 @@ static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const t
     worker->member_q = calloc(2 * (size_t)ensemble->n, sizeof *worker->member_q);
     if (!worker->member_q) return TVI_ENOMEM;
     worker->member_p = worker->member_q + ensemble->n;
-    const int width = tvi_integrator_best_batch_width(worker->single_integrator);
+    const int width = tvi_integrator_fastest_batch_width(worker->single_integrator);
     worker->batch_integrator = worker->single_integrator;
     return width > 1 ? tvi_integrator_create_like(&worker->batch_integrator, worker->single_integrator, width) : TVI_OK;
 }
@@ -149,7 +149,7 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *en
            tvi_size_of_stop_in_bytes(ensemble->n));
 }
 
-/* ---- What is asked of all ---------------------------------------------------------------------------------------- */
+/* ---- Calls for all members --------------------------------------------------------------------------------------- */
 
 tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[])
 {
@@ -163,7 +163,7 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
     memmove(ensemble->parameters, value, count_parameters_of_all_members(ensemble) * sizeof *value);
     /* The events of the stops were computed with the old parameters, so the next run must report them again. */
     for (int member = 0; member < ensemble->member_count; member++)
-        tvi_event_stop_forget(tvi_stop_of_member(ensemble, member), ensemble->n);
+        tvi_event_stop_clear(tvi_stop_of_member(ensemble, member), ensemble->n);
     tvi_ensemble_reset(ensemble);
     return TVI_OK;
 }

@@ -2,8 +2,8 @@
  *
  * The search (search.h) has found a root on the curve of the step. Near this root a partial step of the method
  * (partial_step.h) gives an accurate state. The straight line through this state, with the slope of the curve, agrees
- * with the method's solution to roundoff over a short distance. The event is the sign change of g on this line. Its
- * state is as accurate as that of a step, whatever slope g has. */
+ * with the method's solution to roundoff over a short distance. The event is the sign change of g on this line. The
+ * state of the event is as accurate as that of a step, whatever slope g has. */
 #include "run/finder.h"
 #include "algebra/sizes.h"
 
@@ -30,11 +30,11 @@ void tvi_finder_close(tvi_event_finder *finder)
     free(finder->line_origin);
 }
 
-/* Computes slopes near theta by difference quotients of two states x on the curve: finder->line_direction becomes
- * dx/dtheta, finder->chord_midpoint the midpoint of the chord between the two states, *slope the derivative
+/* Estimates derivatives at theta by difference quotients between two states x on the curve: finder->line_direction
+ * becomes dx/dtheta, finder->chord_midpoint the midpoint of the chord between the two states, *slope the derivative
  * dg/dtheta, and *distance_to_zero the distance from theta to the zero of g. */
-static tvi_status measure_curve_slopes(tvi_event_finder *finder, int event_index, double theta, double *slope,
-                                       double *distance_to_zero)
+static tvi_status estimate_slopes_by_chord(tvi_event_finder *finder, int event_index, double theta, double *slope,
+                                           double *distance_to_zero)
 {
     const double a = fmax(theta - EVENT_CHORD, 0), b = fmin(theta + EVENT_CHORD, 1);
     double ga = 0, gb = 0;
@@ -62,17 +62,17 @@ static bool is_theta_guess_inside_bracket(const tvi_event_root *root)
            root->theta_guess < root->bracket.right - EVENT_CHORD;
 }
 
-/* Tells whether a correction of theta by `distance` is short, in itself and in relation to the distance of the result
- * from the ends of the root's bracket. */
-static bool is_theta_correction_short(const tvi_event_root *root, double theta, double distance)
+/* Tells whether a correction of theta is short, in itself and in relation to the distance of the corrected theta from
+ * the ends of the root's bracket. */
+static bool is_theta_correction_short(const tvi_event_root *root, double theta, double correction)
 {
-    return fabs(distance) <=
-           fmin(EVENT_SHORT_CORRECTION, EVENT_SHORT_CORRECTION_PART * fmin(theta + distance - root->bracket.left,
-                                                                           root->bracket.right - (theta + distance)));
+    return fabs(correction) <=
+           fmin(EVENT_SHORT_CORRECTION, EVENT_SHORT_CORRECTION_PART * fmin(theta + correction - root->bracket.left,
+                                                                           root->bracket.right - (theta + correction)));
 }
 
-/* Returns the largest difference between the curve (its chord_midpoint) and finder->line_origin in the
- * component_count components from first_component on, divided by the largest of these components. */
+/* Returns the largest difference between finder->chord_midpoint, which represents the curve, and finder->line_origin in
+ * the component_count components from first_component on, divided by the largest of these components. */
 static double relative_distance_of_line_origin_to_curve(const tvi_event_finder *finder, int first_component,
                                                         int component_count)
 {
@@ -84,8 +84,8 @@ static double relative_distance_of_line_origin_to_curve(const tvi_event_finder *
     return tvi_ratio_or_zero(apart, size);
 }
 
-/* Returns the difference between the time on the curve and the time t at finder->line_origin, divided by |t| +
- * |dt/dtheta|, which is not 0. */
+/* Returns the difference between the time of finder->chord_midpoint and the time t of finder->line_origin, divided by
+ * |t| + |dt/dtheta|, which is not 0. */
 static double relative_time_difference_at_line_origin(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
@@ -93,14 +93,15 @@ static double relative_time_difference_at_line_origin(const tvi_event_finder *fi
                              fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
-/* Copies the state of the last partial step, at theta, to finder->line_origin. */
-static void set_line_origin_to_partial_step(tvi_event_finder *finder, double theta)
+/* Copies the state that the last partial step has computed to finder->line_origin. theta is the position of this
+ * state. */
+static void copy_partial_step_to_line_origin(tvi_event_finder *finder, double theta)
 {
     tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
     finder->line_origin_theta = theta;
 }
 
-/* ---- On a line --------------------------------------------------------------------------------------------------- */
+/* ---- Lines with the slope of the curve --------------------------------------------------------------------------- */
 
 /* Computes the state [2n + 1] on the line, state = line_origin + distance line_direction. */
 static void compute_state_on_line(const tvi_event_finder *finder, double distance, double state[])
@@ -122,25 +123,26 @@ static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, do
     return tvi_search_evaluate_event(context->finder->search, context->event_index, context->finder->scratch_state, g);
 }
 
-/* Evaluates the function g at both ends of the bracket, and moves them outwards, between `least` and `largest`,
- * until g has the signs that it has before and after the root. An end moves by `width` at first, and by `factor`
- * times as much each further time. *has_root tells whether g changes its sign in the bracket. */
-static tvi_status widen_bracket(const tvi_event_root *root, tvi_sign_bracket *bracket, double least, double largest,
-                                double width, double factor, tvi_bracketed_function *function, void *ctx,
-                                bool *has_root)
+/* Evaluates the function g at both ends of the bracket. If both values belong to the same side of the root, the bracket
+ * moves to the neighbouring interval on the other side, until it contains the root or reaches lower_limit or
+ * upper_limit. The first such interval has the width next_width, and each further one is width_growth times as wide.
+ * *has_root tells whether the bracket contains the root. */
+static tvi_status move_bracket_to_root(const tvi_event_root *root, tvi_sign_bracket *bracket, double lower_limit,
+                                       double upper_limit, double next_width, double width_growth,
+                                       tvi_bracketed_function *function, void *ctx, bool *has_root)
 {
     tvi_status status = function(ctx, bracket->left, &bracket->g_left);
     if (status == TVI_OK) status = function(ctx, bracket->right, &bracket->g_right);
-    for (; status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > least;
-         width *= factor) {
+    for (; status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > lower_limit;
+         next_width *= width_growth) {
         bracket->right = bracket->left, bracket->g_right = bracket->g_left;
-        bracket->left = fmax(bracket->left - width, least);
+        bracket->left = fmax(bracket->left - next_width, lower_limit);
         status = function(ctx, bracket->left, &bracket->g_left);
     }
-    for (; status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < largest;
-         width *= factor) {
+    for (; status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < upper_limit;
+         next_width *= width_growth) {
         bracket->left = bracket->right, bracket->g_left = bracket->g_right;
-        bracket->right = fmin(bracket->right + width, largest);
+        bracket->right = fmin(bracket->right + next_width, upper_limit);
         status = function(ctx, bracket->right, &bracket->g_right);
     }
     *has_root = status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_left) &&
@@ -148,9 +150,9 @@ static tvi_status widen_bracket(const tvi_event_root *root, tvi_sign_bracket *br
     return status;
 }
 
-/* Computes the distance from finder->line_origin to the root on the line, and sets finder->is_root_on_line if there is
- * one inside the step and up to EVENT_BRACKET_MAX. g is the value at finder->line_origin. `slope` is an estimate of the
- * derivative of g along the line, which need not be accurate. */
+/* Computes the distance (in theta) from finder->line_origin to the root on the line. Sets finder->is_root_on_line to
+ * true if the line has a root inside the step at a distance of at most EVENT_BRACKET_MAX. g is the value at
+ * finder->line_origin. `slope` is an estimate of the derivative of g along the line, which need not be accurate. */
 static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
                                     double *distance)
 {
@@ -165,15 +167,16 @@ static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_ro
     if (fabs(next) < fabs(g) && fabs(second) <= EVENT_BRACKET_MAX) *distance = second;
     tvi_sign_bracket bracket = {.left = fmin(fmax(*distance - EVENT_SURE_DISTANCE, least), largest),
                                 .right = fmin(fmax(*distance + EVENT_SURE_DISTANCE, least), largest)};
-    status = widen_bracket(root, &bracket, least, largest, EVENT_BRACKET_GROWTH * EVENT_SURE_DISTANCE,
-                           EVENT_BRACKET_GROWTH, evaluate_event_at_line_distance, &context, &finder->is_root_on_line);
+    status =
+        move_bracket_to_root(root, &bracket, least, largest, EVENT_BRACKET_GROWTH * EVENT_SURE_DISTANCE,
+                             EVENT_BRACKET_GROWTH, evaluate_event_at_line_distance, &context, &finder->is_root_on_line);
     if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * EVENT_SURE_DISTANCE) return status;
     status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_at_line_distance, &context);
     *distance = bracket.right;
     return status;
 }
 
-/* Sets the event's theta and state to the point at this distance on the line. */
+/* Sets the event's theta and state to those at the given distance from finder->line_origin on the line. */
 static void set_event_state_on_line(const tvi_event_finder *finder, tvi_event_root *root, double distance,
                                     double state[])
 {
@@ -187,7 +190,7 @@ static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_
 {
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
-    set_line_origin_to_partial_step(finder, theta);
+    copy_partial_step_to_line_origin(finder, theta);
     if (status == TVI_OK) set_event_state_on_line(finder, root, 0, state);
     return status;
 }
@@ -200,7 +203,7 @@ static tvi_status start_line_at(tvi_event_finder *finder, double theta)
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
-    set_line_origin_to_partial_step(finder, theta);
+    copy_partial_step_to_line_origin(finder, theta);
     const double apart = fmax(fmax(relative_distance_of_line_origin_to_curve(finder, 0, n),
                                    relative_distance_of_line_origin_to_curve(finder, n, n)),
                               relative_time_difference_at_line_origin(finder));
@@ -219,34 +222,36 @@ static tvi_status evaluate_event_after_partial_step(void *ctx, double theta, dou
 }
 
 /* Finds the root by narrowing the bracket, with one partial step for each value of the function, and sets the event to
- * it. The curve may have the root elsewhere, so the bracket is widened first, down to `least` if necessary. */
+ * the root. The bracket contains the root of the curve, and the root that the partial steps have may lie outside. The
+ * bracket is therefore moved first, between lower_limit and theta = 1. */
 static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_event_root *root,
-                                              tvi_bracketed_function *function, tvi_sign_bracket bracket, double least,
-                                              double accuracy, double state[])
+                                              tvi_bracketed_function *function, tvi_sign_bracket bracket,
+                                              double lower_limit, double least_width, double state[])
 {
     finder_event_context context = {finder, root->event_index};
     bool has_root;
-    tvi_status status = widen_bracket(root, &bracket, least, 1, tvi_sample_theta[0], 1, function, &context, &has_root);
+    tvi_status status =
+        move_bracket_to_root(root, &bracket, lower_limit, 1, tvi_sample_theta[0], 1, function, &context, &has_root);
     root->is_only_on_curve = status == TVI_OK && !has_root;
     if (!has_root) return status;
-    status = tvi_narrow_bracket(&bracket, accuracy, function, &context);
+    status = tvi_narrow_bracket(&bracket, least_width, function, &context);
     return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
 }
 
-/* Finds the root on the curve first, and then on straight lines near it. Each line begins at the root on the line
- * before. The iteration ends when two successive roots are near each other. */
-static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
+/* Finds the root on the curve first, and then on straight lines with the slope of the curve. Each line begins at the
+ * theta of the root on the line before. The iteration ends when two successive roots are near each other. */
+static tvi_status find_event_on_lines_along_curve(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
     if (is_theta_guess_inside_bracket(root))
-        status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
+        status = estimate_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
     if (status == TVI_OK && is_theta_guess_inside_bracket(root) &&
         is_theta_correction_short(root, theta, distance_to_zero))
         theta += distance_to_zero;
     else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
     for (int k = 0; k < EVENT_MAX_LINES && status == TVI_OK; k++) {
-        status = measure_curve_slopes(finder, root->event_index, theta, &slope, &distance_to_zero);
+        status = estimate_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
         if (status == TVI_OK)
             status = evaluate_event_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
         if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &distance);
@@ -263,7 +268,7 @@ static tvi_status find_event_on_lines(tvi_event_finder *finder, tvi_event_root *
                             : status;
 }
 
-/* ---- By rates ---------------------------------------------------------------------------------------------------- */
+/* ---- Lines along the time derivatives ---------------------------------------------------------------------------- */
 
 /* Sets finder->line_direction to dx/dtheta at a state x = (q, p, t): h times (dq/dt, dp/dt, 1). */
 static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, const double state[])
@@ -276,18 +281,18 @@ static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, co
     return status;
 }
 
-/* Finds the event by only one partial step to the root's guess, and a line whose direction is computed from the time
- * derivatives of the state there. If the distance from there to the root is long, the time derivatives are computed
- * again at its midpoint. *is_done is set if the result is accurate. */
-static tvi_status find_event_on_field_line(tvi_event_finder *finder, tvi_event_root *root, double state[],
-                                           bool *is_done)
+/* Finds the event by a single partial step, to root->theta_guess, and a line from the state there in the direction of
+ * its time derivatives. If the root is farther from this state than EVENT_LINE_MAX_LENGTH, the time derivatives are
+ * computed again halfway to the root. *is_done is set if the result is accurate. */
+static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
+                                                 bool *is_done)
 {
     finder_event_context context = {finder, root->event_index};
     double g = 0, before = 0, after = 0, found = 0;
     const double h = finder->search->integrator->h;
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
-    set_line_origin_to_partial_step(finder, root->theta_guess);
+    copy_partial_step_to_line_origin(finder, root->theta_guess);
     status = compute_line_direction_from_rates(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
@@ -311,8 +316,9 @@ static tvi_status find_event_on_field_line(tvi_event_finder *finder, tvi_event_r
     return status;
 }
 
-/* Tells whether a line in the direction of the time derivatives (dq/dt, dp/dt) is accurate enough: the solution of
- * the method then differs from that of the differential equations only by the square of the tail (tvi_stats.tail). */
+/* Tells whether a line in the direction of the time derivatives (dq/dt, dp/dt) is accurate enough. The line is accurate
+ * for methods whose solution differs from that of the differential equations only by the square of the tail
+ * (tvi_stats.tail). */
 static bool is_line_along_rates_accurate(const tvi_event_finder *finder)
 {
     const tvi_integrator *it = finder->search->integrator;
@@ -348,6 +354,6 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
     if (is_theta_guess_inside_bracket(root) && is_line_along_rates_accurate(finder))
-        status = find_event_on_field_line(finder, root, state, &is_done);
-    return is_done || status != TVI_OK ? status : find_event_on_lines(finder, root, state);
+        status = find_event_on_line_along_rates(finder, root, state, &is_done);
+    return is_done || status != TVI_OK ? status : find_event_on_lines_along_curve(finder, root, state);
 }

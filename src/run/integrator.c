@@ -19,7 +19,8 @@ static void *address_in_saved_history(const tvi_integrator *it, const void *in_h
 static void allocate_state_arrays(tvi_arena *arena, void *(*allocate)(tvi_arena *, size_t), int dimension, int width,
                                   double **const arrays[4])
 {
-    /* The order is p, q, p_low, q_low. The arrays of q have one more component, the time or s. */
+    /* i is odd for the arrays of q and q_low, which have one more component: the time, or the s of a rescaled
+     * system. */
     for (size_t i = 0; i < 4; i++)
         *arrays[i] = allocate(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
 }
@@ -74,8 +75,8 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
         tvi_energy_allocate(&integrator->all_energies_work, arena, system, integrator->width);
 }
 
-/* Lays out an integrator of `width` members with all its memory in the arena. It is called twice: first the arena only
- * measures the size and the result is NULL, then it has memory. */
+/* Lays out an integrator of `width` members with all its memory in the arena. In a first call the arena only measures
+ * the size of the memory, and the result is NULL. In a second call the arena has the memory. */
 static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                           int width)
 {
@@ -125,7 +126,7 @@ static tvi_status create_integrator_with_resolved_options(tvi_integrator **out, 
     return TVI_OK;
 }
 
-int tvi_integrator_best_batch_width(const tvi_integrator *it)
+int tvi_integrator_fastest_batch_width(const tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = it->stepper->batch;
     return batch ? batch->width(it->stepped, &it->options) : 1;

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The energies of a member with which the guard compares the change that a step makes (guard.c). */
+/* The energies of a member with which the guard (guard.c) compares the change of the energy in a step. */
 typedef struct {
     double level;              /* the reference level: the guard measures energies from it, as H - level */
     double scale;              /* |H - level| when the level was set, plus the amounts by which it was lowered since */
@@ -38,9 +38,9 @@ static inline size_t tvi_size_of_stop_in_bytes(int n)
 {
     return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
 }
-/* Forgets a stop, so that the next run reports the events at its first state. Called when the user sets parameters,
- * or loads a state from text, and before a new stop is stored. */
-static inline void tvi_event_stop_forget(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
+/* Clears a stop, so that the next run reports the events at its first state. The function is called when the user sets
+ * parameters or loads a state from text, and before a new stop is stored. */
+static inline void tvi_event_stop_clear(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
 
 struct tvi_integrator {
     int width;                /* the number of members; 1 for an integrator of tvi_integrator_create */
@@ -57,14 +57,15 @@ struct tvi_integrator {
     tvi_options options; /* the user's options, completed by default values */
     tvi_stats stats;     /* the counts of steps of all members together */
     const tvi_stepper *stepper;
-    void *work;    /* the memory of the stepper, or for a batch that of stepper->batch */
+    void *work;    /* the memory of the stepper, or of stepper->batch if width > 1 */
     char *history; /* [history_bytes] all numbers that one step leaves to the next one: states, predictions */
     /* [copied_history_bytes] A copy of the first part of the history, as it was before the last step was tried. A
      * batch has none. */
     char *history_before;
     size_t history_bytes;        /* the size of the history in bytes */
     size_t copied_history_bytes; /* the size of the part of the history that is copied before each step, in bytes */
-    /* The first state_bytes bytes of the history belong to the state; those of the stepper follow. */
+    /* The number of bytes at the beginning of the history that belong to the state; all further bytes belong to the
+     * stepper. */
     size_t state_bytes;
     /* [width] 1 if the member's `state` is the result of its last successful step, so that the history belongs to
      * it. This array is part of the history. */
@@ -73,13 +74,13 @@ struct tvi_integrator {
     const long *was_state_from_step;
     tvi_run_state state;       /* the current states of the members, in the history */
     tvi_run_state start;       /* the states at the start of the last step, in history_before */
-    tvi_event_stop *stop;      /* where events have last stopped the member of an integrator of width 1 */
+    tvi_event_stop *stop;      /* the last state at which events stopped the member; used if width = 1 */
     long parameter_version;    /* the number of times that the parameters were set */
     bool is_in_observer;       /* true while an observer is called, during which steps are refused */
     bool has_dense_output;     /* true if the stepper's memory holds the last step, for tvi_dense */
     double h, covered_time;    /* the size of the last step that was tried, and its increment of the time */
     tvi_increments increments; /* the increments of the current step */
-    tvi_status *status;        /* [width] only members with TVI_OK are stepped; after a step, its result */
+    tvi_status *status;        /* [width] TVI_OK if the member is to be stepped; after a step, the result of the step */
     bool *is_stepped;          /* [width] true if the member takes part in the current step */
     double *tail;              /* [width] the tail of the last step (tvi_stats.tail) */
     int *pass_counts;          /* [width] the numbers of passes of the corrector in the last step */
@@ -166,11 +167,12 @@ static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, d
 int tvi_call_observer(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx);
 
-/* Creates an integrator of `width` members for the same system and options. It has made no step. */
+/* Creates an integrator of `width` members for the system and the options of another integrator. The new integrator has
+ * made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator, int width);
 /* Returns the number of members of a batch with which the system is stepped fastest; 1 means that members are stepped
  * one after the other. */
-int tvi_integrator_best_batch_width(const tvi_integrator *integrator);
+int tvi_integrator_fastest_batch_width(const tvi_integrator *integrator);
 
 /* Copies integrator->parameters to the memory in which tapes are evaluated. */
 void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *integrator);
@@ -193,14 +195,14 @@ static inline bool tvi_is_failure_of_member(tvi_status status)
 /* Returns the end time of a run that goes in the direction of h without an end: plus or minus infinity. */
 static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY, h); }
 
-/* Makes up to `steps` steps of size h, and ends when the time reaches t_end or a step fails; at least one step is
- * made. If the tolerance is > 0, the stepper chooses the size of each step, at most h (stepper.h), and integrator->h
- * is the size that it chose. t, q and p are written once, after the last step or after the step before the first
+/* Makes up to most_steps steps of size h, and ends when the time reaches t_end or a step fails; at least one step is
+ * made. If the tolerance is > 0, the stepper chooses the size of each step, at most h (stepper.h), and integrator->h is
+ * the size that it chose. t, q and p are written once, after the last step or after the step before the first
  * failure. */
-TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long steps, double tolerance, double h,
+TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long most_steps, double tolerance, double h,
                                         double t_end, double *t, double q[], double p[]);
-/* Makes up to `steps` steps of size h of all members whose status is TVI_OK, as long as there is such a member. */
-void tvi_step_batch(tvi_integrator *integrator, long steps, double h);
+/* Makes up to most_steps steps of size h of all members whose status is TVI_OK, as long as there is such a member. */
+void tvi_step_batch(tvi_integrator *integrator, long most_steps, double h);
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 

@@ -49,7 +49,7 @@ static void sort_roots_by_time(tvi_locator *locator)
         }
 }
 
-/* Tells whether the root is one of the first root_count roots, found from another bracket. */
+/* Tells whether the root is one of the first root_count roots, since the search may find one root from two brackets. */
 static bool is_duplicate_root(const tvi_locator *locator, int root_count, const tvi_event_root *root)
 {
     for (int i = 0; i < root_count; i++) {
@@ -73,8 +73,8 @@ static tvi_status reserve_root_states(tvi_locator *locator)
     return TVI_OK;
 }
 
-/* Finds all events of the last step, and sorts them by time. Roots that only the curve has, and not the more
- * accurate partial steps, are dropped. */
+/* Finds all events of the last step, and sorts them by time. Roots that only the curve has, and that the more accurate
+ * partial steps lack, are dropped. */
 static tvi_status locate_events_of_step(tvi_locator *locator)
 {
     tvi_status status = tvi_search_last_step(&locator->search);
@@ -131,8 +131,9 @@ static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_e
     return status;
 }
 
-/* Sets *is_at_stop: true if the event crosses 0 at `state`, where the run stops, in the direction that the user has
- * not asked for. The search has skipped such roots; here it suffices that |g| is at most its roundoff. */
+/* Sets *is_at_stop: true if the event crosses 0 at `state`, where the run stops, in the direction that the user has not
+ * asked for. The search has skipped such crossings, so this function only tests whether |g| is at most its roundoff at
+ * `state`. */
 static tvi_status find_whether_unwanted_crossing_is_at_stop(tvi_locator *locator, int event_index, const double state[],
                                                             bool *is_at_stop)
 {
@@ -160,8 +161,8 @@ static void find_neighbouring_roots(const tvi_locator *locator, int event_index,
 }
 
 /* Tells whether the event may cross 0 at the stop, at theta and the time t, in the direction that the user has not
- * asked for. Not if the stop is at the end of the step up to roundoff. Not either if `later`, the event's next root,
- * comes before the first sample after the stop: g is small then because of that root. */
+ * asked for. Returns false if the stop is at the end of the step up to roundoff. Returns false also if `later`, the
+ * event's next root, lies within one sample interval after the stop: g is small then because of that root. */
 static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int event_index, const tvi_event_root *later,
                                                double theta, double t)
 {
@@ -170,9 +171,9 @@ static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int e
            theta < 1 - fmax(EVENT_NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
 }
 
-/* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number last_root. The
- * event may have this root, an earlier root, or a later one at the same time; *unreported is then the later one,
- * otherwise NULL. */
+/* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number last_root. The event
+ * may have this root, or an earlier or a later root that also lies at `state`. *unreported becomes this later root, or
+ * NULL if there is none. */
 static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_index, int last_root,
                                                 const double state[], bool *is_at_stop,
                                                 const tvi_event_root **unreported)
@@ -202,7 +203,7 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
     tvi_event_stop *stop = it->stop;
     const double t = state[locator->state_size - 1], before = stop->state[locator->state_size - 1];
     const bool is_soon = stop->is_set && fabs(t - before) <= EVENT_SAME_STOP * fmax(fabs(t), fabs(before));
-    if (!is_soon) tvi_event_stop_forget(stop, it->system->n);
+    if (!is_soon) tvi_event_stop_clear(stop, it->system->n);
     for (int event_index = 0; event_index < locator->search.event_count; event_index++) {
         bool is_at_stop;
         const tvi_event_root *unreported;
@@ -263,13 +264,13 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.g_returns_to_zero_before_time_moves) {
+    if (locator->search.has_return_hidden_by_roundoff) {
         tvi_integrator_undo_step(locator->search.integrator, t, q, p);
         tvi_columns_restore_step_start(locator->search.integrator, columns);
     }
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.g_returns_to_zero_before_time_moves)
+    if (status != TVI_ESTOPPED && !locator->search.has_return_hidden_by_roundoff)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }

@@ -16,7 +16,7 @@ bool tvi_events_match_system(const tvi_integrator *integrator, const tvi_event *
  * start_state[1]. On failure *out is NULL. */
 TVI_NODISCARD tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *integrator, const tvi_single_run *run,
                                           double t, const double *const start_state[2]);
-void tvi_locator_close(tvi_locator *locator); /* does nothing if the locator is NULL */
+void tvi_locator_close(tvi_locator *locator); /* frees the locator, unless it is NULL */
 /* Reports the events of the last step in the order of time. Before each event it reports the given times of the run
  * that come first; `times` is NULL if the run has none. If an event ends the run, it returns TVI_ESTOPPED, and t, q,
  * p and the tangent columns become those at the event. */

@@ -40,7 +40,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
     tvi_integrator_copy_parameters_to_tapes(it);
     tvi_integrator_reset(it);
     it->has_dense_output = false;
-    tvi_event_stop_forget(it->stop, it->system->n); /* The events at the last stop had other parameters. */
+    tvi_event_stop_clear(it->stop, it->system->n); /* The events at the last stop had other parameters. */
     it->parameter_version++;
     return TVI_OK;
 }

@@ -84,13 +84,13 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int s
 {
     if (!tvi_event_reports_sign_change(search->watched_events[event_index].event, sign_after)) return NULL;
     tvi_event_root *added = &search->roots[search->root_count];
-    *added =
-        (tvi_event_root){.event_index = event_index,
-                         .found_index = search->root_count,
-                         .g_sign_after = sign_after,
-                         .bracket = {left.theta, left.g, right.theta, right.g},
-                         .is_return_to_zero = left.theta == 0 && search->watched_events[event_index].begins_on_event,
-                         .theta_guess = NAN};
+    *added = (tvi_event_root){.event_index = event_index,
+                              .found_index = search->root_count,
+                              .g_sign_after = sign_after,
+                              .bracket = {left.theta, left.g, right.theta, right.g},
+                              .is_return_to_zero =
+                                  left.theta == 0 && search->watched_events[event_index].is_zero_at_step_start,
+                              .theta_guess = NAN};
     search->root_count++;
     return added;
 }
@@ -104,7 +104,8 @@ static tvi_status sample_event_at_distance(tvi_event_search *search, int event_i
 }
 
 /* Adds two roots, before and after the point `middle`, where g is 0 or has another sign than at `left` and `right`. If
- * g is 0 there, samples beside it decide whether g has the other sign or only touches 0, which is one root. */
+ * g is 0 at `middle`, samples beside `middle` decide: if g has the other sign there, two roots are added; if g only
+ * touches 0, one root. */
 static tvi_status add_root_pair(tvi_event_search *search, int event_index, tvi_event_sample left,
                                 tvi_event_sample middle, tvi_event_sample right)
 {
@@ -145,10 +146,11 @@ static bool is_local_minimum_of_abs_g(const double g[])
     return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1]));
 }
 
-/* Tells whether |g| falls at the start of the step, or rises there with less than EVENT_FLAT_SLOPE of its mean slope up
- * to the next sample, over which it increases by abs_g_increase. The slope at the start is that of the polynomial
- * through five samples. With stride = -1 the samples are read backwards from the end of the step. */
-static bool is_not_rising_at_boundary(const double g[], int stride, double abs_g_increase)
+/* Tells whether |g| falls at the start of the step, or rises there with less than EVENT_FLAT_SLOPE times its mean slope
+ * between the first two samples. abs_g_increase is the increase of |g| between these samples. The slope at the start is
+ * that of the polynomial through five samples. With stride = -1 the samples are read backwards from the end of the
+ * step. */
+static bool is_falling_or_flat_at_boundary(const double g[], int stride, double abs_g_increase)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
     return (g[0] > 0 ? slope : -slope) <= 12 * EVENT_FLAT_SLOPE * abs_g_increase;
@@ -180,11 +182,11 @@ static bool has_kink_at_boundary(const double g[], int stride)
 static bool may_have_dip_at_boundary(const double g[], int stride)
 {
     const double abs_g_increase = fabs(g[stride]) - fabs(g[0]);
-    /* Equal values of the last two samples are excluded, since is_local_minimum_of_abs_g finds such a dip at the sample
-     * before the end. */
+    /* Equal values of the last two samples are excluded, since is_local_minimum_of_abs_g then finds the dip at the
+     * sample before the end. */
     const bool rises = stride > 0 ? abs_g_increase >= 0 : abs_g_increase > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
-           (is_not_rising_at_boundary(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
+           (is_falling_or_flat_at_boundary(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
 }
 
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
@@ -198,8 +200,8 @@ static bool has_certainly_no_root(const double g[])
     return !(may_have_root || may_have_dip_at_boundary(g, 1) || may_have_dip_at_boundary(g + TVI_SAMPLES, -1));
 }
 
-/* Searches for a dip between an end of the step and the sample next to it. A value very near the end distinguishes a
- * dip inside the step from one in the next step. */
+/* Searches for a dip between an end of the step and the sample next to it. A dip lies inside the step only if |g| falls
+ * from the end into the step, which a value of g very near the end shows. */
 static tvi_status search_dip_at_boundary(tvi_event_search *search, int event_index, bool is_at_step_end)
 {
     const double *g = search->watched_events[event_index].g_samples, part = 1.0 / TVI_SAMPLES;
@@ -262,7 +264,8 @@ static tvi_status search_event_for_roots(tvi_event_search *search, int event_ind
     tvi_event_sample all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1;
     for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_event_sample){tvi_sample_theta[j - 1], g[j]};
     x[TVI_SAMPLES + 1] = all[0];
-    const bool may_return = !search->watched_events[event_index].begins_on_event && may_have_dip_at_boundary(g, 1);
+    const bool may_return =
+        !search->watched_events[event_index].is_zero_at_step_start && may_have_dip_at_boundary(g, 1);
     tvi_status status = may_return ? search_dip_at_boundary(search, event_index, false) : TVI_OK;
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
         if (!have_same_nonzero_sign(g[j - 1], g[j]))
@@ -307,7 +310,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
         memcpy(w->g_samples + 1,
                search->joint_tape_block + (size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES,
                TVI_SAMPLES * sizeof *w->g_samples);
-        w->begins_on_event = false;
+        w->is_zero_at_step_start = false;
         if (w->g_samples[0] == 0) status = tvi_step_start_find_sign_leaving_zero(search, event_index);
         w->was_reported_at_stop = false;
     }

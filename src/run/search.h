@@ -8,7 +8,7 @@
 #include "run/partial_step.h"
 #include "run/narrow.h"
 
-/* A root of an event function: a point where it changes its sign. */
+/* A root of an event function g: a point of a step where g reaches 0 or changes its sign. */
 typedef struct {
     int event_index;          /* index of the event among those of the run */
     int found_index;          /* number of the root in the order in which the search found them, from 0 */
@@ -32,8 +32,9 @@ typedef struct {
     bool was_reported_at_stop;
     /* True if the step begins on the event (g = 0). g_samples[0] then is a tiny number with the sign that g has just
      * after the start. */
-    bool begins_on_event;
-    double theta_after_leaving_zero; /* if begins_on_event: a theta at which g certainly has the sign of g_samples[0] */
+    bool is_zero_at_step_start;
+    /* A theta at which g certainly has the sign of g_samples[0], if is_zero_at_step_start is true. */
+    double theta_after_leaving_zero;
 } tvi_watched_event;
 
 /* The kinds of state from which a run starts: the end of the integrator's last step (TVI_FROM_LAST_STEP), the state
@@ -48,9 +49,9 @@ typedef struct {
     tvi_watched_event *watched_events; /* [event_count] the events of the run */
     /* The kind of state from which the next step to be searched starts. */
     tvi_run_start_kind next_step_start_kind;
-    bool is_momentum_changed_at_stop; /* the run begins at the state of its last stop, but the user has changed p */
+    bool is_momentum_changed_at_stop; /* true if the run begins at its last stop with another momentum p */
     /* True if the g of an event returns to 0 in a time that roundoff hides, as for a ball at rest on the floor. */
-    bool g_returns_to_zero_before_time_moves;
+    bool has_return_hidden_by_roundoff;
     long last_searched_step; /* the number of the last step that was searched; 0 if there is none */
     jet_tape *joint_tape;    /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated at TVI_SAMPLES states at once. It begins with the tape's inputs, the
@@ -66,12 +67,13 @@ typedef struct {
 TVI_NODISCARD tvi_status tvi_search_open(tvi_event_search *search, tvi_partial_step *partial_step,
                                          const tvi_event *const events[], int event_count, double t,
                                          const double *const start_state[2]);
-void tvi_search_close(tvi_event_search *search); /* may also be called if tvi_search_open has failed */
+/* Frees the memory of the search, also after tvi_search_open has failed. */
+void tvi_search_close(tvi_event_search *search);
 /* Copies the integrator's parameters to the tapes of all events. */
 void tvi_search_set_parameters(tvi_event_search *search);
 
 /* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if
- * g_returns_to_zero_before_time_moves. */
+ * has_return_hidden_by_roundoff. */
 TVI_NODISCARD tvi_status tvi_search_last_step(tvi_event_search *search);
 /* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);
@@ -92,12 +94,13 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *integrator, doub
 /* Tells whether the event was reported at the given stop of a run. */
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
 
-/* Evaluates the functions g of all events at the start of the last step, and sets their g_samples[0]: to 0 if the
- * start lies on the event up to roundoff. Called if the search has no values from the end of the step before. */
+/* Evaluates the functions g of all events at the start of the last step, and sets their g_samples[0]: to 0 if the start
+ * lies on the event up to roundoff. The search calls this function if it has no values from the end of the step
+ * before. */
 TVI_NODISCARD tvi_status tvi_step_start_evaluate_events(tvi_event_search *search);
 
 /* Sets g_samples[0] of an event on which the step begins (g = 0) to a tiny number with the sign that g has just
- * after the start of the step. Also sets begins_on_event and theta_after_leaving_zero (tvi_watched_event). */
+ * after the start of the step. Also sets is_zero_at_step_start and theta_after_leaving_zero (tvi_watched_event). */
 TVI_NODISCARD tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int event_index);
 
 /* Sets *g_change to g(x(theta)) - g(x(0)) for a step that begins on the event. x(theta) is the state after a partial

@@ -28,7 +28,7 @@ void tvi_search_set_parameters(tvi_event_search *search)
 }
 
 /* Returns the range from the first component that is used to the last one. */
-static tvi_component_range find_used_range(const bool used[], int n)
+static tvi_component_range find_used_component_range(const bool used[], int n)
 {
     tvi_component_range range = {0, n};
     while (range.end > 0 && !used[range.end - 1]) range.end--;
@@ -43,8 +43,8 @@ static tvi_status create_joint_tape(tvi_event_search *search, const tvi_event *c
     const int n = search->integrator->system->n;
     const tvi_status status = tvi_event_create_joint_tape(&search->joint_tape, events, search->event_count, used);
     if (status != TVI_OK) return status;
-    search->used_components[0] = find_used_range(used, n);
-    search->used_components[1] = find_used_range(used + n, n);
+    search->used_components[0] = find_used_component_range(used, n);
+    search->used_components[1] = find_used_component_range(used + n, n);
     return TVI_OK;
 }
 

@@ -2,10 +2,11 @@
  * the event. search.c calls it.
  *
  * If a run goes on from the end of the integrator's last step, g at the start is its value at the end of that step. If
- * a run goes on from a state where an event has stopped it, this event has g = 0 there, whatever value roundoff gives
- * to g. Any other state lies on an event if |g| is at most its roundoff. If a step begins on an event, g first leaves 0
- * with the sign of its first Taylor coefficient along the motion that is larger than roundoff. This is the sign of g(x
- * + d) - g(x), where d is the increment of a tiny step of the method. */
+ * a run goes on from a state where an event has stopped an earlier run, that event has g = 0 there, whatever value
+ * roundoff gives to g. Any other state lies on an event if |g| is at most its roundoff. If a step begins on an event, g
+ * first leaves 0 with the sign of its first Taylor coefficient along the motion that is larger than roundoff. That
+ * coefficient has the sign of g(x + d) - g(x), where x is the state at the start of the step, and d the increment of a
+ * tiny step of the method. */
 #include "run/search.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -28,7 +29,7 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *it, double t, co
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
 
-static void copy_step_start(const tvi_event_search *search, double state[])
+static void copy_step_start_state(const tvi_event_search *search, double state[])
 {
     const tvi_integrator *it = search->integrator;
     const size_t n = (size_t)it->system->n;
@@ -83,7 +84,7 @@ tvi_status tvi_step_start_evaluate_events(tvi_event_search *search)
     const int inputs = 2 * search->integrator->system->n + 1;
     const double *g = search->joint_tape_block;
     double *state = search->scratch_state;
-    copy_step_start(search, state);
+    copy_step_start_state(search, state);
     search->is_momentum_changed_at_stop =
         search->next_step_start_kind == TVI_FROM_STOP &&
         !are_bitwise_equal(inputs / 2, state + inputs / 2, search->integrator->stop->state + inputs / 2);
@@ -135,7 +136,7 @@ tvi_status tvi_step_start_compute_g_change(tvi_event_search *search, int event_i
     double scale;
     bool is_exact;
     tvi_status status = compute_increment_to_theta(search, theta, search->scratch_increment);
-    copy_step_start(search, search->scratch_state);
+    copy_step_start_state(search, search->scratch_state);
     if (status == TVI_OK)
         status = tvi_event_compute_change(w->event, &w->local_series, search->scratch_state, search->scratch_increment,
                                           g_change, &scale, &is_exact);
@@ -177,15 +178,15 @@ tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int e
     if (status != TVI_OK) return status;
     double theta = first_theta_that_moves_time(search, at_first);
     status = find_sign_of_g_change(search, event_index, theta, &sign);
-    search->g_returns_to_zero_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
-                                                  search->is_momentum_changed_at_stop && first * sign < 0 &&
-                                                  tvi_event_reports_sign_change(w->event, sign);
-    if (search->g_returns_to_zero_before_time_moves)
+    search->has_return_hidden_by_roundoff = status == TVI_OK && w->was_reported_at_stop &&
+                                            search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                            tvi_event_reports_sign_change(w->event, sign);
+    if (search->has_return_hidden_by_roundoff)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * EVENT_RETURN_THETA_GROWTH < tvi_sample_theta[0])
         status = find_sign_of_g_change(search, event_index, theta *= EVENT_RETURN_THETA_GROWTH, &sign);
-    w->begins_on_event = sign != 0;
+    w->is_zero_at_step_start = sign != 0;
     w->theta_after_leaving_zero = theta;
     w->g_samples[0] = sign != 0 ? copysign(DBL_MIN, sign) : w->g_samples[1];
     return status;
@@ -204,7 +205,7 @@ tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int e
         size[n + i] = fabs(it->start.p[i]) + fabs(it->state.p[i] - it->start.p[i]);
     }
     size[2 * n] = fmax(fabs(it->start.q[n]), fabs(it->state.q[n]));
-    copy_step_start(search, search->scratch_state);
+    copy_step_start_state(search, search->scratch_state);
     tvi_status status = tvi_event_estimate_roundoff(w->event, &w->local_series, search->scratch_state, size, &at_start);
     tvi_integrator_copy_state(it, &search->scratch_state[2 * n], search->scratch_state, search->scratch_state + n);
     if (status == TVI_OK)

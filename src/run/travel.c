@@ -68,7 +68,8 @@ static tvi_status read_state_text(tvi_state_text *state_text, const tvi_system *
 }
 
 /* Sets the member's state to that of the text. The parameters of the text have been set before. A text without
- * low-order parts is loaded like a state given by the user: the events at it are tested anew. */
+ * low-order parts is loaded like a state given by the user: the next run tests anew whether the state lies on an
+ * event. */
 static tvi_status set_member_state_from_text(tvi_integrator *it, int member, const tvi_state_text *state_text)
 {
     const int n = state_text->n;
@@ -88,7 +89,7 @@ static tvi_status set_member_state_from_text(tvi_integrator *it, int member, con
     return TVI_OK;
 }
 
-/* ---- Of an integrator -------------------------------------------------------------------------------------------- */
+/* ---- Texts of an integrator -------------------------------------------------------------------------------------- */
 
 tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[], const double p[], char *text,
                              size_t *size)
@@ -106,8 +107,8 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     return status;
 }
 
-/* Sets the integrator's parameters and its state to those of the text. If this fails, the integrator is left as it was.
- * `scratch` is scratch memory for its history and its parameters. */
+/* Sets the integrator's parameters and its state to those of the text. On failure the integrator is left as it was.
+ * `scratch` is memory for copies of its history and its parameters. */
 static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_state_text *state_text, char *scratch)
 {
     const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
@@ -119,7 +120,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
     const tvi_status status = set_member_state_from_text(it, 0, state_text);
     if (status == TVI_OK) {
         it->has_dense_output = false;
-        tvi_event_stop_forget(it->stop, it->system->n);
+        tvi_event_stop_clear(it->stop, it->system->n);
         return TVI_OK;
     }
     tvi_arena_copy_history(it->history, scratch, it->history_bytes);
@@ -147,7 +148,7 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
     return status;
 }
 
-/* ---- Of a member of an ensemble ---------------------------------------------------------------------------------- */
+/* ---- Texts of a member of an ensemble ---------------------------------------------------------------------------- */
 
 static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int member, const void *const pointers[4],
                                          const char *last_name)
@@ -204,7 +205,7 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, con
     status = set_member_state_from_text(worker->batch_integrator, m, &state_text);
     if (status == TVI_OK) {
         tvi_worker_store_batch(worker, ensemble, batch);
-        tvi_event_stop_forget(tvi_stop_of_member(ensemble, member), ensemble->n);
+        tvi_event_stop_clear(tvi_stop_of_member(ensemble, member), ensemble->n);
         ensemble->failure_status[member] = TVI_OK;
         tvi_member_copy_state(worker->batch_integrator, m, &t[member], q + member, p + member,
                               (size_t)ensemble->member_count);
