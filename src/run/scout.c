@@ -1,7 +1,8 @@
-/* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The
- * tail of a step (tvi_stats.tail) estimates how well its polynomial resolves the forces. A step size resolves the
- * orbit at a position if a step of that size would have the tail SCOUT_RESOLVING_TAIL there; this resolving step
- * size is extrapolated from the tail of the step that was made. The orbit is hardest where it is smallest. */
+/* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The tail
+ * of a step (tvi_stats.tail) estimates how well its polynomial resolves the forces. A step size resolves the orbit at a
+ * position if a step of that size would have the tail SCOUT_RESOLVING_TAIL there; this resolving step size is
+ * extrapolated from the tail of the step that was made. The hardest position of the orbit is that with the smallest
+ * resolving step size. */
 #include "run/scout.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -45,8 +46,8 @@ static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, do
                          : SCOUT_MAX_RESOLVING_FACTOR);
 }
 
-/* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short;
- * then the resolving step size of the step before is recorded for it as well. */
+/* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short.
+ * For this step the resolving step size of the step before is recorded. */
 static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
                                                bool is_last)
 {
@@ -106,10 +107,10 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *or
            apart[1] <= SCOUT_MAX_DISTANCE * size[1];
 }
 
-/* Tells whether the first step conserves the energy. A step that is much too large may have a small tail: all its
- * nodes may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps.
- * If the energy is nearly 0, its change is compared with p.dq/dt, about twice the kinetic energy; p is taken from
- * both ends, since the motion may be at rest at one. */
+/* Tells whether the first step conserves the energy. A step that is much too large may have a small tail: all its nodes
+ * may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps. If the
+ * energy is nearly 0, its change is compared with p.dq/dt, about twice the kinetic energy; p is taken from both ends,
+ * since the motion may be at rest at one end. */
 static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;

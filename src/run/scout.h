@@ -23,7 +23,7 @@ typedef struct {
     int n; /* the number of coordinates of the orbit */
     /* [SCOUT_MAX_STEPS + 1][2n + 1] The state (q, p, t) at each position, in memory of the caller. */
     double *states;
-    long tried_step_count; /* the number of steps that were tried, with those that failed or were undone */
+    long tried_step_count; /* the number of tried steps, including those that failed or were undone */
     int step_count;        /* the number of steps that succeeded; step k leads from position k to position k + 1 */
     double positions[SCOUT_MAX_STEPS + 1];
     /* The step size whose tail would be SCOUT_RESOLVING_TAIL, at each step. */
@@ -46,8 +46,8 @@ static inline double *tvi_scout_state(const tvi_orbit_scout *scout, int position
  * step succeeds, with the status of the last step, or if memory is exhausted. */
 TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration);
 
-/* Returns the distance between two positions, with each step of the scout weighted by the error that a run makes
- * there: the hardest steps count in full (weight 1), others less. */
+/* Returns the distance between two positions, with each step of the scout weighted by the error that a run makes there:
+ * the hardest steps count in full (weight 1), all other steps less. */
 double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_position, double to_position);
 
 #endif

@@ -101,9 +101,9 @@ static void accumulate_difference(int n, const double state_a[], const double st
     }
 }
 
-/* d is the difference of the two orbits, and rate_a the time derivative of the first one (orbit_difference). The lag of
- * one orbit behind the other, a time, is d.rate_a / rate_a.rate_a. It causes the largest distance where the motion is
- * fastest. */
+/* The lag of one orbit behind the other is the time d.rate_a / rate_a.rate_a, where d is the difference of the two
+ * orbits, and rate_a the time derivative of the first one (orbit_difference). A lag causes the largest distance where
+ * the motion is fastest. */
 double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
 {
     const tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
@@ -134,7 +134,7 @@ tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, con
     return doubling->has_exhausted_memory ? TVI_ENOMEM : TVI_OK;
 }
 
-/* ---- Stretch ----------------------------------------------------------------------------------------------------- */
+/* ---- Growth of errors -------------------------------------------------------------------------------------------- */
 
 /* Sets half_step_orbit to the given state, displaced by DOUBLING_START_DISTANCE in the direction of the present
  * difference of the two orbits. */
@@ -152,8 +152,8 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
     tvi_integrator_reset(b->integrator);
 }
 
-/* Integrates the companion beside the scout's orbit, from the position with this index on. Sets distances[k] to their
- * distance at position k, and returns the index of the last position that the companion has reached. */
+/* Integrates the companion beside the scout's orbit, from the position with this index on. Sets distances[k] to the
+ * distance of both orbits at position k, and returns the index of the last position that the companion has reached. */
 static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position_index,
                                   double distances[])
 {
@@ -163,8 +163,8 @@ static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_s
         if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
         (void)tvi_step_doubling_measure_distance(doubling);
         distances[k] = doubling->orbit_distance;
-        /* A rescaled system has its energy at the start, e = -H, as a momentum of its own. The reset computes it anew
-         * at this state, as the scout does before each step. */
+        /* A rescaled system has a momentum e, which is -H at the start of a run. After the reset the next step computes
+         * e anew from its own start, as each step of the scout does. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
         if (k == scout->step_count ||
             step_orbit(doubling, &doubling->half_step_orbit, scout->positions[k + 1] - scout->positions[k]) != TVI_OK)
@@ -186,8 +186,8 @@ static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int fir
     return most[1] / most[0];
 }
 
-double tvi_step_doubling_measure_error_factor(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
-                                              double start_position, double end_position, double *growth_ratio)
+double tvi_step_doubling_measure_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                             double start_position, double end_position, double *growth_ratio)
 {
     int first = 0;
     double distances[SCOUT_MAX_STEPS + 1], sum = 0;

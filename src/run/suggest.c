@@ -52,7 +52,7 @@ static double step_size_factor_after_failure(const suggestion_search *search)
     return search->trials.step_doubling.is_rescaled ? SUGGEST_FAILED_FACTOR_RESCALED : SUGGEST_FAILED_FACTOR;
 }
 
-/* Returns the size of the steps of the next trial divided by that of this trial. */
+/* Returns the step size of the next trial divided by the step size of the given trial. */
 static double next_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
@@ -61,7 +61,7 @@ static double next_step_size_factor(const suggestion_search *search, const tvi_s
                      : 1 / SUGGEST_MIN_FACTOR;
 }
 
-/* Returns the suggested step size divided by that of the trial, if no other trial follows. */
+/* Returns the suggested step size divided by the step size of the given trial, if no other trial follows. */
 static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     return fmin(next_step_size_factor(search, trial), pow(TRIAL_ERROR_BAND, 1.0 / search->order));
@@ -119,8 +119,9 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
                             &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_position / *h)));
 }
 
-/* Tells whether the suggestion should follow this trial: it covers about as much of the run as the longest one, or it
- * shows that its step size is too long. *is_near_aim is set if its estimate is near the aim or below. */
+/* Tells whether the suggestion should follow this trial: the trial covers about as much of the run as the longest
+ * trial, or it shows that its step size is too large. *is_near_aim is set if the trial's estimate is near the aim or
+ * below. */
 static bool is_trial_informative(const suggestion_search *search, const tvi_step_size_trial *trial, bool *is_near_aim)
 {
     const tvi_trials *trials = &search->trials;
@@ -176,21 +177,22 @@ static void correct_error_by_companion_growth(suggestion_search *search, tvi_ste
         return;
     double growth;
     const double trial_distance = trials->step_doubling.orbit_distance, part = trials->scout.explored_duration_part;
-    const double growth_factor = tvi_step_doubling_measure_error_factor(
+    const double error_ratio = tvi_step_doubling_measure_error_ratio(
         &trials->step_doubling, &trials->scout, trials->start_position, trial->end_position, &growth);
-    if (growth_factor == 0) return;
+    if (error_ratio == 0) return;
     /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
      * halves in the unexplored rest. */
     const double more = fmax(growth / pow(2, trials->error_growth_exponent), 1), halves = 2 * (1 / part - 1);
     suggestion->estimated_error = trial->estimated_error =
-        trial_distance * growth_factor * pow(part, -trials->error_growth_exponent) * pow(more, halves);
+        trial_distance * error_ratio * pow(part, -trials->error_growth_exponent) * pow(more, halves);
     suggestion->h = trial->h * final_step_size_factor(search, trial);
 }
 
-/* ---- Before and after them --------------------------------------------------------------------------------------- */
+/* ---- Before and after the trials --------------------------------------------------------------------------------- */
 
-/* Prepares the trials by the results of the scout. Returns the step size of the first trial. */
-static double set_up_trials_and_first_step_size(suggestion_search *search)
+/* Sets the positions, lengths and scales of the trials from the results of the scout. Returns the step size of the
+ * first trial. */
+static double prepare_trials_from_scout(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
@@ -213,8 +215,8 @@ static double set_up_trials_and_first_step_size(suggestion_search *search)
 }
 
 /* Estimates the error that the roundoff of the time causes, in a system whose equations depend on the time. Each step
- * rounds the time anew, and the effects add up at random. If they may be large, one step at a shifted time measures
- * them. */
+ * rounds the time anew, and the effects add up at random. If these effects may be large, one step at a shifted time
+ * measures them. */
 static tvi_status measure_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
@@ -271,7 +273,7 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     tvi_status status =
         tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
     if (status != TVI_OK) return status;
-    double h = set_up_trials_and_first_step_size(search);
+    double h = prepare_trials_from_scout(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
     suggestion->explored_duration_part =

@@ -12,7 +12,7 @@ typedef struct {
     double covered_error_part;     /* the part of the run's error that this trial has covered, 0 to 1 */
     double estimated_error;        /* the error at the end of a run with tried_step_size */
     double explored_duration_part; /* the part of the run's duration that was explored, 0 to 1 */
-    long step_count;               /* the number of steps of all trials, with those of half the size */
+    long step_count;               /* the number of steps of all trials, including those of size h/2 */
 } tvi_step_suggestion;
 
 /* Computes the suggestion of tvi_suggest_step for a run from the state (t, q, p), with its details. */

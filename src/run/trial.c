@@ -1,12 +1,12 @@
 /* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it.
  *
- * Two orbits with steps h and h/2 start at the start of the run, or at its hardest position if that comes late. Their
- * distance e, relative to the largest coordinate and the largest momentum, is the error of the first orbit up to a part
- * 2^-order (step_doubling.h). If the trial covers the part x of the run's error (tvi_scout_weighted_length), the
- * estimate at the end of the run is e x^-a, where errors grow as t^a with the time t. The error of a symplectic method
- * on a regular orbit grows linearly, a = 1, and that of another method at most quadratically. a = 5/4 suits the
- * problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may decay; there a is measured, and
- * is at most 5/4.
+ * Two orbits with steps h and h/2 start at the start of the run, or at its hardest position if the trial could not
+ * reach that position from the start. Their distance e, relative to the largest coordinate and the largest momentum, is
+ * the error of the first orbit up to a part 2^-order (step_doubling.h). If the trial covers the part x of the run's
+ * error (tvi_scout_weighted_length), the estimate at the end of the run is e x^-a, where errors grow as t^a with the
+ * time t. The error of a symplectic method on a regular orbit grows linearly, a = 1, and that of another method at most
+ * quadratically. a = 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may
+ * decay; there a is measured, and is at most 5/4.
  *
  * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
 #include "run/trial.h"
@@ -15,7 +15,8 @@
 
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
-/* Updates the error estimate after a step of the trial, at whose end the two orbits have this distance. */
+/* Updates the error estimate after a step of the trial. `distance` is the distance of the two orbits at the end of the
+ * step. */
 static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long step_number, double distance)
 {
     if (step_number > 1 && is_power_of_two(step_number - 1))
@@ -31,28 +32,29 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
                                  : INFINITY;
 }
 
-/* Returns the position just after the hardest part of the orbit. */
-static double end_of_hardest_passage(const tvi_trials *trials)
+/* Returns the position one resolving step after the hardest position, or the end of the run if the run ends before. */
+static double position_after_hardest_step(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
     return tvi_smaller_magnitude(s->positions[s->hardest_step_index] + s->resolving_step_size[s->hardest_step_index],
                                  trials->run_end_position);
 }
 
-/* Tells whether the trial can be ended after k steps: its estimate is far above the aim, or far below it although the
- * trial has passed the hardest position. */
-static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long k)
+/* Tells whether the trial can be ended after step number step_number: its estimate is far above the aim, or far below
+ * it although the trial has passed the hardest position. */
+static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long step_number)
 {
-    const bool is_early = k < TRIAL_MIN_STEPS && fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) <
-                                                     TRIAL_ERROR_BAND * trials->aimed_error;
+    const bool is_early =
+        step_number < TRIAL_MIN_STEPS &&
+        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) < TRIAL_ERROR_BAND * trials->aimed_error;
     if (trial->estimated_error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early))
         return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_position &&
-           is_power_of_two(k) && trial->covered_error_part > trials->largest_covered_error_part;
+           is_power_of_two(step_number) && trial->covered_error_part > trials->largest_covered_error_part;
 }
 
-/* Makes the k-th step of the trial, and updates the trial. Returns true if the trial goes on. */
-static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long k)
+/* Makes step number step_number of the trial, and updates the trial. Returns true if the trial goes on. */
+static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long step_number)
 {
     const tvi_integrated_orbit *whole = &trials->step_doubling.full_step_orbit;
     trial->status = tvi_step_doubling_make_step(
@@ -64,22 +66,22 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
     trials->run_length_in_steps = fabs(trials->run_end_position / trial->h);
-    trial->end_position = trials->start_position + (double)k * trial->h;
+    trial->end_position = trials->start_position + (double)step_number * trial->h;
     trial->duration_part_at_end = (whole->t - trials->start_time) / trials->duration;
     trial->covered_error_part =
         fmin(tvi_scout_weighted_length(&trials->scout, trials->start_position, trial->end_position) /
                  trials->run_weighted_length,
              1);
-    trial->has_passed_hardest_position = fabs(trial->end_position) >= fabs(end_of_hardest_passage(trials));
-    update_error_estimate(trials, trial, k, tvi_step_doubling_measure_distance(&trials->step_doubling));
+    trial->has_passed_hardest_position = fabs(trial->end_position) >= fabs(position_after_hardest_step(trials));
+    update_error_estimate(trials, trial, step_number, tvi_step_doubling_measure_distance(&trials->step_doubling));
     const bool is_at_end = trial->duration_part_at_end >= 1 - TRIAL_END;
     trial->covers_whole_run = is_at_end && trials->start_position == 0;
-    trial->is_finished = is_at_end || is_trial_finished(trials, trial, k);
+    trial->is_finished = is_at_end || is_trial_finished(trials, trial, step_number);
     return !trial->is_finished;
 }
 
-/* Gives the steps that are reserved for the companion to the trial, if the trial is too short to count without them.
- * Returns true if the trial can then go on. */
+/* Lets the trial use the steps that are reserved for the companion, if the trial has covered much less of the run's
+ * error than an earlier trial. Returns true if the trial can go on with these steps. */
 static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
     const bool takes = trials->reserved_step_count > 0 &&
@@ -89,12 +91,13 @@ static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial
 }
 
 /* Chooses the position at which the trial begins: the start of the run, or the hardest position if the trial could not
- * reach that from the start. The trial begins earlier if it can still reach the end of the run, and still passes the
- * hardest position. */
+ * pass the hardest position from the start. From the hardest position the start then moves back, by steps of the scout,
+ * as long as the budget suffices from there to the end of the run, and the way to the hardest position takes at most
+ * the part TRIAL_MAX_HARDEST_PART of it. */
 static void choose_start_of_trial(tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double end = end_of_hardest_passage(trials),
+    const double end = position_after_hardest_step(trials),
                  steps = (tvi_trials_step_budget(trials) - (double)trials->step_doubling.tried_step_count) /
                          TVI_STEPS_OF_TRIAL;
     const double early = TRIAL_MAX_HARDEST_PART * steps * fabs(h);
@@ -113,9 +116,10 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
     tvi_step_size_trial trial = {.h = h, .estimated_error = INFINITY};
     choose_start_of_trial(trials, h);
     tvi_step_doubling_set_state(&trials->step_doubling, trials->start_state);
-    for (long k = 1; (tvi_trials_have_budget_for_trial_step(trials) || release_reserved_steps(trials, &trial)) &&
-                     make_trial_step(trials, &trial, k);
-         k++)
+    for (long step_number = 1;
+         (tvi_trials_have_budget_for_trial_step(trials) || release_reserved_steps(trials, &trial)) &&
+         make_trial_step(trials, &trial, step_number);
+         step_number++)
         continue;
     return trial;
 }
@@ -124,6 +128,6 @@ bool tvi_trials_have_budget_to_pass_hardest_position(const tvi_trials *trials, d
 {
     const tvi_orbit_scout *s = &trials->scout;
     const double way =
-        tvi_smaller_magnitude(end_of_hardest_passage(trials), s->resolving_step_size[s->hardest_step_index]);
+        tvi_smaller_magnitude(position_after_hardest_step(trials), s->resolving_step_size[s->hardest_step_index]);
     return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

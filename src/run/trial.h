@@ -62,7 +62,7 @@ static inline bool tvi_trials_have_budget_for_steps(const tvi_trials *trials, do
 {
     return (double)trials->step_doubling.tried_step_count + steps <= tvi_trials_step_budget(trials);
 }
-/* Tells whether the budget allows one more step of a trial, beside the reserved steps. */
+/* Tells whether the budget allows one more step of a trial, in addition to the reserved steps. */
 static inline bool tvi_trials_have_budget_for_trial_step(const tvi_trials *trials)
 {
     return tvi_trials_have_budget_for_steps(trials, (double)(trials->reserved_step_count + TVI_STEPS_OF_TRIAL));
