@@ -1,4 +1,5 @@
-/* advance.c - Compiles the loops of advance.h for several members, once for each instruction set. */
+/* advance.c - Provides the loops of advance.h for batches of several members. The file is compiled once for each
+ * instruction set, and step.c calls the version for the processor at hand. */
 #include "run/advance.h"
 #include "rule.h"
 

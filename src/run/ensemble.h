@@ -18,9 +18,9 @@ typedef struct {
 
 struct tvi_ensemble {
     const tvi_system *system;
-    /* The number of coordinates of a member, of members, and the largest number of threads of a run. */
+    /* The number of coordinates of a member; the number of members; the largest number of threads of a run. */
     int n, member_count, thread_count;
-    /* The number of members in a batch, and of batches. The last batch may have fewer members. */
+    /* The number of members in a batch, of which the last batch may have fewer; the number of batches. */
     int width, batch_count;
     tvi_ensemble_worker *workers; /* [thread_count] the memory of each thread */
     char *batch_histories;        /* [batch_count][history_bytes] each batch's history (integrator.h) between runs */
@@ -32,7 +32,7 @@ struct tvi_ensemble {
     tvi_status *failure_status; /* [member_count] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;               /* true if the ensemble has run since it was created or reset */
     bool is_running;            /* true during a run, in which observers may neither read nor change the members */
-    tvi_stats loaded_stats;     /* the counts of steps, passes etc. that were loaded with a saved state */
+    tvi_stats loaded_stats;     /* the counts (tvi_stats) that were loaded with a saved state */
     pthread_mutex_t observer_lock; /* a thread holds this lock while it calls an observer of a member */
 };
 

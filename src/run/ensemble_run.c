@@ -1,6 +1,6 @@
 /* ensemble_run.c - Runs all members of an ensemble in several threads, one batch of members after the other. The
- * members of a batch are stepped together if the plan has no observers of members, events, given times or tangent
- * vectors. Otherwise they run one after the other, each as a single integrator does. */
+ * members of a batch are stepped together if the plan gives a number of steps, and has no observer of members, no
+ * events and no tangent vectors. Otherwise each member runs alone, by an integrator for a single member. */
 #include "run/ensemble.h"
 #include "run/plan.h"
 #include "run/parallel_for.h"
@@ -57,10 +57,10 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
     tvi_worker_store_member(worker, ensemble, member);
 }
 
-/* ---- A batch of them --------------------------------------------------------------------------------------------- */
+/* ---- A batch of members ------------------------------------------------------------------------------------------ */
 
 /* Loads the user's state of a member into a lane of the batch integrator. A member that has failed before and still has
- * the same state is not stepped: the status of that failure is returned. */
+ * the same state is not stepped: the function returns the status of that failure. */
 static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int lane, int member)
 {
     const tvi_user_state user_state = {segment->q + member, segment->p + member,
@@ -125,9 +125,9 @@ static tvi_status run_all_batches(const run_segment *segment)
     return status;
 }
 
-/* Makes all steps of the run. If the ensemble has an observer, each step is a segment of its own, after which the
- * observer is called. */
-static tvi_status run_steps_with_observer(run_segment *segment)
+/* Makes all steps of the run. With an observer of the ensemble each step is a segment, after which the observer is
+ * called. Without an observer all steps are one segment. */
+static tvi_status run_all_segments(run_segment *segment)
 {
     const long steps = segment->plan.steps;
     tvi_ensemble_observer *observer = segment->plan.observer;
@@ -172,7 +172,7 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
     const bool steps_members_together =
         plan->steps > 0 && plan->event_count == 0 && plan->columns == 0 && !plan->at_step;
     run_segment segment = {ensemble, *plan, tvi_plan_mode(plan), steps_members_together, 0, t, q, p, status};
-    return segment.run_mode == TVI_RUN_STEPS ? run_steps_with_observer(&segment) : run_all_batches(&segment);
+    return segment.run_mode == TVI_RUN_STEPS ? run_all_segments(&segment) : run_all_batches(&segment);
 }
 
 tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, double t[], double q[], double p[],
@@ -185,5 +185,5 @@ tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, 
     if (idle != TVI_OK) return idle;
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
     run_segment segment = {ensemble, plan, TVI_RUN_STEPS, true, 0, t, q, p, status};
-    return run_steps_with_observer(&segment);
+    return run_all_segments(&segment);
 }

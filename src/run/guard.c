@@ -1,9 +1,9 @@
 /* guard.c - Refuses steps that are too large for the orbit. The equations of such a step also have solutions that do
- * not approximate the motion, and the corrector, which solves them by iteration (passes), may converge to one of
- * them; or the polynomial of the step does not follow the motion. The guard judges a step by its tail, the relative
- * size of the last term of the polynomial of the forces (algebra/tail.h), and by the change of the energy if the
- * system conserves one. The energy is not computed if a small tail and a small number of passes, or a bound of the
- * change that the stepper knows, show that the step approximates the motion. */
+ * not approximate the motion, and the corrector, which solves them by iteration (passes), may converge to one of them;
+ * or the polynomial of the step does not follow the motion. The guard judges a step by its tail, the relative size of
+ * the last term of the polynomial of the forces (algebra/tail.h), and by the change of the energy if the system
+ * conserves one. The energy is not computed if a small tail and a small number of passes, or a bound of the energy
+ * change that the stepper computes, show that the step approximates the motion. */
 #include "run/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -41,13 +41,14 @@ static bool has_energy_change_bound(const tvi_integrator *it)
 /* The factors of q are powers of 2 with these exponents. At the last two the forces of bodies are negligible. */
 static const int FACTORS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
 
-/* Lines from the start of a step: forward or back along its increment of q, or DOWNHILL, where each coordinate moves by
- * the size of its increment in the direction of its force. */
-typedef enum { FORWARD, BACK, DOWNHILL, LINES } search_line;
+/* The lines from the start of a step on which the lowest energy at rest is searched: forward or back along its
+ * increment of q, or DOWNHILL, where each coordinate moves by the size of its increment in the direction of its
+ * force. */
+typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } level_search_line;
 
 /* Returns one component of the line's direction, for the step's increments dq and dp of this component.
  * time_direction has the sign of the step. */
-static double line_direction_component(search_line line, double dq, double dp, double time_direction)
+static double line_direction_component(level_search_line line, double dq, double dp, double time_direction)
 {
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);
 }
@@ -63,7 +64,8 @@ static double member_energy_or_nonfinite(tvi_integrator *it, int member, const d
 
 /* Returns H(q_factor q + distance d, 0), where q is the position at the start of the member's step, and d the direction
  * of the line. */
-static double energy_at_rest_on_line(tvi_integrator *it, int member, double q_factor, double distance, search_line line)
+static double energy_at_rest_on_line(tvi_integrator *it, int member, double q_factor, double distance,
+                                     level_search_line line)
 {
     const int width = it->width, end = it->system->n * width;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
@@ -81,8 +83,8 @@ static double energy_at_rest_at_step_start(tvi_integrator *it, int member)
     return energy_at_rest_on_line(it, member, 1, 0, FORWARD);
 }
 
-/* Tells whether H(q, -p) = H(q, p), up to the part GUARD_LEVEL_MAX_DIFFERENCE, at the end of the step. The start is
- * not tested, since p may be 0 there. */
+/* Tells whether H(q, -p) and H(q, p) agree at the end of the step, up to the relative difference
+ * GUARD_LEVEL_MAX_DIFFERENCE. The start is not tested, since p may be 0 there. */
 static bool is_energy_even_in_p(tvi_integrator *it, int member)
 {
     const int width = it->width, end = it->system->n * width;
@@ -117,8 +119,8 @@ static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double 
 
 /* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
  * from which the energy rises. */
-static double lowest_energy_at_rest_on_line(tvi_integrator *it, int member, search_line line, double energy_at_start,
-                                            double roundoff)
+static double lowest_energy_at_rest_on_line(tvi_integrator *it, int member, level_search_line line,
+                                            double energy_at_start, double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
@@ -134,7 +136,7 @@ static double lowest_energy_at_rest_nearby(tvi_integrator *it, int member, doubl
 {
     const double here = energy_at_rest_at_step_start(it, member);
     double lowest = here;
-    for (search_line line = 0; line < LINES; line++)
+    for (level_search_line line = 0; line < LINE_COUNT; line++)
         lowest = fmin(lowest, lowest_energy_at_rest_on_line(it, member, line, here, roundoff));
     return lowest;
 }
@@ -186,7 +188,7 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
         if (it->needs_energy[member]) H[member] = member_energy_or_nonfinite(it, member, q, p);
 }
 
-/* ---- What a step changes ----------------------------------------------------------------------------------------- */
+/* ---- The change of the energy ------------------------------------------------------------------------------------ */
 
 /* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| /
  * h times the mean of |p| at both ends of the step. q0 and q1 are the positions at the ends, and h the time between
@@ -201,8 +203,8 @@ static double mean_p_dot_velocity(const tvi_integrator *it, int member)
 }
 
 /* Returns the roundoff of the energy H: that of its value, and that caused by the roundoff of q and p, which changes H
- * by H_q dq + H_p dp with H_p = dq/dt and H_q = -dp/dt. It is large if the terms of the energy cancel, as along an
- * unstable direction. */
+ * by H_q dq + H_p dp with H_p = dq/dt and H_q = -dp/dt. The roundoff is large if the terms of the energy cancel, as
+ * along an unstable direction. */
 static double energy_roundoff(const tvi_integrator *it, int member, double H)
 {
     const int width = it->width, end = it->system->n * width;
@@ -263,10 +265,10 @@ static void refuse_by_energy_changes(tvi_integrator *it)
     }
 }
 
-/* ---- Which steps are in doubt ------------------------------------------------------------------------------------ */
+/* ---- Steps whose energy is checked ------------------------------------------------------------------------------- */
 
-/* Sets it->energy_change_bound to the stepper's bounds of the change of each member's energy, or to infinity if a
- * batch has none. */
+/* Sets it->energy_change_bound to the stepper's bounds of the change of each member's energy, or to infinity if the
+ * stepper computes none for a batch. */
 static void set_energy_change_bounds(tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
@@ -276,8 +278,8 @@ static void set_energy_change_bounds(tvi_integrator *it)
         for (int member = 0; member < it->width; member++) it->energy_change_bound[member] = INFINITY;
 }
 
-/* Tells whether the tail is an estimate of an error. It is not if the polynomial of the forces has a single
- * coefficient, as at a single node: the tail is 0 then. */
+/* Tells whether the tail is an estimate of an error. A polynomial of the forces with a single coefficient, as at a
+ * single node, has the tail 0, which is no estimate. */
 static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_series)
 {
     return it->options.degree > (step_used_series ? 2 : 1);
@@ -310,7 +312,8 @@ static bool has_small_tail(const tvi_integrator *it, double tail)
     return most < 0 || !(tail > most);
 }
 
-/* tvi_guard_step for `width` members, a constant if there is one member. */
+/* Does the work of tvi_guard_step for `width` members. The compiler makes a version of this function for the constant
+ * width = 1. */
 JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_used_series)
 {
     const bool keeps = has_conserved_energy_to_check(it);

@@ -9,9 +9,9 @@
  * without computing its energy. */
 tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *integrator);
 
-/* Sets TVI_ETOOLARGE for the members that are TVI_OK and whose tail or energy says that the step is too large. It is
- * called after the stepper's step, before the increments are added to the states. step_used_series tells whether the
- * step expanded a Taylor series; its passes then contract faster. */
+/* Sets the status TVI_ETOOLARGE for the members with the status TVI_OK whose tail or energy shows that the step is too
+ * large. step.c calls this function after the stepper's step, before the increments are added to the states.
+ * step_used_series tells whether the step expanded a Taylor series; its passes then contract faster. */
 void tvi_guard_step(tvi_integrator *integrator, bool step_used_series);
 
 #endif

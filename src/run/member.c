@@ -17,11 +17,11 @@ static double *element_of_member(const tvi_integrator *it, double *array, int i,
 
 /* Returns a number whose bits are 1 where the user's components differ from those of the member; 0 means that all are
  * equal. */
-JET_INLINE uint64_t differing_bits(int n, const double *user_state, size_t stride, const double *member_state,
-                                   size_t width)
+JET_INLINE uint64_t find_differing_bits(int component_count, const double *user_state, size_t stride,
+                                        const double *member_state, size_t width)
 {
     uint64_t any = 0;
-    for (int i = 0; i < n; i++, user_state += stride, member_state += width)
+    for (int i = 0; i < component_count; i++, user_state += stride, member_state += width)
         any |= tvi_double_bits(*user_state) ^ tvi_double_bits(*member_state);
     return any;
 }
@@ -34,9 +34,10 @@ bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_user_s
     const uint64_t time =
         tvi_double_bits(user_state->t) ^ tvi_double_bits(*element_of_member(it, it->state.q, n, member));
     if (stride == 1 && width == 1)
-        return (time | differing_bits(n, user_state->q, 1, q, 1) | differing_bits(n, user_state->p, 1, p, 1)) == 0;
-    return (time | differing_bits(n, user_state->q, stride, q, width) |
-            differing_bits(n, user_state->p, stride, p, width)) == 0;
+        return (time | find_differing_bits(n, user_state->q, 1, q, 1) |
+                find_differing_bits(n, user_state->p, 1, p, 1)) == 0;
+    return (time | find_differing_bits(n, user_state->q, stride, q, width) |
+            find_differing_bits(n, user_state->p, stride, p, width)) == 0;
 }
 
 void tvi_member_copy_state(const tvi_integrator *it, int member, double *t, double q[], double p[], size_t stride)
@@ -51,30 +52,31 @@ void tvi_member_copy_state(const tvi_integrator *it, int member, double *t, doub
 
 /* ---- From one integrator to another ------------------------------------------------------------------------------ */
 
-/* Lists the arrays of an integrator's states, and the number of components of each. */
+/* The number of arrays that list_state_arrays lists. */
 enum { ARRAYS = 5 };
-static void list_state_arrays(const tvi_integrator *it, double *array[ARRAYS], int rows[ARRAYS])
+/* Lists the arrays of an integrator's states, and the number of components of each. */
+static void list_state_arrays(const tvi_integrator *it, double *arrays[ARRAYS], int component_counts[ARRAYS])
 {
     const int dimension = it->stepped->n;
     const tvi_run_state *state = &it->state;
     double *const all[ARRAYS] = {state->q, state->q_low, state->p, state->p_low, it->run_start};
-    const int rows_of[ARRAYS] = {dimension + 1, dimension + 1, dimension, dimension, 2 * it->system->n + 1};
-    memcpy(array, all, sizeof all);
-    memcpy(rows, rows_of, sizeof rows_of);
+    const int counts[ARRAYS] = {dimension + 1, dimension + 1, dimension, dimension, 2 * it->system->n + 1};
+    memcpy(arrays, all, sizeof all);
+    memcpy(component_counts, counts, sizeof counts);
 }
 
 /* Clears the state and the history of one member, as before its first step. */
 static void clear_member_history(tvi_integrator *it, int member)
 {
-    double *array[ARRAYS];
-    int rows[ARRAYS];
+    double *arrays[ARRAYS];
+    int component_counts[ARRAYS];
     if (it->width == 1) {
         tvi_arena_copy_history(it->history, NULL, it->history_bytes);
         return;
     }
-    list_state_arrays(it, array, rows);
+    list_state_arrays(it, arrays, component_counts);
     for (int a = 0; a < ARRAYS; a++)
-        for (int row = 0; row < rows[a]; row++) *element_of_member(it, array[a], row, member) = 0;
+        for (int i = 0; i < component_counts[a]; i++) *element_of_member(it, arrays[a], i, member) = 0;
     it->reference_energy[member] = (tvi_reference_energy){0};
     it->is_state_from_step[member] = false;
     if (tvi_batch_stepper_of(it)->clear_history) tvi_batch_stepper_of(it)->clear_history(it->work, member);
@@ -83,13 +85,13 @@ static void clear_member_history(tvi_integrator *it, int member)
 void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from, int member_from)
 {
     double *source[ARRAYS], *target[ARRAYS];
-    int rows[ARRAYS];
+    int component_counts[ARRAYS];
     clear_member_history(to, member_to);
-    list_state_arrays(from, source, rows);
-    list_state_arrays(to, target, rows);
+    list_state_arrays(from, source, component_counts);
+    list_state_arrays(to, target, component_counts);
     for (int a = 0; a < ARRAYS; a++)
-        for (int row = 0; row < rows[a]; row++)
-            *element_of_member(to, target[a], row, member_to) = *element_of_member(from, source[a], row, member_from);
+        for (int i = 0; i < component_counts[a]; i++)
+            *element_of_member(to, target[a], i, member_to) = *element_of_member(from, source[a], i, member_from);
     to->reference_energy[member_to] = from->reference_energy[member_from];
     to->is_state_from_step[member_to] = from->is_state_from_step[member_from];
     const tvi_batch_stepper *batch = to->stepper->batch;

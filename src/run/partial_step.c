@@ -48,10 +48,10 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
-/* Sets the history from which the partial step starts: the low-order parts of the state, and the numbers from which
- * the corrector predicts. The low-order parts are those at the start of the full step. The numbers of the corrector
- * are those at the start of the full step, too; with uses_history_at_end they are those at the end of the full step,
- * or those of an earlier partial step if this one ended near `offset`. */
+/* Sets the history from which the partial step starts: the low-order parts of the state, and the numbers from which the
+ * corrector predicts. The low-order parts are those at the start of the full step. The numbers of the corrector are
+ * those at the start of the full step, too; with uses_history_at_end they are those at the end of the full step, or
+ * those of the partial step before if it ended near `offset`. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
@@ -97,8 +97,8 @@ void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double st
 
 /* ---- Given times ------------------------------------------------------------------------------------------------- */
 
-/* The time at which a state is wanted, in a system whose steps are steps in s (a rescaled system). It is measured from
- * the start of the step. */
+/* A time at which a state is wanted, in a rescaled system, whose steps are steps in s. time_from_start is the wanted
+ * time minus the time at the start of the last full step. */
 typedef struct {
     tvi_partial_step *partial_step;
     double time_from_start;
@@ -129,11 +129,12 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
     return status;
 }
 
-/* Finds the offset at which the method's own solution reaches the time, by Newton's method from an offset at which the
- * curve reaches it. The state whose time is nearest is kept. time_from_start is the wanted increment of the time, which
- * is more accurate than the difference of rounded times. */
-static tvi_status correct_time_offset_by_newton(tvi_partial_step *partial_step, double time, double time_from_start,
-                                                double offset)
+/* Computes the state at the given time in a rescaled system. Newton's method finds the offset at which a partial step
+ * reaches the time, from the given offset, at which the curve reaches the time. The state with the nearest time is
+ * kept. time_from_start is the wanted increment of the time, which is more accurate than the difference of rounded
+ * times. */
+static tvi_status compute_state_at_time_by_newton(tvi_partial_step *partial_step, double time, double time_from_start,
+                                                  double offset)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const double h = partial_step->full_step_integrator->h;
@@ -167,7 +168,7 @@ tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step
     partial_step->full_step_number = 0;
     const tvi_status status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 2, compute_time_beyond_target,
                                                  &(time_target){partial_step, time_from_start});
-    return status == TVI_OK ? correct_time_offset_by_newton(partial_step, time, time_from_start,
-                                                            (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
+    return status == TVI_OK ? compute_state_at_time_by_newton(partial_step, time, time_from_start,
+                                                              (bracket.g_left == 0 ? bracket.left : bracket.right) * h)
                             : status;
 }

@@ -7,7 +7,7 @@
 #include "run/integrator.h"
 #include "system/rates.h"
 
-/* The integrator of the run, the integrator that repeats a part of its last step, and the state that this computed
+/* The integrator of the run, a second integrator that repeats a part of its last step, and the state that was computed
  * last. */
 typedef struct {
     tvi_integrator *full_step_integrator; /* the integrator of the run, which has made a step of size h */
@@ -17,9 +17,8 @@ typedef struct {
     /* If true, partial steps use the corrector's history from the end of the full step. This saves corrector passes,
      * but changes the roundoff of the results. */
     bool uses_history_at_end;
-    double t, *q, *p; /* the state (t, q[n], p[n]) that was computed last */
-    tvi_state_rates
-        rates_evaluator; /* the function that computes dq/ds and dp/ds of a rescaled system; unused otherwise */
+    double t, *q, *p;                   /* the state (t, q[n], p[n]) that was computed last */
+    tvi_state_rates rates_evaluator;    /* evaluates dq/ds and dp/ds of a rescaled system; unused otherwise */
     double *rates_input, *rates_output; /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
     long parameter_version;             /* full_step_integrator->parameter_version when the parameters were copied */
     long full_step_number;              /* the number of the full step that the state lies in; 0 if there is no state */
@@ -31,8 +30,8 @@ TVI_NODISCARD tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, t
                                                bool uses_history_at_end);
 void tvi_partial_step_close(tvi_partial_step *partial_step);
 
-/* Copies the parameters of the last full step to the integrator of the partial steps, if an observer has set new
- * ones. */
+/* Copies the parameters of the last full step to the integrator of the partial steps, if they have changed since the
+ * last copy. */
 TVI_NODISCARD tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step);
 
 /* Computes the state at the given offset from the start of the last full step of size h, 0 <= offset / h <= 1. At
@@ -42,8 +41,8 @@ TVI_NODISCARD tvi_status tvi_partial_step_compute_state(tvi_partial_step *partia
 /* Copies the state that was computed last to one vector [2n + 1], in the order q, p, t. */
 void tvi_partial_step_copy_state(const tvi_partial_step *partial_step, double state[]);
 
-/* Computes the state at the given time, which must lie in the last full step. The time of the state agrees with it to
- * roundoff. */
+/* Computes the state at the given time, which must lie in the last full step. The time of the computed state agrees
+ * with `time` to roundoff. */
 TVI_NODISCARD tvi_status tvi_partial_step_compute_state_at_time(tvi_partial_step *partial_step, double time);
 
 #endif

@@ -6,11 +6,11 @@
 #include <limits.h>
 #include <math.h>
 
-/* ---- Plans that are none ----------------------------------------------------------------------------------------- */
+/* ---- Plans with contradictions ----------------------------------------------------------------------------------- */
 
 /* Returns a message if the step size, the number of steps, the times and the tolerance of the plan do not define one
  * mode of a run; if an observer, the events, the times or the tangent vectors of the plan need a field that the plan
- * does not set; or if they are not allowed in the plan's mode. Returns NULL if the plan is right. */
+ * does not set; or if the plan's mode does not allow one of these. Returns NULL if the plan has no contradiction. */
 static const char *find_contradiction(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
@@ -53,7 +53,7 @@ tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan)
     return plan->steps != 0 ? TVI_RUN_STEPS : TVI_RUN_TO_TIME;
 }
 
-/* ---- Its observers ----------------------------------------------------------------------------------------------- */
+/* ---- The observers of a plan ------------------------------------------------------------------------------------- */
 
 static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long report_index,
                                 double t, const double q[], const double p[])

@@ -1,5 +1,5 @@
-/* run.c - Runs an integrator step by step and calls the observers (run.h). It also defines the functions
- * tvi_integrate..., except for tvi_integrate_at (times.c), tvi_step_tangent, and tvi_taylor_order. */
+/* run.c - Runs an integrator step by step and calls the observers (run.h). The file also defines tvi_step_tangent,
+ * tvi_taylor_order, and the functions tvi_integrate... with the exception of tvi_integrate_at (times.c). */
 #include "run/run.h"
 #include "run/times.h"
 #include "system/refuse.h"
@@ -43,7 +43,8 @@ static double remaining_time_to(const tvi_integrator *it, double t_end)
 }
 
 /* Refuses to go on (TVI_ENOCONV) with a run whose time hardly moves: after RUN_MAX_SLOW_STEPS consecutive steps that
- * each covered less than a 2^53rd of the remaining time. *slow_step_count counts these steps up to the last one. */
+ * each covered less than a 2^53rd of the remaining time. *slow_step_count is the number of such steps since the last
+ * faster step. */
 static tvi_status check_time_advances(const tvi_integrator *it, double t_end, int *slow_step_count)
 {
     const double left = remaining_time_to(it, t_end);
@@ -87,8 +88,8 @@ static long count_steps_for_one_stepper_call(const tvi_integrator *it, const tvi
 
 /* Makes one or more steps of size h, or the last step of the run. If the steps are steps in time, the last one has the
  * size of the remaining time. */
-static tvi_status make_steps_towards_end(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
-                                         double p[], bool *is_last)
+static tvi_status make_steps_towards_end_time(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
+                                              double p[], bool *is_last)
 {
     const double h = schedule->plan->h, t_end = schedule->t_end, remaining_time = remaining_time_to(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
@@ -122,8 +123,9 @@ static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule 
 
 /* ---- The course of a run ----------------------------------------------------------------------------------------- */
 
-static tvi_status make_scheduled_steps(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
-                                       double p[], bool *is_last)
+/* Makes steps of size h in a run that ends after a number of steps, or after the last of the given times. */
+static tvi_status make_steps_without_end_time(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
+                                              double p[], bool *is_last)
 {
     (void)is_last;
     return tvi_make_steps(it, schedule->most_steps_per_call, 0, schedule->plan->h,
@@ -132,16 +134,16 @@ static tvi_status make_scheduled_steps(tvi_integrator *it, const tvi_schedule *s
 
 /* Tells whether the steps must be made one by one, since an observer, an event or the tangent vectors need each of
  * them. */
-static bool is_each_step_observed(const tvi_single_run *run)
+static bool needs_single_steps(const tvi_single_run *run)
 {
     return run->plan->event_count > 0 || run->observers.at_step || run->columns.elements;
 }
 
 static tvi_status set_schedule_for_step_count(const tvi_single_run *run, tvi_schedule *schedule)
 {
-    const long steps = run->plan->steps, steps_per_call = is_each_step_observed(run) || steps == 0 ? 1 : steps;
+    const long steps = run->plan->steps, steps_per_call = needs_single_steps(run) || steps == 0 ? 1 : steps;
     if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
-    *schedule = (tvi_schedule){.step = make_scheduled_steps,
+    *schedule = (tvi_schedule){.step = make_steps_without_end_time,
                                .plan = run->plan,
                                .most_calls = steps / steps_per_call,
                                .most_steps_per_call = steps_per_call};
@@ -156,11 +158,11 @@ static tvi_status set_schedule_to_time(const tvi_integrator *it, const tvi_singl
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
     if (!by_tolerance && (plan->h > 0 ? plan->t_end < t : plan->t_end > t))
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
-    *schedule = (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end,
+    *schedule = (tvi_schedule){.step = by_tolerance ? make_step_by_tolerance : make_steps_towards_end_time,
                                .plan = plan,
                                .most_calls = t == plan->t_end ? 0 : LONG_MAX,
                                .most_steps_per_call =
-                                   is_each_step_observed(run) || !it->stats.is_compiled ? 1 : RUN_STEPS_BETWEEN_CHECKS,
+                                   needs_single_steps(run) || !it->stats.is_compiled ? 1 : RUN_STEPS_BETWEEN_CHECKS,
                                .loads_user_state = true,
                                .ends_at_t_end = true,
                                .t_end = plan->t_end};
@@ -173,7 +175,7 @@ static tvi_status set_schedule_for_times(const tvi_integrator *it, const tvi_sin
     const int count = run->plan->time_count;
     const tvi_status status = tvi_times_check(it, run, t, q, p, &schedule->continues_last_step);
     if (status != TVI_OK) return status;
-    schedule->step = make_scheduled_steps;
+    schedule->step = make_steps_without_end_time;
     schedule->plan = run->plan;
     schedule->most_calls = count > 0 ? LONG_MAX : 0;
     schedule->most_steps_per_call = 1;
@@ -210,7 +212,7 @@ static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_sing
     return set_schedule_for_step_count(run, schedule);
 }
 
-/* ---- Its steps --------------------------------------------------------------------------------------------------- */
+/* ---- The steps of a run ------------------------------------------------------------------------------------------ */
 
 /* A run whose arguments have been checked: its integrator, its plan, and the objects that report its given times and
  * its events. */
@@ -222,7 +224,8 @@ typedef struct {
     tvi_locator *locator;      /* NULL if the run has no events */
 } run_in_progress;
 
-/* Makes the next step, and multiplies the tangent vectors by its Jacobian matrix. If that fails, the step is undone. */
+/* Makes the next step, and multiplies the tangent vectors by its Jacobian matrix. If the multiplication fails, the step
+ * is undone. */
 static tvi_status make_next_step(const run_in_progress *in_progress, double *t, double q[], double p[], bool *is_last)
 {
     const long before = in_progress->integrator->stats.steps;

@@ -3,7 +3,8 @@
  *
  *      identity | pieces | checksum
  *
- * An integrator and an ensemble consist of different pieces, which they list in a tvi_saved_pieces. */
+ * A piece is a block of memory, for example the parameters or the history. state.c lists the pieces of an integrator,
+ * and ensemble.c those of an ensemble (tvi_saved_pieces). */
 #ifndef TVI_SRC_RUN_SAVED_H
 #define TVI_SRC_RUN_SAVED_H
 
@@ -16,10 +17,10 @@
  * the state. */
 typedef struct {
     char magic[8]; /* "tvistate" */
-    int64_t format_version, total_bytes,
-        n;                              /* version of the format; size of the saved state; coordinates of the system */
+    /* The version of the format, the size of the saved state in bytes, and the number of coordinates of the system. */
+    int64_t format_version, total_bytes, n;
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
-    int64_t member_count, batch_width;  /* members of an ensemble and of each of its batches; 0 for an integrator */
+    int64_t member_count, batch_width;  /* the numbers of members of an ensemble and of a batch; 0 for an integrator */
     uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
     uint64_t code_hash; /* hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none */
 } tvi_saved_identity;

@@ -3,9 +3,9 @@
  *
  *     identity | t | q | p | counts | parameters | stop | history | checksum
  *
- * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h).
- * The counts are a tvi_stats. t, q and p are there for readers without an integrator (tvi_state_peek). The history
- * contains everything that one step leaves to the next one (algebra/arena.h). */
+ * The identity describes the format, the method and the system; bytes with another identity are refused (saved.h). The
+ * counts are the tvi_stats of the integrator. t, q and p are saved apart from the history for tvi_state_peek, which has
+ * no integrator. The history contains everything that one step leaves to the next one (algebra/arena.h). */
 #include "run/saved.h"
 #include "system/refuse.h"
 
@@ -38,8 +38,8 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
-/* Loads the history, which contains t, q and p a second time. If a run cannot go on from it, the integrator's former
- * history is restored, and the call is refused. */
+/* Loads the history, which contains t, q and p a second time. If a run cannot go on from the loaded history, the
+ * integrator's former history is restored, and the call is refused. */
 static tvi_status load_history(tvi_integrator *it, const tvi_saved_pieces *pieces, const void *buffer)
 {
     char *own = malloc(it->history_bytes + 1);

@@ -120,9 +120,9 @@ typedef struct {
     const char *first_fault; /* describes the first error in the input; NULL if there is none */
 } text_stream;
 
-static void record_fault(text_stream *stream, bool is_fault, const char *fault)
+static void record_first_fault(text_stream *stream, bool has_fault, const char *fault)
 {
-    if (is_fault && !stream->first_fault) stream->first_fault = fault;
+    if (has_fault && !stream->first_fault) stream->first_fault = fault;
 }
 
 static void skip_whitespace(text_stream *stream)
@@ -154,7 +154,7 @@ static void write_word(text_stream *stream, char separator, const char *word)
     stream->position += strlen(word);
 }
 
-/* Writes a word to the output, or reads the next word of the input into `word`, and adds it to the hash. */
+/* Writes `word` to the output, or reads the next word of the input into `word`. Adds the word to the hash. */
 static void read_or_write_word(text_stream *stream, char separator, char word[LONGEST_WORD + 1])
 {
     if (stream->input) read_word(stream, word);
@@ -167,7 +167,7 @@ static void read_or_write_expected_word(text_stream *stream, char separator, con
     char word[LONGEST_WORD + 1];
     memcpy(word, wanted, strlen(wanted) + 1);
     read_or_write_word(stream, separator, word);
-    record_fault(stream, strcmp(word, wanted) != 0, fault);
+    record_first_fault(stream, strcmp(word, wanted) != 0, fault);
 }
 
 static void read_or_write_expected_count(text_stream *stream, const char *label, int count, const char *fault)
@@ -186,7 +186,7 @@ static void read_or_write_rows(text_stream *stream, const char *label, int rows,
         for (int k = 0; k < columns; k++, numbers++) {
             if (!stream->input) write_double(word, *numbers);
             read_or_write_word(stream, ' ', word);
-            record_fault(stream, stream->input && !read_double(word, numbers), DAMAGED);
+            record_first_fault(stream, stream->input && !read_double(word, numbers), DAMAGED);
         }
     }
 }
@@ -237,6 +237,6 @@ const char *tvi_state_text_read(tvi_state_text *state_text, const char *text, si
     text_stream stream = {.input = text, .input_size = size, .hash = JET_HASH_OF_NOTHING};
     read_or_write_state(&stream, state_text);
     skip_whitespace(&stream);
-    record_fault(&stream, stream.position < size, "something follows the end of the state's text");
+    record_first_fault(&stream, stream.position < size, "something follows the end of the state's text");
     return stream.first_fault;
 }

@@ -1,4 +1,5 @@
-/* status.c - Defines tvi_status_string, tvi_version and tvi_last_error. */
+/* status.c - Returns the text of a status, the library's version, and the text of the last error (tvi_status_string,
+ * tvi_version, tvi_last_error). */
 #include "system/refuse.h"
 
 #define STATUS_TEXT(code, text) [code] = text,

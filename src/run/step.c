@@ -1,6 +1,6 @@
 /* step.c - Makes steps of one member or of a batch of members (tvi_step). The stepper of the method computes the
- * increments of the states, the steps that are too large are refused, and the increments of the others are added to the
- * states by compensated summation. */
+ * increments of the states, and the guard (guard.h) refuses the steps that are too large. The increments of the
+ * accepted steps are added to the states by compensated summation (advance.h). */
 #include "run/advance.h"
 #include "run/guard.h"
 #include "run/integrator.h"
@@ -26,13 +26,13 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     integrator->stats.largest_tail = 0;
 }
 
-/* The functions below that loop over the members take their number as the argument `width`. The compiler makes one
- * version of them for width = 1, and one for any width. */
+/* The functions below that loop over the members have the number of members as the argument `width`. The compiler makes
+ * one version of each function for width = 1, and one for any width. */
 
 /* ---- The increments ---------------------------------------------------------------------------------------------- */
 
 /* Computes the increments of one member by the stepper's function for a single member. With a tolerance > 0 that
- * function chooses the step size, at most it->h, and sets it->h to it. */
+ * function chooses the step size, at most it->h, and it->h becomes that size. */
 static void compute_increments_of_one_member(tvi_integrator *it, double tolerance)
 {
     const tvi_stepper *stepper = it->stepper;
@@ -67,7 +67,7 @@ JET_INLINE void compute_increments(tvi_integrator *it, int width, double toleran
     for (int member = 0; member < width; member++) it->increments.dq[time + member] = it->h;
 }
 
-/* ---- Whether they are to be added -------------------------------------------------------------------------------- */
+/* ---- Checks of new states ---------------------------------------------------------------------------------------- */
 
 /* Tells whether the forces, or the derivatives of the Lagrangian or Hamiltonian, are finite at the start of the
  * member's step. A Lagrangian is evaluated at velocity 0. */
@@ -208,19 +208,20 @@ static int step_all_members(tvi_integrator *it, double tolerance, double h)
     return it->width == 1 ? step_members(it, 1, tolerance, h) : step_members(it, it->width, tolerance, h);
 }
 
-void tvi_step_batch(tvi_integrator *it, long steps, double h)
+void tvi_step_batch(tvi_integrator *it, long most_steps, double h)
 {
-    for (long k = 0, made = 1; k < steps && made > 0; k++) made = step_all_members(it, 0, h);
+    for (long k = 0, made = 1; k < most_steps && made > 0; k++) made = step_all_members(it, 0, h);
 }
 
-/* Makes up to `steps` steps in one call of the stepper, as long as the guard accepts each by its tail and passes,
- * without its energy (guard.h). Returns the number of steps that were made. */
-static long make_unchecked_steps(tvi_integrator *it, long steps, double h, double t_end)
+/* Makes up to most_steps steps in one call of the stepper, as long as the guard (guard.h) accepts each step by its tail
+ * and its number of passes, without computing the energy. Returns the number of steps that were made. */
+static long make_unchecked_steps(tvi_integrator *it, long most_steps, double h, double t_end)
 {
-    if (!it->stepper->run || steps < 1 || it->reference_energy->is_H_known) return 0;
+    if (!it->stepper->run || most_steps < 1 || it->reference_energy->is_H_known) return 0;
     const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
-    const tvi_run_request run = {h, steps, limits, tvi_is_rescaled(it) ? it->system->n : -1, t_end, it->increments};
+    const tvi_run_request run = {h,     most_steps,    limits, tvi_is_rescaled(it) ? it->system->n : -1,
+                                 t_end, it->increments};
     it->increments.dq[it->stepped->n] = h;
     const long made = it->stepper->run(it->work, &run, &it->state, &it->stats);
     it->stats.steps += made;
@@ -236,7 +237,7 @@ static tvi_status add_step_to_error_text(const tvi_integrator *it)
                       jet_last_refusal_text());
 }
 
-tvi_status tvi_make_steps(tvi_integrator *it, long steps, double tolerance, double h, double t_end, double *t,
+tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance, double h, double t_end, double *t,
                           double q[], double p[])
 {
     const tvi_run_arguments given = {it, t, q, p, h};
@@ -247,8 +248,8 @@ tvi_status tvi_make_steps(tvi_integrator *it, long steps, double tolerance, doub
     if (status != TVI_OK) return status;
     const bool in_rows = tolerance == 0;
     const double *state = &it->state.q[it->system->n], way = copysign(1, h);
-    for (long k = 0; status == TVI_OK && k < steps && (k == 0 || way * (t_end - *state) > 0); k++) {
-        if (in_rows) k += make_unchecked_steps(it, steps - 1 - k, h, t_end);
+    for (long k = 0; status == TVI_OK && k < most_steps && (k == 0 || way * (t_end - *state) > 0); k++) {
+        if (in_rows) k += make_unchecked_steps(it, most_steps - 1 - k, h, t_end);
         it->status[0] = TVI_OK;
         if (step_all_members(it, tolerance, h) == 0) status = add_step_to_error_text(it);
     }

@@ -1,7 +1,8 @@
 /* tangent.c - Multiplies tangent vectors, the columns of D, by the Jacobian matrix M of a step: D <- M D (tangent.h).
- * For each column the same method makes one step of the lifted system (docs/method.md section 10). Its history is
- * cleared before, so that the columns do not depend on one another. For runs the vectors before and after the last step
- * are stored, so that those at a point inside the step can be computed from those before it. */
+ * For each column the same method makes one step of the lifted system (docs/method.md section 10). Before this step the
+ * history of the lifted integrator is cleared, so that the columns do not depend on one another. In a run the vectors
+ * before and after the last step are stored, since the vectors at a point inside the step are computed from the vectors
+ * before the step. */
 #include "run/tangent.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
@@ -30,15 +31,15 @@ struct tvi_tangent {
     double *gradient;                  /* [2n] the derivatives K_q and K_p of a rescaled system's Hamiltonian K */
     double *field_block;  /* memory in which the tape of K_q and K_p is evaluated; NULL if the system is not rescaled */
     double *energy_block; /* memory in which the lifted energy is evaluated, the change of K along a tangent vector */
-    /* [2 parameters] The parameters of the lifted system: the integrator's values, then their components of the tangent
-     * vector. */
+    /* [2 parameters] The parameters of the lifted system: the integrator's values, then the components of the tangent
+     * vector that belong to the parameters. */
     double *parameters_and_rates;
     /* Matrices [2n + parameters][columns] of a run's tangent vectors, before and after the last step. Their n is
      * that of the user's system. */
     double *columns_at_step_start, *columns_at_step_end;
-    int column_capacity;         /* the number of columns for which these matrices have memory */
-    long step_number;            /* the number of the step to which they belong; 0 if there is none */
-    int propagated_column_count; /* the number of columns that were propagated by this step */
+    int column_capacity;         /* the number of columns for which both matrices have memory */
+    long step_number;            /* the number of the step that the matrices belong to; 0 if there is none */
+    int propagated_column_count; /* the number of columns that were propagated by that step */
 };
 
 static void free_tangent(tvi_tangent *tangent)
@@ -169,8 +170,8 @@ static void set_lifted_state(const tvi_integrator *it, const differentiated_step
     }
 }
 
-/* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of
- * a rescaled system. project_column_to_orbit_time must follow in the latter. */
+/* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of a
+ * rescaled system. In a rescaled system a call of project_column_to_orbit_time must follow. */
 static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *it, const differentiated_step *step)
 {
     tvi_tangent *tangent = it->tangent;
@@ -191,11 +192,11 @@ static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *
     return status;
 }
 
-/* ---- At equal times ---------------------------------------------------------------------------------------------- */
+/* ---- Neighbouring orbits at equal times -------------------------------------------------------------------------- */
 
 /* Computes the gradient (K_q, K_p) of a rescaled system's Hamiltonian K at a state. */
-static tvi_status compute_rescaled_gradient(const tvi_integrator *it, const double parameters[], const double q[],
-                                            const double p[])
+static tvi_status compute_rescaled_hamiltonian_gradient(const tvi_integrator *it, const double parameters[],
+                                                        const double q[], const double p[])
 {
     const jet_tape *tape = it->stepped->field_values;
     const tvi_tangent *tangent = it->tangent;
@@ -216,7 +217,7 @@ static tvi_status set_energy_offset_component(const tvi_integrator *it, const di
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->lifted_system->energy;
     const int n = tangent->n, e = 2 * n - 1;
-    tvi_status status = compute_rescaled_gradient(it, step->parameters, step->start->q, step->start->p);
+    tvi_status status = compute_rescaled_hamiltonian_gradient(it, step->parameters, step->start->q, step->start->p);
     if (status == TVI_OK) status = set_lifted_parameters(it, step, 0);
     if (status != TVI_OK) return status;
     set_lifted_state(it, step, 0);
@@ -234,8 +235,8 @@ static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const d
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
-    const tvi_status status = compute_rescaled_gradient(it, step->parameters, tangent->lifted_q,
-                                                        tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0));
+    const tvi_status status = compute_rescaled_hamiltonian_gradient(
+        it, step->parameters, tangent->lifted_q, tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0));
     const double ds = tangent->column[n - 1] / tangent->gradient[2 * n - 1];
     for (int i = 0; i < n; i++) {
         tangent->column[i] -= tangent->gradient[n + i] * ds;

@@ -66,7 +66,8 @@ static tvi_status report_next_time_inside_step(tvi_times_progress *times_progres
     return status;
 }
 
-/* Reports the given times up to last_time. It ends when the observer stops the run, unless reports_all is set. */
+/* Reports the given times up to last_time. Stops reporting when the observer stops the run, unless reports_all is
+ * set. */
 static tvi_status report_times_until(tvi_times_progress *times_progress, double last_time, bool reports_all)
 {
     const tvi_run_plan *plan = times_progress->run->plan;
