@@ -154,9 +154,9 @@ static void scatter_member_impulses(const galerkin_batch_stepper *stepper, const
                            destination + u * nodes->node_count * nodes->member_count);
 }
 
-static double *impulses_of_step(const galerkin_batch_stepper *stepper, int steps_after_last)
+static double *find_impulses_of_step(const galerkin_batch_stepper *stepper, int steps_after_last)
 {
-    return galerkin_impulses_in_ring(&stepper->step_data, (int)*stepper->last_ring_index + steps_after_last);
+    return galerkin_find_impulses_in_ring(&stepper->step_data, (int)*stepper->last_ring_index + steps_after_last);
 }
 
 /* Copies the history of one lane to the history of a stepper of a single member. copy_history_to_lane copies it
@@ -168,7 +168,8 @@ static void copy_history_from_lane(const void *work, int lane, void *single_step
     *predictor->history = stepper->history[lane];
     predictor->history->last_ring_index = 0;
     for (int i = 0; i < 2; i++)
-        gather_member_impulses(stepper, impulses_of_step(stepper, -i), lane, galerkin_impulses_of_step(predictor, -i));
+        gather_member_impulses(stepper, find_impulses_of_step(stepper, -i), lane,
+                               galerkin_find_impulses_of_step(predictor, -i));
 }
 
 static void copy_history_to_lane(void *work, int lane, const void *single_stepper)
@@ -177,7 +178,8 @@ static void copy_history_to_lane(void *work, int lane, const void *single_steppe
     const galerkin_predictor *predictor = &((const galerkin_stepper *)single_stepper)->predictor;
     stepper->history[lane] = *predictor->history;
     for (int i = 0; i < 2; i++)
-        scatter_member_impulses(stepper, galerkin_impulses_of_step(predictor, -i), lane, impulses_of_step(stepper, -i));
+        scatter_member_impulses(stepper, galerkin_find_impulses_of_step(predictor, -i), lane,
+                                find_impulses_of_step(stepper, -i));
 }
 
 static void forget_lane_history(void *work, int lane)
@@ -214,7 +216,7 @@ static int select_members_to_step_together(galerkin_batch_stepper *stepper, doub
             status[member] == TVI_OK && history->step_size == h && galerkin_follows_last_step(history, h, t[member]);
         stepper->iteration.largest_contraction_ratio[member] = history->convergence.largest_contraction_ratio;
         stepper->stepped_together_mask[member] = stepper->iteration.moving_mask[member] = is_next ? -1 : 0;
-        stepper->last_step_only_mask[member] = galerkin_mask_last_step_only(
+        stepper->last_step_only_mask[member] = galerkin_make_last_step_only_mask(
             &stepper->step_data, history->previous_step_size == h ? 2 : 1, history->convergence.first_movement_square);
         count += is_next;
     }
@@ -275,8 +277,8 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
     return TVI_OK;
 }
 
-static void solve_members_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
-                                   const tvi_step_origin *origin, tvi_stats *stats)
+static void solve_step_equations_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
+                                          const tvi_step_origin *origin, tvi_stats *stats)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
     const galerkin_extrapolation extrapolation = galerkin_select_extrapolation(
@@ -288,21 +290,21 @@ static void solve_members_in_lanes(galerkin_batch_stepper *stepper, double h, co
     stepper->step_data.kernels->predict(nodes, &extrapolation);
     set_node_times(stepper, h, origins);
     stepper->step_data.kernels->set_sizes(nodes, stepper->single_stepper->n);
-    galerkin_iterate_members(&stepper->step_data, nodes,
-                             &(galerkin_pass_functions){.make_pass = make_batch_pass, .work = &pass_work},
-                             &stepper->iteration);
+    galerkin_make_passes_of_batch(&stepper->step_data, nodes,
+                                  &(galerkin_pass_functions){.make_pass = make_batch_pass, .work = &pass_work},
+                                  &stepper->iteration);
     for (int member = 0; member < nodes->member_count; member++)
         stepper->stepped_together_mask[member] = stepper->iteration.converged_mask[member];
 }
 
 /* The index of the last step in the ring advances for all members together. This function moves the impulses of
  * members that are stepped alone by one place in the ring, so that their history stays the same. */
-static void shift_impulse_ring_of_lone_members(const galerkin_batch_stepper *stepper)
+static void advance_impulse_ring(const galerkin_batch_stepper *stepper)
 {
     const int member_count = stepper->nodes.member_count,
               rows = stepper->nodes.unknown_count * stepper->nodes.node_count;
-    double *const before = impulses_of_step(stepper, -1), *const last = impulses_of_step(stepper, 0),
-                  *const next = impulses_of_step(stepper, 1);
+    double *const before = find_impulses_of_step(stepper, -1), *const last = find_impulses_of_step(stepper, 0),
+                  *const next = find_impulses_of_step(stepper, 1);
     for (int member = 0; member < member_count; member++)
         for (int at = member; at < rows * member_count && !stepper->stepped_together_mask[member]; at += member_count) {
             next[at] = last[at];
@@ -321,12 +323,13 @@ static void copy_rows_of_members_in_lanes(const galerkin_batch_stepper *stepper,
             destination[member] = stepper->stepped_together_mask[member] ? source[member] : destination[member];
 }
 
-static void finish_step_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
-                                 const tvi_step_origin *origin, const tvi_batch_results *results)
+static void compute_results_of_members_in_lanes(galerkin_batch_stepper *stepper, double h,
+                                                const tvi_batch_origin *origins, const tvi_step_origin *origin,
+                                                const tvi_batch_results *results)
 {
     const int n = stepper->single_stepper->n;
     galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments, stepper->tail);
-    shift_impulse_ring_of_lone_members(stepper);
+    advance_impulse_ring(stepper);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp, results->increments.dp);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
@@ -350,10 +353,10 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origins, co
     galerkin_batch_stepper *stepper = work;
     const tvi_step_origin origin = {0, 0, origins->q, origins->q_low, origins->p, origins->p_low};
     tvi_galerkin_set_step_size(stepper->single_stepper, h);
-    stepper->nodes.impulses = impulses_of_step(stepper, 1);
+    stepper->nodes.impulses = find_impulses_of_step(stepper, 1);
     if (select_members_to_step_together(stepper, h, origins->t, results->status) > 0) {
-        solve_members_in_lanes(stepper, h, origins, &origin, stats);
-        finish_step_in_lanes(stepper, h, origins, &origin, results);
+        solve_step_equations_in_lanes(stepper, h, origins, &origin, stats);
+        compute_results_of_members_in_lanes(stepper, h, origins, &origin, results);
     }
     for (int member = 0; member < stepper->nodes.member_count; member++)
         if (results->status[member] == TVI_OK && !stepper->stepped_together_mask[member])

@@ -127,8 +127,8 @@ void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi
     coefficients->node_weight = tvi_arena_allocate_doubles(arena, width);
     coefficients->node_abscissa = tvi_arena_allocate_doubles(arena, width);
     coefficients->impulse_matrix = tvi_arena_allocate_doubles(arena, width * width);
-    coefficients->end_sum_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
-    coefficients->end_sum_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
+    coefficients->impulse_sum_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
+    coefficients->impulse_sum_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
 }
 
 static double round_to_binary_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
@@ -166,8 +166,8 @@ static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_
 {
     const int m = coefficients->node_count;
     for (int j = 0; j < m; j++) {
-        coefficients->end_sum_weights.one_minus_abscissa[j] = 1 - coefficients->node_abscissa[j];
-        coefficients->end_sum_weights.last_term_weight[j] =
+        coefficients->impulse_sum_weights.one_minus_abscissa[j] = 1 - coefficients->node_abscissa[j];
+        coefficients->impulse_sum_weights.last_term_weight[j] =
             polynomials->transposed_legendre_coefficient[j * coefficients->lane_count + m - 1];
     }
 }

@@ -40,7 +40,7 @@ typedef struct {
     /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a
      * separable system. */
     double *impulse_matrix;
-    galerkin_end_sum_weights end_sum_weights;
+    galerkin_impulse_sum_weights impulse_sum_weights;
     long double long_double_abscissa[TVI_GALERKIN_MAX_LANES], long_double_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 

@@ -42,7 +42,7 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const 
                     "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
                     nodes->lane_count, field->node_count, field->system->n, nodes->unknown_count,
                     nodes->moving_unknown_count, nodes->subsystems.count, field->system->tail_subsystems.count,
-                    galerkin_is_second_order(field), galerkin_count_input_rows(field->system->field_values),
+                    galerkin_is_second_order(field), galerkin_count_read_only_rows(field->system->field_values),
                     nodes->lane_count);
     emit_text_lines(text, tvi_embedded_galerkin);
     emit_passes_rule(text, rule);

@@ -8,7 +8,7 @@ static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)
     field->pass_input_row_count = field->nodes.unknown_count;
     field->nodes.values = tvi_arena_allocate_block(arena, field->system->field_values, 1, field->nodes.lane_count, 0);
     field->tape_block = field->nodes.values;
-    field->impulse_to_predicted = field->impulse_matrix;
+    field->impulse_to_predicted_matrix = field->impulse_matrix;
 }
 
 /* Returns the tape's output slot that contains the rate of an unknown: F for a separable system; H_p for a

@@ -29,13 +29,13 @@ typedef struct {
     /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
     int *rate_row_of_unknown;
     /* [unknowns] The factor 1/h from extrapolated impulses to rates, for the forms that predict rates. */
-    double *rate_scale;
+    double *rate_per_impulse;
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
     double *impulse_matrix;
     /* [j][i] The factor of the impulse of node j in the quantity that the form's `predict` extrapolates, at node i: the
      * unknown, or its rate. The tables of the predictor are products with this matrix. */
-    double *impulse_to_predicted;
+    double *impulse_to_predicted_matrix;
     /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
      * otherwise. */
     tvi_roundoff *output_displacements;
@@ -50,8 +50,8 @@ struct galerkin_field_form {
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
-    /* Predicts the unknowns, as galerkin_pass_functions.predict, by tables that contain impulse_to_predicted. If the
-     * form has NULL here, galerkin_predict_unknowns calls the kernel itself. */
+    /* Predicts the unknowns, as galerkin_pass_functions.predict, by tables that contain impulse_to_predicted_matrix. If
+     * the form has NULL here, galerkin_predict_unknowns calls the kernel itself. */
     void (*predict)(void *form_work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
      * moves the unknowns itself. */
@@ -83,7 +83,10 @@ void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, co
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
 /* Returns the number of rows at the start of a tape's block that a sweep reads and does not write. */
-static inline int galerkin_count_input_rows(const jet_tape *tape) { return tape->input_count + tape->constant_count; }
+static inline int galerkin_count_read_only_rows(const jet_tape *tape)
+{
+    return tape->input_count + tape->constant_count;
+}
 
 /* Adds the field's output_displacements to the outputs of a tape in its block. */
 void tvi_galerkin_displace_tape_outputs(const galerkin_field *field, const jet_tape *tape, double *block);

@@ -94,7 +94,7 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->momentum_per_unit_drift = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     field->rate_row_of_unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    field->rate_scale = tvi_arena_allocate_doubles(arena, unknowns);
+    field->rate_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
 }
 
 static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system,
@@ -152,13 +152,13 @@ static void prepare_stepper(void *work)
     stepper->step_data = (galerkin_step_data){.kernels = stepper->field.kernels,
                                               .nodes = &stepper->field.nodes,
                                               .tail_inputs = &stepper->tail_inputs,
-                                              .end_sum_weights = &stepper->coefficients.end_sum_weights,
+                                              .impulse_sum_weights = &stepper->coefficients.impulse_sum_weights,
                                               .passes_rule = &stepper->passes_rule,
                                               .impulse_matrix = stepper->field.impulse_matrix,
                                               .node_abscissa = stepper->coefficients.node_abscissa,
                                               .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
                                               .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
-                                              .rough_movement_square = stepper->predictor.rough_movement_square,
+                                              .max_first_movement_square = stepper->predictor.max_first_movement_square,
                                               .impulse_ring = stepper->predictor.impulse_ring,
                                               .drift = stepper->step_data.drift,
                                               .drift_low = stepper->step_data.drift_low,
@@ -173,7 +173,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
     if (h == stepper->field.step_size) return;
     stepper->field.step_size = h;
     for (int i = 0; i < nodes->lane_count; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
-    for (int u = 0; u < nodes->unknown_count; u++) stepper->field.rate_scale[u] = 1 / h;
+    for (int u = 0; u < nodes->unknown_count; u++) stepper->field.rate_per_impulse[u] = 1 / h;
     for (int u = 0; u < nodes->unknown_count; u++)
         nodes->impulse_scale[u] = galerkin_is_second_order(&stepper->field) ? h / stepper->field.system->mass[u]
                                   : u < stepper->n || stepper->field.system->form == TVI_LAGRANGIAN ? 1
@@ -205,7 +205,7 @@ static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_o
                                      const double *elapsed_fraction, tvi_stats *stats)
 {
     galerkin_field *field = &stepper->field;
-    field->nodes.impulses = galerkin_impulses_of_step(&stepper->predictor, 1);
+    field->nodes.impulses = galerkin_find_impulses_of_step(&stepper->predictor, 1);
     galerkin_set_drift_values(&stepper->step_data, &field->nodes, origin);
     if (elapsed_fraction) {
         tvi_galerkin_predict_from_last_step(&stepper->predictor, &stepper->coefficients, &stepper->node_polynomials,
@@ -280,10 +280,10 @@ static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_ru
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                         const tvi_run_state *state, galerkin_steps_outcome *outcome, tvi_stats *stats);
 
-/* Makes steps by generated code or by the library. The first step is predicted from earlier steps, if may_continue is
- * set and that is possible, and otherwise from the state alone. */
+/* Makes steps by generated code or by the library. The first step is predicted from earlier steps, if
+ * can_use_earlier_steps is set and that is possible, and otherwise from the state alone. */
 static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
-                                                     bool may_continue, const tvi_run_request *run,
+                                                     bool can_use_earlier_steps, const tvi_run_request *run,
                                                      const tvi_step_origin *origin, const tvi_run_state *state,
                                                      tvi_stats *stats)
 {
@@ -294,14 +294,14 @@ static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, 
     double elapsed_fraction;
     tvi_galerkin_set_step_size(stepper, h);
     if (h == history->step_size) outcome.convergence = history->convergence;
-    if (may_continue)
-        outcome.continues_last_step =
+    if (can_use_earlier_steps)
+        outcome.is_predicted_from_last_step =
             tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_fraction);
-    if (outcome.continues_last_step && elapsed_fraction == 1 && h == history->step_size)
+    if (outcome.is_predicted_from_last_step && elapsed_fraction == 1 && h == history->step_size)
         outcome.equal_step_count = h == history->previous_step_size ? 2 : 1;
     if (outcome.equal_step_count == 0)
         outcome.status =
-            predict_first_step(stepper, origin, outcome.continues_last_step ? &elapsed_fraction : NULL, stats);
+            predict_first_step(stepper, origin, outcome.is_predicted_from_last_step ? &elapsed_fraction : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
     set_node_times(stepper, origin, h);
     make_steps(stepper, run, origin, state, &outcome, stats);
@@ -329,7 +329,7 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
         outcome = predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats);
     if (outcome.step_count < 1)
         outcome = predict_and_make_steps(stepper, make_steps_in_library, iterates, &run, origin, NULL, stats);
-    if (outcome.step_count < 1 && outcome.continues_last_step)
+    if (outcome.step_count < 1 && outcome.is_predicted_from_last_step)
         outcome = predict_and_make_steps(stepper, make_steps_in_library, false, &run, origin, NULL, stats);
     return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }

@@ -33,7 +33,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     hamiltonian_passes passes = *(const hamiltonian_passes *)step_data->form_work;
     local_data.tail_inputs = &inputs;
     passes.nodes = &nodes;
-    passes.tape_blocks = galerkin_use_block_copies(&passes.tape_blocks, &nodes, &own);
+    passes.tape_blocks = galerkin_make_local_blocks(&passes.tape_blocks, &nodes, &own);
     if (GALERKIN_IS_OWN)
         galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);

@@ -25,8 +25,8 @@ typedef struct {
     _Alignas(64) double x[GALERKIN_OF_ROWS];
 } galerkin_block_copies;
 
-JET_INLINE galerkin_tape_blocks galerkin_use_block_copies(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
-                                                          galerkin_block_copies *copies)
+JET_INLINE galerkin_tape_blocks galerkin_make_local_blocks(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
+                                                           galerkin_block_copies *copies)
 {
     galerkin_tape_blocks local_blocks = *blocks;
     local_blocks.n = GALERKIN_N;

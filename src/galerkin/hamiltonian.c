@@ -41,12 +41,12 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     field->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
     tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
     field->tape_block = work.hessian_tables.blocks.values_block;
-    field->impulse_to_predicted = tvi_arena_allocate_doubles(arena, lanes * lanes);
+    field->impulse_to_predicted_matrix = tvi_arena_allocate_doubles(arena, lanes * lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
     work.passes.rate_nodes.drift_values = work.passes.rate_nodes.drift_values_low =
         tvi_arena_allocate_doubles(arena, unknowns * lanes);
-    work.passes.rate_nodes.impulse_scale = field->rate_scale;
+    work.passes.rate_nodes.impulse_scale = field->rate_per_impulse;
     work.passes.inner_iterations.unknown_of_row = work.unknown_of_row =
         tvi_arena_allocate(arena, unknowns * sizeof(int));
     work.passes.inner_iterations.hessian_index = work.hessian_index =
@@ -59,7 +59,7 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
 }
 
 /* Returns the component of the gradient that is the rate of an unknown, up to its sign. */
-static int gradient_component_of_unknown(const galerkin_field *field, int unknown)
+static int find_gradient_component_of_rate(const galerkin_field *field, int unknown)
 {
     const int n = field->system->n;
     return unknown < n ? unknown + n : unknown - n;
@@ -82,7 +82,7 @@ static bool is_unknown_in_inner_iterations(const galerkin_field *field, const ga
                                            int unknown)
 {
     return has_hessian_row_entries(tables, unknown) &&
-           has_hessian_row_entries(tables, gradient_component_of_unknown(field, unknown));
+           has_hessian_row_entries(tables, find_gradient_component_of_rate(field, unknown));
 }
 
 /* Returns the index of a second derivative in hessian_block. If the derivative is 0 by construction, this is the
@@ -102,7 +102,7 @@ static int append_unknowns_with_hessian_row(const galerkin_field *field, const g
                                             bool in_inner_iterations, int count, int *unknown_list)
 {
     for (int u = 0; u < field->nodes.unknown_count; u++)
-        if (has_hessian_row_entries(tables, gradient_component_of_unknown(field, u)) &&
+        if (has_hessian_row_entries(tables, find_gradient_component_of_rate(field, u)) &&
             is_unknown_in_inner_iterations(field, tables, u) == in_inner_iterations)
             unknown_list[count++] = u;
     return count;
@@ -115,9 +115,9 @@ static void list_hessian_indices(const galerkin_field *field, const galerkin_hes
 {
     for (int first = 0; first < inner->hessian_row_count; first += LANES_ROWS)
         for (int column = 0; column < inner->hessian_column_count; column++)
-            for (int i = first; i < first + lanes_row_group_size(inner, first); i++)
+            for (int i = first; i < first + lanes_count_rows_in_group(inner, first); i++)
                 *index++ =
-                    find_hessian_index(field, tables, gradient_component_of_unknown(field, inner->unknown_of_row[i]),
+                    find_hessian_index(field, tables, find_gradient_component_of_rate(field, inner->unknown_of_row[i]),
                                        inner->unknown_of_row[column]);
 }
 
@@ -143,8 +143,9 @@ static void prepare_hamiltonian_field(galerkin_field *field)
     prepare_inner_iterations(field, work, &passes->inner_iterations);
     for (int u = 0; u < field->nodes.unknown_count; u++) {
         field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
-        work->rate_slot[false][u] = field->system->field_values->output_slot[gradient_component_of_unknown(field, u)];
-        work->rate_slot[true][u] = field->system->hessian_values->output_slot[gradient_component_of_unknown(field, u)];
+        work->rate_slot[false][u] = field->system->field_values->output_slot[find_gradient_component_of_rate(field, u)];
+        work->rate_slot[true][u] =
+            field->system->hessian_values->output_slot[find_gradient_component_of_rate(field, u)];
     }
     passes->nodes = &field->nodes;
     passes->impulse_matrix = field->impulse_matrix;

@@ -43,7 +43,7 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
     hamiltonian_passes *passes = work;
     (void)nodes;
     double moved;
-    const galerkin_nodes all = galerkin_nodes_with_all_unknowns_moving(passes->nodes);
+    const galerkin_nodes all = galerkin_copy_nodes_with_all_moving(passes->nodes);
     GALERKIN_KERNEL(passes->kernels, predict, &passes->rate_nodes, extrapolation);
     GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values,
                     passes->rate_row_of_unknown, &moved);

@@ -49,7 +49,7 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_end_sum_weights *weights,
+JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
                                     const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
 {
     const int count = MEMBERS ? shape.node_count : shape.lane_count;

@@ -31,7 +31,7 @@ JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_iterat
     const int *index = inner->hessian_index;
     float *packed = inner->packed_hessian;
     for (int first = 0, group; first < inner->hessian_row_count; first += group) {
-        group = lanes_row_group_size(inner, first);
+        group = lanes_count_rows_in_group(inner, first);
         for (int column = 0; column < inner->hessian_column_count; column++, index += group, packed += group * LANES)
             for (int v = 0; v < NAME(vectors); v++) {
                 const V by_column =
@@ -68,7 +68,7 @@ JET_INLINE void NAME(compute_impulses)(const lanes_inner_iterations *inner, cons
                                        float *out)
 {
     for (int first = 0; first < end_row; first += LANES_ROWS) {
-        const int group = lanes_row_group_size(inner, first);
+        const int group = lanes_count_rows_in_group(inner, first);
         if (group == LANES_ROWS) NAME(compute_group)(inner, change, first, LANES_ROWS, out);
         else NAME(compute_group)(inner, change, first, group, out);
     }

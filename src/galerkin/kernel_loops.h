@@ -41,7 +41,7 @@ OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const dou
     EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, movement, shape, here));
 }
 
-OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_end_sum_weights *weights,
+OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
                          const galerkin_impulse_sums *sums)
 {
     EACH_VECTOR(NAME(integrate_all)(nodes, weights, sums, shape, here));
@@ -53,9 +53,9 @@ OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_
     const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
-            increments->dq[at] = galerkin_coordinate_increment(drift[at], drift_low[at], nodes->impulse_scale[u],
-                                                               sums->double_integral[at], sums->double_integral_low[at],
-                                                               &increments->dq_low[at]);
+            increments->dq[at] = galerkin_compute_coordinate_increment(
+                drift[at], drift_low[at], nodes->impulse_scale[u], sums->double_integral[at],
+                sums->double_integral_low[at], &increments->dq_low[at]);
             increments->dp[at] = sums->single_integral[at];
             increments->dp_low[at] = sums->single_integral_low[at];
         }

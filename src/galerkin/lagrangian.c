@@ -39,7 +39,7 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     field->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
     tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
     field->tape_block = work.hessian_tables.blocks.values_block;
-    field->impulse_to_predicted = tvi_arena_allocate_doubles(arena, lanes * lanes);
+    field->impulse_to_predicted_matrix = tvi_arena_allocate_doubles(arena, lanes * lanes);
     double **const rows[] = {&work.passes.coordinate_minus_drift, &work.passes.drift_minus_centre[0],
                              &work.passes.drift_minus_centre[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half_size);
@@ -49,9 +49,9 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     tvi_legendre_allocate(&work.legendre_transform, arena, system);
     allocate_velocity_hessian_inverse(&work.passes.velocity_hessian_inverse, arena, n, field->nodes.lane_count);
     work.passes.rate_nodes = field->nodes;
-    work.passes.rate_nodes.values = field->nodes.values ? lagrangian_values_row(&field->nodes, unknowns) : NULL;
+    work.passes.rate_nodes.values = field->nodes.values ? lagrangian_find_values_row(&field->nodes, unknowns) : NULL;
     work.passes.rate_nodes.drift_values = tvi_arena_allocate_doubles(arena, (size_t)unknowns * lanes);
-    work.passes.rate_nodes.impulse_scale = field->rate_scale;
+    work.passes.rate_nodes.impulse_scale = field->rate_per_impulse;
     if (taken) *taken = work;
 }
 
@@ -108,7 +108,7 @@ static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first_
 {
     for (int i = 0; i < n; i++)
         for (int lane = 0; lane < nodes->lane_count; lane++)
-            lagrangian_values_row(nodes, first_row + i)[lane] = value[i];
+            lagrangian_find_values_row(nodes, first_row + i)[lane] = value[i];
 }
 
 /* Predicts that Q and P stay as they are at the start of the step, and computes V there by the Legendre transform,
@@ -126,11 +126,13 @@ static tvi_status predict_lagrangian_unknowns_from_start(galerkin_field *field, 
     fill_rows_with_vector(nodes, n, 0, origin->q);
     fill_rows_with_vector(nodes, n, n, origin->p);
     fill_rows_with_vector(nodes, n, 2 * n, velocity);
-    const double *gradient = galerkin_evaluate_gradient_at_nodes(
-        &work->passes.tape_blocks, tvi_galerkin_sweep_tape, false, nodes->values, lagrangian_values_row(nodes, 2 * n));
+    const double *gradient =
+        galerkin_evaluate_gradient_at_nodes(&work->passes.tape_blocks, tvi_galerkin_sweep_tape, false, nodes->values,
+                                            lagrangian_find_values_row(nodes, 2 * n));
     if (!gradient) return TVI_EDOMAIN;
     for (int i = 0; i < 2 * n; i++)
-        memcpy(lagrangian_values_row(nodes, 3 * n + i), gradient + output[i] * lanes, (size_t)lanes * sizeof *gradient);
+        memcpy(lagrangian_find_values_row(nodes, 3 * n + i), gradient + output[i] * lanes,
+               (size_t)lanes * sizeof *gradient);
     lagrangian_move_q_and_p(&work->passes);
     return TVI_OK;
 }

@@ -54,7 +54,7 @@ typedef enum {
 /* The square of a relative movement that is only roundoff. After it a pass makes no further iteration. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
-static inline double *lagrangian_values_row(const galerkin_nodes *nodes, int row)
+static inline double *lagrangian_find_values_row(const galerkin_nodes *nodes, int row)
 {
     return nodes->values + row * nodes->lane_count;
 }
@@ -129,7 +129,7 @@ static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galer
     const int lanes = nodes->lane_count, half = nodes->unknown_count / 2 * lanes,
               *output = passes->gradient_slot[with_hessian];
     lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.values_block);
-    lagrangian_round_last_bits(half, lagrangian_values_row(nodes, nodes->unknown_count),
+    lagrangian_round_last_bits(half, lagrangian_find_values_row(nodes, nodes->unknown_count),
                                passes->tape_blocks.values_block + half);
     const double *x = galerkin_evaluate_gradient(&passes->tape_blocks, sweep, with_hessian);
     if (!x) return false;
@@ -175,9 +175,9 @@ static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
     const galerkin_nodes *nodes = passes->nodes;
     const int n = nodes->unknown_count / 2, half = n * nodes->lane_count;
     const double moved = lagrangian_move_momenta(passes);
-    GALERKIN_KERNEL(passes->kernels, correct, &passes->velocity_hessian_inverse, lagrangian_values_row(nodes, n),
-                    passes->gradient_at_centre + half, lagrangian_values_row(nodes, 4 * n),
-                    passes->tape_blocks.values_block + half, lagrangian_values_row(nodes, 2 * n));
+    GALERKIN_KERNEL(passes->kernels, correct, &passes->velocity_hessian_inverse, lagrangian_find_values_row(nodes, n),
+                    passes->gradient_at_centre + half, lagrangian_find_values_row(nodes, 4 * n),
+                    passes->tape_blocks.values_block + half, lagrangian_find_values_row(nodes, 2 * n));
     return moved + lagrangian_move_coordinates(passes);
 }
 

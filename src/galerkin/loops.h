@@ -64,7 +64,7 @@ typedef struct {
  * one_minus_abscissa is 1 - c_j, and last_term_weight gives the last term of the rate's Legendre series. */
 typedef struct {
     double *one_minus_abscissa, *last_term_weight;
-} galerkin_end_sum_weights;
+} galerkin_impulse_sum_weights;
 
 /* The sums of a step's impulses L_j, [unknowns][member_count] each. Each array has room for seven more numbers, so
  * that a vector can be stored at the last element. single_integral = sum_j L_j; double_integral = sum_j (1 - c_j)
@@ -117,8 +117,9 @@ static inline tvi_tail_component galerkin_make_tail_component(const galerkin_tai
 
 /* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (double_integral +
  * double_integral_low). Sets *low to the low-order part of the result. */
-static inline double galerkin_coordinate_increment(double drift, double drift_low, double scale, double double_integral,
-                                                   double double_integral_low, double *low)
+static inline double galerkin_compute_coordinate_increment(double drift, double drift_low, double scale,
+                                                           double double_integral, double double_integral_low,
+                                                           double *low)
 {
     const double rise = scale * double_integral;
     double rest;
@@ -156,7 +157,7 @@ typedef struct {
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
-static inline galerkin_nodes galerkin_nodes_with_all_unknowns_moving(const galerkin_nodes *nodes)
+static inline galerkin_nodes galerkin_copy_nodes_with_all_moving(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
     all.moving_unknown_count = all.unknown_count;
@@ -224,7 +225,7 @@ typedef struct {
 } lanes_inner_iterations;
 
 /* Returns the number of rows in the group that begins with row `first_row`. */
-static inline int lanes_row_group_size(const lanes_inner_iterations *inner, int first_row)
+static inline int lanes_count_rows_in_group(const lanes_inner_iterations *inner, int first_row)
 {
     return inner->hessian_row_count - first_row < LANES_ROWS ? inner->hessian_row_count - first_row : LANES_ROWS;
 }
@@ -245,7 +246,7 @@ typedef struct galerkin_kernels {
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                  double movement[]);
     /* Computes the sums of the impulses of the last movement that the end of the step needs. */
-    void (*integrate)(const galerkin_nodes *nodes, const galerkin_end_sum_weights *weights,
+    void (*integrate)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
                       const galerkin_impulse_sums *sums);
     /* `end_drifting` and `end` compute the increments of the state from the sums of `integrate`: dq = drift +
      * drift_low + scale double_integral and dp = single_integral for a separable system, and scale single_integral

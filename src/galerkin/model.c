@@ -47,7 +47,7 @@ void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const 
     list_hessian_row_elements(system, tables->hessian_element, tables->row_end);
     for (int i = 0; i < lanes; i++) {
         const int node = i < field->node_count ? i : field->node_count - 1;
-        field->impulse_to_predicted[node * lanes + i] = 1 / field->node_weight[node];
+        field->impulse_to_predicted_matrix[node * lanes + i] = 1 / field->node_weight[node];
     }
     tables->blocks.sweep_argument = field;
 }
@@ -74,5 +74,5 @@ void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tab
     jet_text_append(text,
                     "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                    hessian->input_count, galerkin_count_input_rows(hessian), tables->blocks.lane_count);
+                    hessian->input_count, galerkin_count_read_only_rows(hessian), tables->blocks.lane_count);
 }

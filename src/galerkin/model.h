@@ -16,7 +16,7 @@ typedef struct {
 
 void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_arena *arena,
                                           const galerkin_field *field);
-/* Fills the tables of second derivatives, and field->impulse_to_predicted. */
+/* Fills the tables of second derivatives, and field->impulse_to_predicted_matrix. */
 void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const galerkin_field *field);
 
 /* Evaluates a tape of the field in its block, and adds the field's output_displacements. */

@@ -23,7 +23,7 @@ static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_
                            const double theta[], const double *single_integral, const double *double_integral,
                            const double q_start[], const double p_start[], double *q, double *p)
 {
-    const double *impulses = galerkin_impulses_of_step(&stepper->predictor, 0), *of_p = impulses;
+    const double *impulses = galerkin_find_impulses_of_step(&stepper->predictor, 0), *of_p = impulses;
     const bool separable = galerkin_is_second_order(&stepper->field);
     if (!separable) of_p += stepper->n * stepper->field.nodes.lane_count;
     integrate_impulses(stepper, used_range[0], point_count, theta, separable ? double_integral : single_integral,

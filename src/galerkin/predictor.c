@@ -10,7 +10,7 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
     const int unknowns = field->nodes.unknown_count, lanes = field->nodes.lane_count;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     predictor->history = tvi_arena_allocate_in_copied_history(arena, sizeof *predictor->history);
-    predictor->rough_movement_square = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
+    predictor->max_first_movement_square = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_in_uncopied_history(arena, count * width * sizeof(double));
     predictor->two_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
@@ -74,7 +74,8 @@ static void set_extrapolation_table(const galerkin_coefficients *coefficients, c
             double *column = table + (point / m * lanes + point % m) * lanes;
             const double impulse_factor = (double)(factors[point][next] * coefficients->long_double_weight[next] /
                                                    coefficients->long_double_weight[point % m]);
-            for (int i = 0; i < lanes; i++) column[i] += impulse_factor * field->impulse_to_predicted[next * lanes + i];
+            for (int i = 0; i < lanes; i++)
+                column[i] += impulse_factor * field->impulse_to_predicted_matrix[next * lanes + i];
         }
 }
 
@@ -147,9 +148,9 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
     const long long last_alone = -1;
     set_resized_step_extrapolation(predictor, coefficients, polynomials, field->kernels,
                                    field->step_size / predictor->history->step_size, elapsed_fraction);
-    field->kernels->evaluate(&to, predictor->resized_step_extrapolation, galerkin_impulses_of_step(predictor, 0),
+    field->kernels->evaluate(&to, predictor->resized_step_extrapolation, galerkin_find_impulses_of_step(predictor, 0),
                              predictor->extrapolated_rates);
-    galerkin_predict_unknowns(field, &(galerkin_extrapolation){field->impulse_to_predicted, field->impulse_to_predicted,
-                                                               predictor->extrapolated_rates,
-                                                               predictor->extrapolated_rates, &last_alone});
+    galerkin_predict_unknowns(
+        field, &(galerkin_extrapolation){field->impulse_to_predicted_matrix, field->impulse_to_predicted_matrix,
+                                         predictor->extrapolated_rates, predictor->extrapolated_rates, &last_alone});
 }

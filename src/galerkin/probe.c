@@ -76,7 +76,7 @@ static void displace_unknowns(galerkin_nodes *nodes)
 }
 
 /* Returns the sum of the squares of the relative differences between x and the unknowns. */
-static double squared_distance_to_unknowns(const galerkin_nodes *nodes, const double *x)
+static double compute_squared_distance_to_unknowns(const galerkin_nodes *nodes, const double *x)
 {
     double sum = 0;
     for (int u = 0; u < nodes->unknown_count; u++)
@@ -121,8 +121,8 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
         probe->output_displacements.field_change[i] *= GALERKIN_PROBE_UNITS;
     tvi_status status = make_pass_from_displaced_unknowns(field, probe, movement, stats);
     if (status == TVI_OK) status = galerkin_make_pass(field, movement, stats);
-    *roundoff = squared_distance_to_unknowns(nodes, probe->values_after_displaced_pass);
-    *movement = squared_distance_to_unknowns(nodes, probe->values_before_pass);
+    *roundoff = compute_squared_distance_to_unknowns(nodes, probe->values_after_displaced_pass);
+    *movement = compute_squared_distance_to_unknowns(nodes, probe->values_before_pass);
     return status;
 }
 

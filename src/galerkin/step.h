@@ -35,7 +35,7 @@ typedef struct {
     double *two_step_extrapolation, *last_step_extrapolation;
     /* If the movement of the first pass of a step, a sum of squares, is larger than this, its prediction had a relative
      * error above 1/100. The next step is then predicted from the last step alone. */
-    double rough_movement_square;
+    double max_first_movement_square;
     /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_ratio times as
      * large and begins at the fraction resized_step_elapsed_fraction of the last step. */
     double *resized_step_extrapolation;
@@ -66,7 +66,7 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
                                          double elapsed_fraction);
 /* Returns the impulses of the last step if steps_after_last is 0, of an earlier step if it is negative, and of the next
  * step if it is 1. */
-static inline double *galerkin_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
+static inline double *galerkin_find_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
 {
     return predictor
         ->impulse_ring[(predictor->history->last_ring_index + steps_after_last + GALERKIN_RING) % GALERKIN_RING];

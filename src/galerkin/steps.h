@@ -14,13 +14,13 @@ typedef struct galerkin_step_data {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
     const galerkin_tail_inputs *tail_inputs;
-    const galerkin_end_sum_weights *end_sum_weights;
+    const galerkin_impulse_sum_weights *impulse_sum_weights;
     const tvi_passes_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
     const double *two_step_extrapolation, *last_step_extrapolation; /* the tables of galerkin_extrapolation */
     /* If the movement of the first pass of a step is larger than this, the next step is predicted from the last step
      * alone. */
-    double rough_movement_square;
+    double max_first_movement_square;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
     /* [GALERKIN_RING] The impulses of the last steps, stored in the history. */
@@ -65,7 +65,7 @@ typedef struct galerkin_steps_outcome {
     /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
      * size of the next step. */
     int last_ring_index, equal_step_count;
-    bool continues_last_step;         /* the first of these steps was predicted from earlier ones */
+    bool is_predicted_from_last_step; /* the first of these steps was predicted from earlier ones */
     galerkin_convergence convergence; /* the convergence of the last step */
     double start_time_of_last_step;   /* the time at which the last step began */
     /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
@@ -84,7 +84,7 @@ JET_INLINE void galerkin_set_drift_values(const galerkin_step_data *step_data, c
     else GALERKIN_KERNEL(step_data->kernels, start, nodes, step_data->tail_inputs->n, origin);
 }
 
-JET_INLINE double *galerkin_impulses_in_ring(const galerkin_step_data *step_data, int ring_index)
+JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_data *step_data, int ring_index)
 {
     return step_data->impulse_ring[ring_index < 0               ? ring_index + GALERKIN_RING
                                    : ring_index < GALERKIN_RING ? ring_index
@@ -92,20 +92,20 @@ JET_INLINE double *galerkin_impulses_in_ring(const galerkin_step_data *step_data
 }
 
 /* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only one
- * earlier step has the same size, or the first movement of the last step exceeded rough_movement_square. Otherwise
+ * earlier step has the same size, or the first movement of the last step exceeded max_first_movement_square. Otherwise
  * returns 0. */
-JET_INLINE long long galerkin_mask_last_step_only(const galerkin_step_data *step_data, int equal_step_count,
-                                                  double first_movement_square)
+JET_INLINE long long galerkin_make_last_step_only_mask(const galerkin_step_data *step_data, int equal_step_count,
+                                                       double first_movement_square)
 {
-    return equal_step_count < 2 || first_movement_square > step_data->rough_movement_square ? -1 : 0;
+    return equal_step_count < 2 || first_movement_square > step_data->max_first_movement_square ? -1 : 0;
 }
 
 JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_data *step_data, int ring_index,
                                                                 const long long *last_step_only_mask)
 {
     return (galerkin_extrapolation){step_data->two_step_extrapolation, step_data->last_step_extrapolation,
-                                    galerkin_impulses_in_ring(step_data, ring_index),
-                                    galerkin_impulses_in_ring(step_data, ring_index - 1), last_step_only_mask};
+                                    galerkin_find_impulses_in_ring(step_data, ring_index),
+                                    galerkin_find_impulses_in_ring(step_data, ring_index - 1), last_step_only_mask};
 }
 
 /* Records a pass of a member with this movement, and decides whether the iteration may end. */
@@ -121,9 +121,9 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, g
 
 /* Makes passes of all members that have not converged, until each has converged. A member whose passes are stuck
  * moves no more. */
-JET_INLINE void galerkin_iterate_members(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
-                                         const galerkin_pass_functions *pass_functions,
-                                         galerkin_batch_iteration *iteration)
+JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                              const galerkin_pass_functions *pass_functions,
+                                              galerkin_batch_iteration *iteration)
 {
     int left = 0;
     for (int m = 0; m < nodes->member_count; m++) {
@@ -140,9 +140,9 @@ JET_INLINE void galerkin_iterate_members(const galerkin_step_data *step_data, co
 }
 
 /* Makes the passes of one member until they converge. If they are stuck, their roundoff is measured. */
-JET_INLINE void galerkin_iterate_member(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
-                                        const galerkin_pass_functions *pass_functions,
-                                        galerkin_member_iteration *iteration, double *movement)
+JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+                                               const galerkin_pass_functions *pass_functions,
+                                               galerkin_member_iteration *iteration, double *movement)
 {
     const int most = step_data->passes_rule->max_passes;
     bool is_stuck = false;
@@ -175,7 +175,7 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data,
     inputs.start_q = origin->q;
     inputs.start_p = origin->p;
     inputs.momentum_increment = increments->dp;
-    GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->end_sum_weights, &inputs.impulse_sums);
+    GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->impulse_sum_weights, &inputs.impulse_sums);
     if (inputs.is_separable)
         GALERKIN_KERNEL(step_data->kernels, end_drifting, nodes, &inputs.impulse_sums, step_data->drift,
                         step_data->drift_low, increments);
@@ -220,17 +220,17 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         const double t = state ? state->q[n] : origin->t;
         galerkin_member_iteration iteration = {.convergence = outcome->convergence};
         double movement, tail;
-        nodes->impulses = galerkin_impulses_in_ring(step_data, outcome->last_ring_index + 1);
+        nodes->impulses = galerkin_find_impulses_in_ring(step_data, outcome->last_ring_index + 1);
         galerkin_set_drift_values(step_data, nodes, origin);
         if (outcome->equal_step_count > 0) {
-            const long long last_step_only_mask = galerkin_mask_last_step_only(
+            const long long last_step_only_mask = galerkin_make_last_step_only_mask(
                 step_data, outcome->equal_step_count, outcome->convergence.first_movement_square);
             const galerkin_extrapolation extrapolation =
                 galerkin_select_extrapolation(step_data, outcome->last_ring_index, &last_step_only_mask);
             pass_functions->predict(pass_functions->work, nodes, &extrapolation);
         }
         GALERKIN_KERNEL(step_data->kernels, set_sizes, nodes, n);
-        galerkin_iterate_member(step_data, nodes, pass_functions, &iteration, &movement);
+        galerkin_make_passes_of_member(step_data, nodes, pass_functions, &iteration, &movement);
         outcome->status = iteration.status;
         if (iteration.status == TVI_OK) galerkin_compute_increments(step_data, nodes, origin, &run->increments, &tail);
         if (iteration.status != TVI_OK ||

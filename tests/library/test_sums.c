@@ -56,8 +56,8 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
 {
     long double twice = 0, last = 0, sizes = 0, sizes_of_last = 0;
     for (int j = 0; j < a->lane_count; j++) {
-        const long double of_last = (long double)a->end_sum_weights.last_term_weight[j] * impulse[j];
-        twice += (long double)a->end_sum_weights.one_minus_abscissa[j] * impulse[j];
+        const long double of_last = (long double)a->impulse_sum_weights.last_term_weight[j] * impulse[j];
+        twice += (long double)a->impulse_sum_weights.one_minus_abscissa[j] * impulse[j];
         last += of_last;
         sizes += fabs(impulse[j]);
         sizes_of_last += fabsl(of_last);
@@ -81,9 +81,9 @@ START_TEST(sums_are_compensated)
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (int j = 0; j < lanes; j++)
-        ck_assert_double_eq_tol(tables.of.end_sum_weights.one_minus_abscissa[j], 1 - tables.of.node_abscissa[j],
+        ck_assert_double_eq_tol(tables.of.impulse_sum_weights.one_minus_abscissa[j], 1 - tables.of.node_abscissa[j],
                                 DBL_EPSILON / 2);
-    shorten(lanes, tables.of.end_sum_weights.one_minus_abscissa);
+    shorten(lanes, tables.of.impulse_sum_weights.one_minus_abscissa);
     for (int round = 0; round < ROUNDS; round++)
         for (int unknowns = 1; unknowns <= SUMMED; unknowns++) {
             _Alignas(64) double impulse[SUMMED * MOST];
@@ -96,7 +96,7 @@ START_TEST(sums_are_compensated)
                                           .impulses = impulse};
             const galerkin_impulse_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
             for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, is_short, &bits);
-            loops_of[isa][size]->integrate(&nodes, &tables.of.end_sum_weights, &sums);
+            loops_of[isa][size]->integrate(&nodes, &tables.of.impulse_sum_weights, &sums);
             for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], is_short, &sums, u);
         }
     galerkin_tables_close(&tables);
