@@ -6,8 +6,8 @@
 #   * JET_EMITTED is defined in generated code, and nowhere else.
 #   * A function's head begins in the first column and its body with a line that is a brace alone. It becomes
 #     JET_INLINE: it begins with static and a type of small letters, or is one of jet_ and tvi_ that gives void, bool,
-#     double or int. Others that are static, or begin with a macro (OWN, NEVER), stay as they are. Any other would be
-#     defined for the whole program, once in each generated file: that is an error.
+#     double or int. Others that are static, or begin with a macro (KERNEL_FUNCTION, NEVER), stay as they are. Any other
+#     would be defined for the whole program, once in each generated file: that is an error.
 #   * Macros of a .c file end with it, as they do where each is compiled alone; those of a .h file are for all behind it.
 #   * Comments are left out. They stand in no string and end in their file: else it is an error.
 #   * All warnings of gcc and clang are on where tests/compiled/test_alone.c reads the whole with each method.

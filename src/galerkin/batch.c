@@ -25,7 +25,7 @@ typedef struct {
     galerkin_history *history; /* [member_count] each member's history; its own last_ring_index is not used */
     long *last_ring_index;
     /* [unknowns][node_count][member_count] The impulses (galerkin_nodes) of the last two steps and of the next one. */
-    double *impulse_ring[GALERKIN_RING];
+    double *impulse_ring[GALERKIN_RING_LENGTH];
 } galerkin_batch_stepper;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
@@ -96,7 +96,7 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     stepper.last_step_only_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_only_mask);
     stepper.history = tvi_arena_allocate_in_copied_history(arena, count * sizeof *stepper.history);
     stepper.last_ring_index = tvi_arena_allocate_in_copied_history(arena, sizeof *stepper.last_ring_index);
-    for (int i = 0; i < GALERKIN_RING; i++)
+    for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
         stepper.impulse_ring[i] =
             tvi_arena_allocate_in_copied_history(arena, unknowns * (size_t)options->degree * sizeof(double));
     if (taken) *taken = stepper;
@@ -310,7 +310,7 @@ static void advance_impulse_ring(const galerkin_batch_stepper *stepper)
             next[at] = last[at];
             last[at] = before[at];
         }
-    *stepper->last_ring_index = (*stepper->last_ring_index + 1) % GALERKIN_RING;
+    *stepper->last_ring_index = (*stepper->last_ring_index + 1) % GALERKIN_RING_LENGTH;
 }
 
 /* Copies the elements of rows [member_count] that belong to members in lanes. */

@@ -36,10 +36,10 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const 
 {
     const galerkin_nodes *nodes = &field->nodes;
     jet_text_append(text,
-                    "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_POINTS = %d, "
-                    "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, GALERKIN_PARTS = %d, "
-                    "GALERKIN_TAIL_PARTS = %d, GALERKIN_IS_SEPARABLE = %d, "
-                    "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
+                    "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_NODE_COUNT = %d, "
+                    "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING_UNKNOWNS = %d, GALERKIN_SUBSYSTEMS = %d, "
+                    "GALERKIN_TAIL_SUBSYSTEMS = %d, GALERKIN_IS_SEPARABLE = %d, "
+                    "GALERKIN_READ_ONLY_ROWS = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
                     nodes->lane_count, field->node_count, field->system->n, nodes->unknown_count,
                     nodes->moving_unknown_count, nodes->subsystems.count, field->system->tail_subsystems.count,
                     galerkin_is_second_order(field), galerkin_count_read_only_rows(field->system->field_values),

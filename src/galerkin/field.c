@@ -47,7 +47,7 @@ static tvi_status predict_fixed_point_unknowns_from_start(galerkin_field *field,
 
 static void emit_fixed_point_field(jet_text *text, const galerkin_field *field)
 {
-    tvi_galerkin_emit_int_array(text, "slot", field->nodes.unknown_count, field->rate_row_of_unknown);
+    tvi_galerkin_emit_int_array(text, "rate_row_of_unknown", field->nodes.unknown_count, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_plain = {

@@ -9,12 +9,12 @@ JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin
 {
     galerkin_nodes sized = *nodes;
     sized.lane_count = GALERKIN_LANES;
-    sized.node_count = GALERKIN_POINTS;
+    sized.node_count = GALERKIN_NODE_COUNT;
     sized.member_count = 1;
     sized.unknown_count = GALERKIN_UNKNOWNS;
     sized.unknown_count_per_half = GALERKIN_N;
-    sized.moving_unknown_count = GALERKIN_MOVING;
-    sized.subsystems.count = GALERKIN_PARTS;
+    sized.moving_unknown_count = GALERKIN_MOVING_UNKNOWNS;
+    sized.subsystems.count = GALERKIN_SUBSYSTEMS;
     return sized;
 }
 
@@ -23,7 +23,7 @@ JET_INLINE galerkin_tail_inputs galerkin_copy_tail_inputs_with_constant_sizes(co
     galerkin_tail_inputs sized = *tail_inputs;
     sized.n = GALERKIN_N;
     sized.is_separable = GALERKIN_IS_SEPARABLE;
-    sized.subsystems.count = GALERKIN_TAIL_PARTS;
+    sized.subsystems.count = GALERKIN_TAIL_SUBSYSTEMS;
     return sized;
 }
 

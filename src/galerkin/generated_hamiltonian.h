@@ -17,13 +17,17 @@ JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_
     return TVI_OK;
 }
 
-/* Makes steps in a row. The matrix of the inner iterations has GALERKIN_COLUMNS columns and GALERKIN_ROWS rows. */
+/* Makes steps in a row. The matrix of the inner iterations has GALERKIN_HESSIAN_COLUMNS columns and
+ * GALERKIN_HESSIAN_ROWS rows. */
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_steps_outcome *outcome)
 {
-    enum { PACKED = GALERKIN_ROWS * GALERKIN_COLUMNS * GALERKIN_LANES, IS_PACKED = PACKED <= 2 * GALERKIN_MAX_LOCAL };
-    enum { ROWS = IS_PACKED ? GALERKIN_ROWS : 1, ALL = IS_PACKED ? GALERKIN_ROWS * GALERKIN_LANES : 1 };
+    enum {
+        PACKED = GALERKIN_HESSIAN_ROWS * GALERKIN_HESSIAN_COLUMNS * GALERKIN_LANES,
+        IS_PACKED = PACKED <= 2 * GALERKIN_MAX_LOCAL
+    };
+    enum { ROWS = IS_PACKED ? GALERKIN_HESSIAN_ROWS : 1, ALL = IS_PACKED ? GALERKIN_HESSIAN_ROWS * GALERKIN_LANES : 1 };
     galerkin_block_copies own;
     _Alignas(64) float packed[IS_PACKED ? PACKED : 1], change[ALL], total[ALL], impulse[ALL], all[ALL];
     double size[ROWS], per_size[ROWS];
@@ -34,17 +38,17 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     local_data.tail_inputs = &inputs;
     passes.nodes = &nodes;
     passes.tape_blocks = galerkin_make_local_blocks(&passes.tape_blocks, &nodes, &own);
-    if (GALERKIN_IS_OWN)
+    if (GALERKIN_HAS_LOCAL_BLOCKS)
         galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + GALERKIN_UNKNOWNS * GALERKIN_LANES;
-    passes.rate_row_of_unknown = galerkin_slot;
+    passes.rate_row_of_unknown = galerkin_rate_row_of_unknown;
     passes.rate_slot[false] = galerkin_value_slot;
     passes.rate_slot[true] = galerkin_hessian_slot;
-    passes.inner_iterations.hessian_column_count = GALERKIN_COLUMNS;
-    passes.inner_iterations.hessian_row_count = GALERKIN_ROWS;
-    passes.inner_iterations.unknown_of_row = galerkin_unknown;
-    passes.inner_iterations.hessian_index = galerkin_index_of;
+    passes.inner_iterations.hessian_column_count = GALERKIN_HESSIAN_COLUMNS;
+    passes.inner_iterations.hessian_row_count = GALERKIN_HESSIAN_ROWS;
+    passes.inner_iterations.unknown_of_row = galerkin_unknown_of_row;
+    passes.inner_iterations.hessian_index = galerkin_hessian_index;
     passes.inner_iterations.hessian_block = passes.tape_blocks.hessian_block;
     if (IS_PACKED) {
         passes.inner_iterations.packed_hessian = packed;

@@ -1,6 +1,7 @@
 /* generated_hessian.h - Evaluates the tapes of generated passes that use second derivatives (blocks.h), in blocks that
- * are local variables of the step. The first GALERKIN_KEPT rows of values_block and the first GALERKIN_HESSIAN_KEPT
- * rows of hessian_block contain inputs and constants, which a tape reads and does not set. */
+ * are local variables of the step. The first GALERKIN_READ_ONLY_ROWS rows of values_block and the first
+ * GALERKIN_HESSIAN_READ_ONLY_ROWS rows of hessian_block contain inputs and constants, which a tape reads and does not
+ * set. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 
@@ -14,15 +15,15 @@ JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_tape_blocks *blocks
 /* The lengths of the local copies of values_block, of hessian_block and of the rows of nodes->values. If the blocks are
  * longer than GALERKIN_MAX_LOCAL, there are no local copies, and the lengths are 1. */
 enum {
-    GALERKIN_IS_OWN = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MAX_LOCAL,
-    GALERKIN_OF_VALUES = GALERKIN_IS_OWN ? tvi_values_slots * GALERKIN_LANES : 1,
-    GALERKIN_OF_HESSIAN = GALERKIN_IS_OWN ? (tvi_hessian_slots + 1) * GALERKIN_LANES : 1,
-    GALERKIN_OF_ROWS = GALERKIN_IS_OWN ? 5 * GALERKIN_N * GALERKIN_LANES : 1
+    GALERKIN_HAS_LOCAL_BLOCKS = (tvi_values_slots + tvi_hessian_slots) * GALERKIN_LANES <= GALERKIN_MAX_LOCAL,
+    GALERKIN_VALUES_LENGTH = GALERKIN_HAS_LOCAL_BLOCKS ? tvi_values_slots * GALERKIN_LANES : 1,
+    GALERKIN_HESSIAN_LENGTH = GALERKIN_HAS_LOCAL_BLOCKS ? (tvi_hessian_slots + 1) * GALERKIN_LANES : 1,
+    GALERKIN_ROWS_LENGTH = GALERKIN_HAS_LOCAL_BLOCKS ? 5 * GALERKIN_N * GALERKIN_LANES : 1
 };
 typedef struct {
-    _Alignas(64) double values[GALERKIN_OF_VALUES];
-    _Alignas(64) double hessian[GALERKIN_OF_HESSIAN];
-    _Alignas(64) double x[GALERKIN_OF_ROWS];
+    _Alignas(64) double values[GALERKIN_VALUES_LENGTH];
+    _Alignas(64) double hessian[GALERKIN_HESSIAN_LENGTH];
+    _Alignas(64) double x[GALERKIN_ROWS_LENGTH];
 } galerkin_block_copies;
 
 JET_INLINE galerkin_tape_blocks galerkin_make_local_blocks(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
@@ -32,9 +33,9 @@ JET_INLINE galerkin_tape_blocks galerkin_make_local_blocks(const galerkin_tape_b
     local_blocks.n = GALERKIN_N;
     local_blocks.lane_count = GALERKIN_LANES;
     local_blocks.input_count = GALERKIN_INPUTS;
-    if (!GALERKIN_IS_OWN) return local_blocks;
-    galerkin_copy_rows(copies->values, blocks->values_block, 2 * GALERKIN_N, GALERKIN_KEPT);
-    galerkin_copy_rows(copies->hessian, blocks->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_KEPT);
+    if (!GALERKIN_HAS_LOCAL_BLOCKS) return local_blocks;
+    galerkin_copy_rows(copies->values, blocks->values_block, 2 * GALERKIN_N, GALERKIN_READ_ONLY_ROWS);
+    galerkin_copy_rows(copies->hessian, blocks->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_READ_ONLY_ROWS);
     galerkin_copy_rows(copies->hessian, blocks->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
     local_blocks.values_block = copies->values;
     local_blocks.hessian_block = copies->hessian;

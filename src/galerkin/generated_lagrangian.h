@@ -21,7 +21,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_steps_outcome *outcome)
 {
-    enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };
+    enum { N = GALERKIN_N, ALL = GALERKIN_HAS_LOCAL_BLOCKS ? N * GALERKIN_LANES : 1 };
     galerkin_block_copies own;
     _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], movement[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], x[ALL];
@@ -33,19 +33,19 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.inversion_count = 0;
     passes.nodes = &nodes;
     passes.tape_blocks = galerkin_make_local_blocks(&passes.tape_blocks, &nodes, &own);
-    if (GALERKIN_IS_OWN)
+    if (GALERKIN_HAS_LOCAL_BLOCKS)
         galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + 2 * N * GALERKIN_LANES;
-    passes.rate_row_of_unknown = galerkin_slot;
+    passes.rate_row_of_unknown = galerkin_rate_row_of_unknown;
     passes.gradient_slot[false] = galerkin_value_slot;
     passes.gradient_slot[true] = galerkin_hessian_slot;
     passes.gradient_expansion.n = passes.velocity_hessian_inverse.n = N;
     passes.gradient_expansion.lane_count = GALERKIN_LANES;
     passes.gradient_expansion.hessian_block = passes.tape_blocks.hessian_block;
-    passes.gradient_expansion.hessian_element = galerkin_term;
-    passes.gradient_expansion.row_end = galerkin_end;
-    if (GALERKIN_IS_OWN) {
+    passes.gradient_expansion.hessian_element = galerkin_hessian_element;
+    passes.gradient_expansion.row_end = galerkin_row_end;
+    if (GALERKIN_HAS_LOCAL_BLOCKS) {
         galerkin_copy_rows(displacements, passes.coordinate_minus_drift, 0, outcome->equal_step_count > 0 ? 0 : N);
         passes.coordinate_minus_drift = displacements;
         passes.drift_minus_centre[0] = rise;

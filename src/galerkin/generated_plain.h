@@ -8,22 +8,25 @@
 /* The number of nodes in one register. If the tape's operations are emitted as separate functions
  * (tvi_values_is_split), the tape is evaluated for one register of nodes at a time, and only the impulses are
  * stored. */
-enum { GALERKIN_WIDTH = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
+enum { GALERKIN_NODES_PER_REGISTER = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
-#define TAKE(V, blocks) BLOCK_AT(V, destination, 0) = BLOCK_OF(V, source, 0);
+#define COPY_VECTOR(V, blocks) BLOCK_AT(V, destination, 0) = BLOCK_OF(V, source, 0);
 JET_INLINE void galerkin_copy_input_rows(double *destination, const double *source)
 {
     JET_UNROLL(256)
-    for (int i = 0; i < GALERKIN_KEPT; i++, destination += GALERKIN_WIDTH, source += GALERKIN_LANES)
-        ALL_LANES(GALERKIN_WIDTH, TAKE)
+    for (int i = 0; i < GALERKIN_READ_ONLY_ROWS;
+         i++, destination += GALERKIN_NODES_PER_REGISTER, source += GALERKIN_LANES)
+        ALL_LANES(GALERKIN_NODES_PER_REGISTER, COPY_VECTOR)
 }
 
-#define GIVE(V, blocks)                                                                                                \
-    BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, block + galerkin_slot[u] * GALERKIN_WIDTH, 0);
+#define STORE_IMPULSES(V, blocks)                                                                                      \
+    BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) *                                                                 \
+                              BLOCK_OF(V, block + galerkin_rate_row_of_unknown[u] * GALERKIN_NODES_PER_REGISTER, 0);
 JET_INLINE void galerkin_store_impulses(double *impulse, const double *weight, const double *block)
 {
     JET_UNROLL(256)
-    for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, GIVE)
+    for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES)
+        ALL_LANES(GALERKIN_NODES_PER_REGISTER, STORE_IMPULSES)
 }
 
 /* Evaluates the force at all nodes, and sets the impulses. Returns false if an operand is outside its domain. */
@@ -31,14 +34,14 @@ JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
 {
     bool is_inside = true;
     if (!tvi_values_is_split) {
-        const galerkin_array_shape shape = {GALERKIN_POINTS, GALERKIN_LANES, 1};
+        const galerkin_array_shape shape = {GALERKIN_NODE_COUNT, GALERKIN_LANES, 1};
         is_inside = GALERKIN_VALUES(nodes->values);
-        NAME(set_impulses)(nodes, nodes->values, galerkin_slot, shape, 0);
+        NAME(set_impulses)(nodes, nodes->values, galerkin_rate_row_of_unknown, shape, 0);
     }
-    for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_WIDTH) {
-        _Alignas(64) double block[tvi_values_slots * GALERKIN_WIDTH];
+    for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_NODES_PER_REGISTER) {
+        _Alignas(64) double block[tvi_values_slots * GALERKIN_NODES_PER_REGISTER];
         galerkin_copy_input_rows(block, nodes->values + first);
-        is_inside &= VALUES_OF(tvi_values, block, GALERKIN_WIDTH);
+        is_inside &= VALUES_OF(tvi_values, block, GALERKIN_NODES_PER_REGISTER);
         galerkin_store_impulses(nodes->impulses + first, nodes->impulse_weight + first, block);
     }
     return is_inside;
@@ -49,7 +52,7 @@ JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_
                                                      double *roundoff)
 {
     const galerkin_step_data *step_data = work;
-    const galerkin_array_shape shape = {GALERKIN_POINTS, GALERKIN_LANES, 1};
+    const galerkin_array_shape shape = {GALERKIN_NODE_COUNT, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
     if (!galerkin_sweep_force_tape(nodes)) return TVI_EDOMAIN;
     *movement = NAME(move_unknowns)(nodes, step_data->impulse_matrix, NULL, shape, 0);

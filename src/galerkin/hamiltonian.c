@@ -113,7 +113,7 @@ static int append_unknowns_with_hessian_row(const galerkin_field *field, const g
 static void list_hessian_indices(const galerkin_field *field, const galerkin_hessian_tables *tables,
                                  const lanes_inner_iterations *inner, int *index)
 {
-    for (int first = 0; first < inner->hessian_row_count; first += LANES_ROWS)
+    for (int first = 0; first < inner->hessian_row_count; first += LANES_ROWS_PER_GROUP)
         for (int column = 0; column < inner->hessian_column_count; column++)
             for (int i = first; i < first + lanes_count_rows_in_group(inner, first); i++)
                 *index++ =
@@ -188,14 +188,14 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
     const lanes_inner_iterations *inner = &work->passes.inner_iterations;
     const int unknowns = field->nodes.unknown_count;
     tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
-    jet_text_append(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROWS = %d };\n", inner->hessian_column_count,
-                    inner->hessian_row_count);
+    jet_text_append(text, "enum { GALERKIN_HESSIAN_COLUMNS = %d, GALERKIN_HESSIAN_ROWS = %d };\n",
+                    inner->hessian_column_count, inner->hessian_row_count);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->rate_slot[true]);
-    tvi_galerkin_emit_int_array(text, "unknown", inner->hessian_row_count, inner->unknown_of_row);
-    tvi_galerkin_emit_int_array(text, "index_of", inner->hessian_row_count * inner->hessian_column_count,
+    tvi_galerkin_emit_int_array(text, "unknown_of_row", inner->hessian_row_count, inner->unknown_of_row);
+    tvi_galerkin_emit_int_array(text, "hessian_index", inner->hessian_row_count * inner->hessian_column_count,
                                 inner->hessian_index);
-    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row_of_unknown);
+    tvi_galerkin_emit_int_array(text, "rate_row_of_unknown", unknowns, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_hamiltonian = {

@@ -34,7 +34,7 @@ typedef struct {
 
 /* In the first pass of a step the inner iterations end when the square of a relative movement is below this, since a
  * second pass follows in any case. */
-#define HAMILTONIAN_ROUNDOFF 0x1p-108
+#define HAMILTONIAN_FIRST_PASS_GOAL_SQUARE 0x1p-108
 
 /* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a hamiltonian_passes. */
 static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes *nodes,
@@ -67,7 +67,8 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
     const bool is_first = isinf(passes->last_pass_movement_square),
                serves = passes->last_pass_movement_square <= HAMILTONIAN_HESSIAN_MAX_MOVEMENT * numbers;
     const int *slot = passes->rate_slot[!serves];
-    const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
+    const double least =
+        numbers * (is_first ? HAMILTONIAN_FIRST_PASS_GOAL_SQUARE : GALERKIN_HESSIAN_GOAL * GALERKIN_HESSIAN_GOAL);
     const double *rates = galerkin_evaluate_gradient_at_nodes(&passes->tape_blocks, sweep, !serves, nodes->values,
                                                               nodes->values + numbers / 2);
     if (!rates) return false;

@@ -7,8 +7,8 @@
  * included, since it would take longer to compile than all other code. */
 #define FUSED(V, a, b, c) ((a) * (b) + (c))
 
-#define OWN              JET_INLINE
-#define POINTS_OF(nodes) ((void)(nodes), GALERKIN_POINTS)
+#define KERNEL_FUNCTION      JET_INLINE
+#define NODE_COUNT_OF(nodes) ((void)(nodes), GALERKIN_NODE_COUNT)
 
 #define GALERKIN_KERNEL(kernels, name, ...) ((void)(kernels), NAME(name)(__VA_ARGS__))
 

@@ -9,8 +9,8 @@
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
 /* Kernels are not inlined, so that each has the registers to itself. */
-#define OWN              JET_APART
-#define POINTS_OF(nodes) ((nodes)->node_count)
+#define KERNEL_FUNCTION      JET_APART
+#define NODE_COUNT_OF(nodes) ((nodes)->node_count)
 
 /* Calls a kernel of loops.h through its table. */
 #define GALERKIN_KERNEL(kernels, name, ...) (kernels)->name(__VA_ARGS__)

@@ -73,7 +73,7 @@
 #define MAGNITUDE(x)            fabs(x)
 #define IF_ABOVE(a, b, yes, no) ((a) > (b) ? (yes) : (no))
 #define KEPT(now, was)          (now)
-#define SHAPE_OF(nodes)         ((galerkin_array_shape){POINTS_OF(nodes), LANES, 1})
+#define SHAPE_OF(nodes)         ((galerkin_array_shape){NODE_COUNT_OF(nodes), LANES, 1})
 #define EACH_VECTOR(call)                                                                                              \
     do {                                                                                                               \
         const galerkin_array_shape shape = SHAPE_OF(nodes);                                                            \

@@ -8,7 +8,7 @@
  * computes in parallel. */
 typedef struct {
     COLUMN total[2], loss[2];
-} NAME(two_chains);
+} NAME(compensated_sums);
 
 /* Adds weight (*term) to *total, and the rounding error of this addition to *rounding_error. */
 JET_INLINE void NAME(add_compensated)(COLUMN *total, COLUMN *rounding_error, double weight, const COLUMN *term)
@@ -18,12 +18,12 @@ JET_INLINE void NAME(add_compensated)(COLUMN *total, COLUMN *rounding_error, dou
     *total = next;
 }
 
-JET_INLINE void NAME(end_chains)(NAME(two_chains) *chains, double *whole, double *low)
+JET_INLINE void NAME(join_compensated_sums)(NAME(compensated_sums) *sums, double *whole, double *low)
 {
-    NAME(add_compensated)(&chains->total[0], &chains->loss[0], 1, &chains->total[1]);
-    const COLUMN less = chains->loss[0] + chains->loss[1], both = chains->total[0] + less;
+    NAME(add_compensated)(&sums->total[0], &sums->loss[0], 1, &sums->total[1]);
+    const COLUMN less = sums->loss[0] + sums->loss[1], both = sums->total[0] + less;
     *(COLUMN *)whole = both;
-    *(COLUMN *)low = less - (both - chains->total[0]);
+    *(COLUMN *)low = less - (both - sums->total[0]);
 }
 
 /* NAME(rows) is the number of rows in a column. NAME(set_rows) lists them from unknown u on; rows after the last
@@ -49,15 +49,15 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
-                                    const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
+JET_INLINE void NAME(sum_all_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
+                                       const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
 {
     const int count = MEMBERS ? shape.node_count : shape.lane_count;
     for (int u = 0; u < nodes->unknown_count; u += NAME(rows)) {
         const size_t at = (size_t)u * (size_t)shape.member_count + here;
         const COLUMN none = {0};
         const double *row[NAME(rows)];
-        NAME(two_chains) once = {{none, none}, {none, none}}, twice = once;
+        NAME(compensated_sums) once = {{none, none}, {none, none}}, twice = once;
         COLUMN last = none;
         NAME(set_rows)(nodes, u, row, shape, here);
         for (int j = 0; j < count; j++) {
@@ -68,8 +68,8 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *nodes, const galerkin_
         }
         const COLUMN first = NAME(column)(row, 0, shape);
         const COLUMN final = NAME(column)(row, shape.node_count - 1, shape);
-        NAME(end_chains)(&once, sums->single_integral + at, sums->single_integral_low + at);
-        NAME(end_chains)(&twice, sums->double_integral + at, sums->double_integral_low + at);
+        NAME(join_compensated_sums)(&once, sums->single_integral + at, sums->single_integral_low + at);
+        NAME(join_compensated_sums)(&twice, sums->double_integral + at, sums->double_integral_low + at);
         *(COLUMN *)(sums->last_term + at) = JET_ABS(COLUMN, last);
         *(COLUMN *)(sums->end_impulse_size + at) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
     }

@@ -52,7 +52,7 @@ JET_INLINE void NAME(compute_group)(const lanes_inner_iterations *inner, const f
                                     float *out)
 {
     const float *packed = inner->packed_hessian + first * inner->hessian_column_count * LANES;
-    ROW_VECTOR sum[LANES_ROWS][NAME(parts)];
+    ROW_VECTOR sum[LANES_ROWS_PER_GROUP][NAME(parts)];
     for (int i = 0; i < group; i++)
         for (int b = 0; b < NAME(parts); b++) sum[i][b] = (ROW_VECTOR){0};
     for (int column = 0; column < inner->hessian_column_count; column++)
@@ -67,9 +67,9 @@ JET_INLINE void NAME(compute_group)(const lanes_inner_iterations *inner, const f
 JET_INLINE void NAME(compute_impulses)(const lanes_inner_iterations *inner, const float *change, int end_row,
                                        float *out)
 {
-    for (int first = 0; first < end_row; first += LANES_ROWS) {
+    for (int first = 0; first < end_row; first += LANES_ROWS_PER_GROUP) {
         const int group = lanes_count_rows_in_group(inner, first);
-        if (group == LANES_ROWS) NAME(compute_group)(inner, change, first, LANES_ROWS, out);
+        if (group == LANES_ROWS_PER_GROUP) NAME(compute_group)(inner, change, first, LANES_ROWS_PER_GROUP, out);
         else NAME(compute_group)(inner, change, first, group, out);
     }
 }
@@ -88,9 +88,9 @@ JET_INLINE double NAME(change_by_impulses)(const lanes_inner_iterations *inner)
     for (int j = 0; j < (IS_ONE ? LANES : 0); j++) column[j] = PART_AT(matrix + j * LANES, 0) + (ROW_VECTOR){0};
     for (int i = 0; i < inner->hessian_column_count; i++, impulse += LANES, change += LANES, total += LANES)
         for (int b = 0; b < NAME(parts); b++) {
-            ROW_VECTOR sum[CHAINS] = {0};
+            ROW_VECTOR sum[PARTIAL_SUM_COUNT] = {0};
             for (int j = 0; j < LANES; j++)
-                sum[j % CHAINS] += (IS_ONE ? column[j] : PART_AT(matrix + j * LANES, b)) * impulse[j];
+                sum[j % PARTIAL_SUM_COUNT] += (IS_ONE ? column[j] : PART_AT(matrix + j * LANES, b)) * impulse[j];
             sum[0] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
             squares += sum[0] * sum[0];
             PART_AT(change, b) = sum[0];
@@ -130,17 +130,18 @@ JET_INLINE void NAME(end_inner_iterations)(const lanes_inner_iterations *inner, 
                 KERNEL_NAME(WIDEN, V)(SINGLE_AT(inner->total_impulse_change + i * LANES, v));
 }
 
-OWN void NAME(run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner,
-                                    const double *rates, const int slot[], bool is_new, double movement, double least,
-                                    double *changes)
+KERNEL_FUNCTION void NAME(run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner,
+                                                const double *rates, const int slot[], bool is_hessian_new,
+                                                double last_movement, double smallest_goal, double *changes)
 {
     double before = INFINITY, earlier;
     int count = 0;
-    if (is_new) NAME(pack)(nodes, inner);
+    if (is_hessian_new) NAME(pack)(nodes, inner);
     NAME(begin_inner_iterations)(nodes, inner, rates, slot);
     const double first = INNER_MOVEMENT_UNIT * INNER_MOVEMENT_UNIT * NAME(change_by_impulses)(inner);
-    const double left_out = GALERKIN_INNER_GOAL * first * (is_new ? first : movement) / (nodes->unknown_count * LANES);
-    const double last = tvi_larger(left_out, least);
+    const double second_order_goal =
+        GALERKIN_INNER_GOAL * first * (is_hessian_new ? first : last_movement) / (nodes->unknown_count * LANES);
+    const double goal = tvi_larger(second_order_goal, smallest_goal);
     double now = first;
     do {
         earlier = before;
@@ -148,7 +149,7 @@ OWN void NAME(run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inn
         NAME(compute_impulses)(inner, inner->last_unknown_change, inner->hessian_column_count,
                                inner->last_impulse_change);
         now = INNER_MOVEMENT_UNIT * INNER_MOVEMENT_UNIT * NAME(change_by_impulses)(inner);
-    } while (++count < GALERKIN_MAX_INNER_ITERATIONS && (now * now > last * before || now * before > last * earlier) &&
+    } while (++count < GALERKIN_MAX_INNER_ITERATIONS && (now * now > goal * before || now * before > goal * earlier) &&
              (now < before || now < earlier));
     NAME(compute_impulses)(inner, inner->total_unknown_change, inner->hessian_row_count, inner->total_impulse_change);
     if (now <= first) NAME(end_inner_iterations)(inner, changes);

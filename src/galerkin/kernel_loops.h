@@ -1,14 +1,14 @@
 /* kernel_loops.h - Defines the functions of the kernel table of loops.h, for one number of lanes. kernel.h includes
  * it after the functions that they call. */
 
-OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin)
+KERNEL_FUNCTION void NAME(set_constant_drift_values)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin)
 {
-    EACH_VECTOR(NAME(start_half)(nodes, 0, n, origin->q, origin->q_low, shape, here));
-    EACH_VECTOR(NAME(start_half)(nodes, n, n, origin->p, origin->p_low, shape, here));
+    EACH_VECTOR(NAME(set_constant_drift_of_half)(nodes, 0, n, origin->q, origin->q_low, shape, here));
+    EACH_VECTOR(NAME(set_constant_drift_of_half)(nodes, n, n, origin->p, origin->p_low, shape, here));
 }
 
-OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin,
-                              double *drift, double *drift_low)
+KERNEL_FUNCTION void NAME(set_linear_drift_values)(const galerkin_nodes *nodes, const double *c,
+                                                   const tvi_step_origin *origin, double *drift, double *drift_low)
 {
     const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknown_count; u++)
@@ -18,15 +18,15 @@ OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, cons
                 fma(nodes->impulse_scale[u], origin->p[at], -drift[at]) + nodes->impulse_scale[u] * origin->p_low[at];
         }
     for (int u = 0; u < nodes->unknown_count; u++)
-        EACH_VECTOR(NAME(start_drift)(nodes, u, c, origin, drift, drift_low, shape, here));
+        EACH_VECTOR(NAME(set_linear_drift_of_unknown)(nodes, u, c, origin, drift, drift_low, shape, here));
 }
 
-OWN void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *steps)
+KERNEL_FUNCTION void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation)
 {
-    EACH_VECTOR(NAME(predict_all)(nodes, steps, shape, here));
+    EACH_VECTOR(NAME(predict_all)(nodes, extrapolation, shape, here));
 }
 
-OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
+KERNEL_FUNCTION void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
 {
     const tvi_subsystems parts = nodes->subsystems;
     for (int k = 0, first = 0, end; k < parts.count; k++, first = end) {
@@ -35,20 +35,21 @@ OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
     }
 }
 
-OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                    double movement[])
+KERNEL_FUNCTION void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
+                                const int slot[], double movement[])
 {
     EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, movement, shape, here));
 }
 
-OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
-                         const galerkin_impulse_sums *sums)
+KERNEL_FUNCTION void NAME(sum_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
+                                        const galerkin_impulse_sums *sums)
 {
-    EACH_VECTOR(NAME(integrate_all)(nodes, weights, sums, shape, here));
+    EACH_VECTOR(NAME(sum_all_impulses)(nodes, weights, sums, shape, here));
 }
 
-OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, const double *drift,
-                            const double *drift_low, const tvi_increments *increments)
+KERNEL_FUNCTION void NAME(compute_drifting_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums,
+                                                       const double *drift, const double *drift_low,
+                                                       const tvi_increments *increments)
 {
     const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknown_count; u++)
@@ -61,8 +62,8 @@ OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_
         }
 }
 
-OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
-                   const tvi_increments *increments)
+KERNEL_FUNCTION void NAME(compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
+                                              const tvi_increments *increments)
 {
     const int width = MEMBERS ? nodes->member_count : 1, half = n * width;
     for (int i = 0; i < n; i++)
@@ -74,7 +75,7 @@ OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sum
         }
 }
 
-OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int member_count, double tail[])
+KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_tail_inputs *tail_inputs, int member_count, double tail[])
 {
     const galerkin_tail_inputs inputs = *tail_inputs;
     const int width = MEMBERS ? member_count : 1;
@@ -101,7 +102,8 @@ OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int member_count, d
 #define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
 #include "algebra/judge.h"
 
-OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *caller_rule, int width, int count)
+KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, const tvi_passes_rule *caller_rule,
+                                       int width, int count)
 {
     const tvi_passes_rule rule = *caller_rule;
     long long left = 0;
@@ -137,15 +139,15 @@ OWN int NAME(judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *
 #endif
 
 #if !MEMBERS
-OWN double NAME(move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
-                               double *displacements)
+KERNEL_FUNCTION double NAME(move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
+                                           const int slot[], double *displacements)
 {
     NAME(set_impulses)(nodes, rates, slot, SHAPE_OF(nodes), 0);
     return NAME(move_unknowns)(nodes, matrix, displacements, SHAPE_OF(nodes), 0);
 }
 
-OWN double NAME(move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
-                                   const double *changes, const int slot[])
+KERNEL_FUNCTION double NAME(move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
+                                               const double *changes, const int slot[])
 {
     for (int u = 0; u < nodes->unknown_count; u++)
         set_impulses_with_changes(nodes->impulse_weight, rates + slot[u] * LANES, changes + u * LANES,
@@ -153,8 +155,8 @@ OWN double NAME(move_with_changes)(const galerkin_nodes *nodes, const double *ma
     return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 
-OWN void NAME(evaluate)(const galerkin_curve_evaluation *evaluation, const double *integral_table,
-                        const double *impulses, double *out)
+KERNEL_FUNCTION void NAME(evaluate)(const galerkin_curve_evaluation *evaluation, const double *integral_table,
+                                    const double *impulses, double *out)
 {
     if (evaluation->point_count == TVI_SAMPLES)
         evaluate_curve_at_points(evaluation, integral_table, impulses, out, LANES, TVI_SAMPLES);

@@ -20,25 +20,26 @@ JET_INLINE V NAME(size)(V x) { return NAME(larger)(NAME(larger)(x, -x), (V){0});
 /* ---- The inverse of a matrix ------------------------------------------------------------------------------------- */
 
 /* Computes galerkin_kernels.invert by Gauss-Jordan elimination. */
-OWN bool NAME(invert)(const lanes_matrix_inverse *f)
+KERNEL_FUNCTION bool NAME(invert)(const lanes_matrix_inverse *inverses)
 {
-    const int n = f->n;
+    const int n = inverses->n;
     double worst[LANES];
     bool is_safe = true;
-    memcpy(f->inverse, f->matrix, (size_t)(n * n * LANES) * sizeof *f->matrix);
+    memcpy(inverses->inverse, inverses->matrix, (size_t)(n * n * LANES) * sizeof *inverses->matrix);
     for (int w = 0; w < LANES; w++) worst[w] = -INFINITY;
     for (int j = 0; j < n; j++) {
-        double *const row = f->inverse + j * n * LANES;
+        double *const row = inverses->inverse + j * n * LANES;
         EACH_VECTOR_OF_LANES(v)
         {
-            const V inverse = 1 / LANE_AT(row, j, v), part = NAME(size)(LANE_AT(f->matrix, j * n + j, v) * inverse);
+            const V inverse = 1 / LANE_AT(row, j, v),
+                    part = NAME(size)(LANE_AT(inverses->matrix, j * n + j, v) * inverse);
             const V excess = NAME(larger)(LINEAR_MIN_PIVOT_OF_INVERSE - part, part - 1 / LINEAR_MIN_PIVOT_OF_INVERSE);
             LANE_AT(worst, 0, v) = NAME(larger)(excess, LANE_AT(worst, 0, v));
             for (int k = 0; k < n; k++) LANE_AT(row, k, v) *= inverse;
             LANE_AT(row, j, v) = inverse;
         }
         for (int i = 0; i < n; i++) {
-            double *const other = f->inverse + i * n * LANES;
+            double *const other = inverses->inverse + i * n * LANES;
             if (i == j) continue;
             EACH_VECTOR_OF_LANES(v)
             {
@@ -54,36 +55,37 @@ OWN bool NAME(invert)(const lanes_matrix_inverse *f)
 
 /* ---- Corrections of velocities, and the gradient to first order -------------------------------------------------- */
 
-OWN void NAME(correct)(const lanes_matrix_inverse *f, const double *P, const double *p, const double *change,
-                       const double *from, double *velocity)
+KERNEL_FUNCTION void NAME(correct_velocities)(const lanes_matrix_inverse *inverse, const double *momenta,
+                                              const double *centre_momenta, const double *momentum_change,
+                                              const double *centre_velocities, double *velocities)
 {
-    const int n = f->n;
-    double *const x = f->scratch_column;
+    const int n = inverse->n;
+    double *const x = inverse->scratch_column;
     for (int i = 0; i < n * LANES; i += NUMBERS_OF(V)) {
-        const V missing = *(const V *)(P + i) - *(const V *)(p + i);
-        *(V *)(x + i) = missing - *(const V *)(change + i);
+        const V missing = *(const V *)(momenta + i) - *(const V *)(centre_momenta + i);
+        *(V *)(x + i) = missing - *(const V *)(momentum_change + i);
     }
     for (int i = 0; i < n; i++) EACH_VECTOR_OF_LANES(v)
         {
             V sum = {0};
-            for (int j = 0; j < n; j++) sum += LANE_AT(f->inverse, i * n + j, v) * LANE_AT(x, j, v);
-            LANE_AT(velocity, i, v) = BLOCK_OF(V, from + i * LANES, v) + sum;
+            for (int j = 0; j < n; j++) sum += LANE_AT(inverse->inverse, i * n + j, v) * LANE_AT(x, j, v);
+            LANE_AT(velocities, i, v) = BLOCK_OF(V, centre_velocities + i * LANES, v) + sum;
         }
 }
 
 /* Computes galerkin_kernels.linearise. Each sum adds the products of second derivatives and displacements before the
  * gradient at the centre, which is larger. The outer loop is unrolled: in generated code the expansion is constant,
  * and then all bounds of the inner loops are constants, too. */
-OWN void NAME(linearise)(const lanes_gradient_expansion *m, double *out)
+KERNEL_FUNCTION void NAME(linearise)(const lanes_gradient_expansion *expansion, double *out)
 {
-    JET_UNROLL(8) for (int i = 0; i < 2 * m->n; i++) EACH_VECTOR_OF_LANES(v)
+    JET_UNROLL(8) for (int i = 0; i < 2 * expansion->n; i++) EACH_VECTOR_OF_LANES(v)
     {
         V sum = {0};
-        for (int k = i > 0 ? m->row_end[i - 1] : 0; k < m->row_end[i]; k++)
-            if (i < m->n || m->hessian_element[k].column < m->n)
-                sum += BLOCK_OF(V, m->hessian_block + m->hessian_element[k].slot * LANES, v) *
-                       LANE_AT(m->displacement, m->hessian_element[k].column, v);
-        if (i < m->n) sum += BLOCK_OF(V, m->gradient_at_centre + i * LANES, v);
+        for (int k = i > 0 ? expansion->row_end[i - 1] : 0; k < expansion->row_end[i]; k++)
+            if (i < expansion->n || expansion->hessian_element[k].column < expansion->n)
+                sum += BLOCK_OF(V, expansion->hessian_block + expansion->hessian_element[k].slot * LANES, v) *
+                       LANE_AT(expansion->displacement, expansion->hessian_element[k].column, v);
+        if (i < expansion->n) sum += BLOCK_OF(V, expansion->gradient_at_centre + i * LANES, v);
         LANE_AT(out, i, v) = sum;
     }
 }

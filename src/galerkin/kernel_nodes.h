@@ -4,8 +4,8 @@
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 /* Sets drift_values and drift_values_low of unknowns first .. first + count - 1 to q and q_low. */
-JET_INLINE void NAME(start_half)(const galerkin_nodes *nodes, int first, int count, const double *q,
-                                 const double *q_low, galerkin_array_shape shape, size_t here)
+JET_INLINE void NAME(set_constant_drift_of_half)(const galerkin_nodes *nodes, int first, int count, const double *q,
+                                                 const double *q_low, galerkin_array_shape shape, size_t here)
 {
     for (int u = 0; u < count; u++) {
         double *high = ROW(nodes->drift_values, first + u);
@@ -24,9 +24,9 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *nodes, int first, int cou
  * have the same error in each step, and the errors would add up. The sum of the impulses is first added to `base`,
  * whose rounding errors are far smaller than those of `high`. The parts are not added here: their rounded sum would
  * have the last bits of `high`, and those errors would add up, too. */
-JET_INLINE void NAME(start_drift)(const galerkin_nodes *nodes, int u, const double *c, const tvi_step_origin *origin,
-                                  const double *drifts, const double *drifts_low, galerkin_array_shape shape,
-                                  size_t here)
+JET_INLINE void NAME(set_linear_drift_of_unknown)(const galerkin_nodes *nodes, int u, const double *c,
+                                                  const tvi_step_origin *origin, const double *drifts,
+                                                  const double *drifts_low, galerkin_array_shape shape, size_t here)
 {
     double *high = ROW(nodes->drift_values, u);
     double *base = ROW(nodes->drift_values_low, u);
@@ -70,7 +70,8 @@ JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBE
 {
     const int nodes = MEMBERS ? shape.node_count : shape.lane_count;
     (void)v;
-    for (int j = 0; j < nodes; j++) sum[j % CHAINS] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % CHAINS]);
+    for (int j = 0; j < nodes; j++)
+        sum[j % PARTIAL_SUM_COUNT] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % PARTIAL_SUM_COUNT]);
 }
 
 /* Defines `name` as the numbers of a row. For several members it loads them into local variables, which stay in
@@ -83,7 +84,7 @@ JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBE
 #define NUMBERS_IN(name, row) const double *const name = row;
 #endif
 
-JET_INLINE V NAME(sum_of_chains)(const V sum[]) { return (sum[0] + sum[2]) + (sum[1] + sum[3]); }
+JET_INLINE V NAME(add_partial_sums)(const V sum[]) { return (sum[0] + sum[2]) + (sum[1] + sum[3]); }
 
 JET_INLINE void NAME(clear)(V *x, int count)
 {
@@ -128,9 +129,9 @@ JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const dou
     }
 }
 
-/* Moves the unknowns to x = drift_values + way, with way = drift_values_low + impulse_scale sum_j matrix_ji L_j, by the
- * impulses L_j of all nodes. If `displacements` [unknowns][lanes] is not NULL, it gets `way`. Returns the sum of the
- * squares of (change of x) inverse_unknown_size. */
+/* Moves the unknowns to x = drift_values + displacement, with displacement = drift_values_low + impulse_scale sum_j
+ * matrix_ji L_j, by the impulses L_j of all nodes. If `displacements` [unknowns][lanes] is not NULL, it gets the
+ * displacements. Returns the sum of the squares of (change of x) inverse_unknown_size. */
 JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const double *matrix, double *displacements,
                                       galerkin_array_shape shape, size_t here)
 {
@@ -149,14 +150,15 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const 
         double *x = ROW(nodes->values, u);
         NUMBERS_IN(impulse, ROW(nodes->impulses, u))
         for (int v = 0; v < VECTORS; v++) {
-            V sum[CHAINS];
-            NAME(clear)(sum, CHAINS);
+            V sum[PARTIAL_SUM_COUNT];
+            NAME(clear)(sum, PARTIAL_SUM_COUNT);
             NAME(add_product)(sum, &table, impulse, v, shape);
-            const V way = FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v)), moved_to = AT(high, v) + way;
+            const V displacement = FUSED(V, scale, NAME(add_partial_sums)(sum), AT(base, v)),
+                    moved_to = AT(high, v) + displacement;
             const V change = (moved_to - AT(x, v)) * inverse_size;
             squares[v] = FUSED(V, change, change, squares[v]);
             AT(x, v) = moved_to;
-            if (displacements) AT(ROW(displacements, u), v) = way;
+            if (displacements) AT(ROW(displacements, u), v) = displacement;
         }
     }
     return NAME(sum_of)(squares, shape);
@@ -177,19 +179,20 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *extrapo
 {
     const double *last = ROW(extrapolation->last_impulses, u);
     const double *before = ROW(extrapolation->impulses_before, u);
-    const double *of_before = extrapolation->two_step_extrapolation + shape.lane_count * shape.lane_count;
+    const double *table_of_step_before = extrapolation->two_step_extrapolation + shape.lane_count * shape.lane_count;
     const JET_MASK(jet_widest) uses_last_step =
         *(const JET_MASK(jet_widest) *)(extrapolation->last_step_only_mask + here);
     const V none = {0};
     for (int j = 0; j < shape.node_count; j++)
-        sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, uses_last_step, none, OF_NODE(of_before + j * shape.lane_count, v)),
-                                AT(before, j), sum[j % CHAINS]);
+        sum[j % PARTIAL_SUM_COUNT] =
+            FUSED(V, JET_CHOOSE(V, uses_last_step, none, OF_NODE(table_of_step_before + j * shape.lane_count, v)),
+                  AT(before, j), sum[j % PARTIAL_SUM_COUNT]);
     for (int j = 0; j < shape.node_count; j++)
-        sum[j % CHAINS] = FUSED(V,
-                                JET_CHOOSE(V, uses_last_step,
-                                           OF_NODE(extrapolation->last_step_extrapolation + j * shape.lane_count, v),
-                                           OF_NODE(extrapolation->two_step_extrapolation + j * shape.lane_count, v)),
-                                AT(last, j), sum[j % CHAINS]);
+        sum[j % PARTIAL_SUM_COUNT] = FUSED(
+            V,
+            JET_CHOOSE(V, uses_last_step, OF_NODE(extrapolation->last_step_extrapolation + j * shape.lane_count, v),
+                       OF_NODE(extrapolation->two_step_extrapolation + j * shape.lane_count, v)),
+            AT(last, j), sum[j % PARTIAL_SUM_COUNT]);
 }
 #endif
 
@@ -203,10 +206,10 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
     const galerkin_extrapolation extrapolation = *caller_extrapolation;
 #if !MEMBERS
     const bool uses_last_step = *extrapolation.last_step_only_mask;
-    const NAME(table) of_last =
+    const NAME(table) table_of_last_step =
         NAME(table_of)(uses_last_step ? extrapolation.last_step_extrapolation : extrapolation.two_step_extrapolation);
-    /* If the last step alone is used, of_before is not used, and any valid address will do. */
-    const NAME(table) of_before =
+    /* If the last step alone is used, table_of_step_before is not used, and any valid address will do. */
+    const NAME(table) table_of_step_before =
         NAME(table_of)(extrapolation.two_step_extrapolation + (uses_last_step ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknown_count; u++) {
@@ -215,15 +218,16 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
         const V scale = nodes->impulse_scale[u] - (V){0};
         double *x = ROW(nodes->values, u);
         for (int v = 0; v < VECTORS; v++) {
-            V sum[CHAINS];
-            NAME(clear)(sum, CHAINS);
+            V sum[PARTIAL_SUM_COUNT];
+            NAME(clear)(sum, PARTIAL_SUM_COUNT);
 #if MEMBERS
             NAME(extrapolate)(sum, &extrapolation, u, v, shape, here);
 #else
-            if (!uses_last_step) NAME(add_product)(sum, &of_before, ROW(extrapolation.impulses_before, u), v, shape);
-            NAME(add_product)(sum, &of_last, ROW(extrapolation.last_impulses, u), v, shape);
+            if (!uses_last_step)
+                NAME(add_product)(sum, &table_of_step_before, ROW(extrapolation.impulses_before, u), v, shape);
+            NAME(add_product)(sum, &table_of_last_step, ROW(extrapolation.last_impulses, u), v, shape);
 #endif
-            AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v));
+            AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(add_partial_sums)(sum), AT(base, v));
         }
     }
 }
@@ -232,8 +236,9 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
 JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_array_shape shape, size_t here)
 {
     const MEMBER start = MEMBER_AT(nodes->start_values, u);
-    const MEMBER way = NUMBER(ROW(nodes->values, u), MEMBERS ? shape.node_count - 1 : shape.lane_count - 1) - start;
-    return MAGNITUDE(start) + MAGNITUDE(way);
+    const MEMBER movement =
+        NUMBER(ROW(nodes->values, u), MEMBERS ? shape.node_count - 1 : shape.lane_count - 1) - start;
+    return MAGNITUDE(start) + MAGNITUDE(movement);
 }
 
 JET_INLINE MEMBER NAME(least_of)(MEMBER largest)

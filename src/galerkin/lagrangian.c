@@ -142,8 +142,8 @@ static tvi_status predict_lagrangian_unknowns_from_start(galerkin_field *field, 
 static tvi_status make_lagrangian_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     static const tvi_status status[] = {[LAGRANGIAN_PASSED] = TVI_OK,
-                                        [LAGRANGIAN_OUTSIDE] = TVI_EDOMAIN,
-                                        [LAGRANGIAN_NO_NUMBER] = TVI_ENONFINITE,
+                                        [LAGRANGIAN_OUTSIDE_DOMAIN] = TVI_EDOMAIN,
+                                        [LAGRANGIAN_NONFINITE] = TVI_ENONFINITE,
                                         [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
     lagrangian_work *work = field->form_work;
     const int factors = work->passes.inversion_count;
@@ -160,7 +160,7 @@ static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
     tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->passes.gradient_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->passes.gradient_slot[true]);
-    tvi_galerkin_emit_int_array(text, "slot", unknowns, field->rate_row_of_unknown);
+    tvi_galerkin_emit_int_array(text, "rate_row_of_unknown", unknowns, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_lagrangian = {

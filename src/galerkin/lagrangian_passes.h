@@ -46,13 +46,13 @@ typedef struct {
 
 typedef enum {
     LAGRANGIAN_PASSED,
-    LAGRANGIAN_OUTSIDE,
-    LAGRANGIAN_NO_NUMBER,
+    LAGRANGIAN_OUTSIDE_DOMAIN,
+    LAGRANGIAN_NONFINITE,
     LAGRANGIAN_SINGULAR
 } lagrangian_pass_result;
 
 /* The square of a relative movement that is only roundoff. After it a pass makes no further iteration. */
-#define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
+#define LAGRANGIAN_ROUNDOFF_MOVEMENT_SQUARE (0.25 * DBL_EPSILON * DBL_EPSILON)
 
 static inline double *lagrangian_find_values_row(const galerkin_nodes *nodes, int row)
 {
@@ -164,7 +164,7 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     }
     for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
         if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + expansion->hessian_element[k].slot * lanes))
-            return LAGRANGIAN_NO_NUMBER;
+            return LAGRANGIAN_NONFINITE;
     return LAGRANGIAN_SINGULAR;
 }
 
@@ -175,9 +175,10 @@ static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
     const galerkin_nodes *nodes = passes->nodes;
     const int n = nodes->unknown_count / 2, half = n * nodes->lane_count;
     const double moved = lagrangian_move_momenta(passes);
-    GALERKIN_KERNEL(passes->kernels, correct, &passes->velocity_hessian_inverse, lagrangian_find_values_row(nodes, n),
-                    passes->gradient_at_centre + half, lagrangian_find_values_row(nodes, 4 * n),
-                    passes->tape_blocks.values_block + half, lagrangian_find_values_row(nodes, 2 * n));
+    GALERKIN_KERNEL(passes->kernels, correct_velocities, &passes->velocity_hessian_inverse,
+                    lagrangian_find_values_row(nodes, n), passes->gradient_at_centre + half,
+                    lagrangian_find_values_row(nodes, 4 * n), passes->tape_blocks.values_block + half,
+                    lagrangian_find_values_row(nodes, 2 * n));
     return moved + lagrangian_move_coordinates(passes);
 }
 
@@ -214,16 +215,16 @@ static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *pas
     const galerkin_nodes *nodes = passes->nodes;
     const int numbers = nodes->unknown_count * nodes->lane_count;
     if (passes->last_pass_movement_square <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
-        if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE;
+        if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE_DOMAIN;
     } else {
-        if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE;
+        if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE_DOMAIN;
         const lagrangian_pass_result inverted = lagrangian_invert_velocity_hessian(passes);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
     double moved = passes->last_pass_movement_square = 0;
     lagrangian_set_drift_minus_centre(passes);
     for (int i = 0; i < LAGRANGIAN_MAX_ITERATIONS; i++) {
-        if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
+        if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_ROUNDOFF_MOVEMENT_SQUARE * numbers) break;
         lagrangian_evaluate_gradient_expansion(passes);
         passes->last_pass_movement_square += moved = lagrangian_make_inner_iteration(passes);
     }

@@ -24,7 +24,7 @@ enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
     else BODY(jet_v1, lanes)
 
 /* A sum is split into this many partial sums, which the processor computes in parallel. */
-enum { CHAINS = 4 };
+enum { PARTIAL_SUM_COUNT = 4 };
 
 /* These functions return the sum of a vector's elements, by adding its halves. */
 JET_INLINE double add_lanes_of_jet_v1(jet_v1 vector) { return vector; }
@@ -73,9 +73,9 @@ JET_INLINE void set_impulses_with_changes(const double *weight, const double *ra
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
         for (int j = 0; j < lanes; j++) row[j] = *(const V *)(integral_table + j * point_count + here);                \
         for (int u = 0; u < count; u++) {                                                                              \
-            V sums[CHAINS] = {0};                                                                                      \
+            V sums[PARTIAL_SUM_COUNT] = {0};                                                                           \
             for (int j = 0; j < lanes; j++)                                                                            \
-                sums[j % CHAINS] += row[j] * impulses[(size_t)u * (size_t)lanes + (size_t)j];                          \
+                sums[j % PARTIAL_SUM_COUNT] += row[j] * impulses[(size_t)u * (size_t)lanes + (size_t)j];               \
             *(V *)(out + u * point_count + here) =                                                                     \
                 start[u] + (theta * drift[u] + scale[u] * ((sums[0] + sums[1]) + (sums[2] + sums[3])));                \
         }                                                                                                              \

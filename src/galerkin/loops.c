@@ -33,6 +33,6 @@
 #include "galerkin/kernel.h"
 #include "galerkin/kernel_table.h"
 
-const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_kernels)[GALERKIN_KERNEL_TABLES] = {
+const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_kernels)[GALERKIN_KERNEL_TABLE_COUNT] = {
     &kernels_1, &kernels_2, &kernels_4, &kernels_8, &kernels_12};
 const galerkin_kernels *const JET_FOR_ISA(tvi_galerkin_batch_kernels) = &kernels_members;

@@ -13,9 +13,9 @@
 #include <stddef.h>
 
 /* A table of kernels is compiled for each number of lanes: 1, 2, 4, 8 and TVI_GALERKIN_MAX_LANES. */
-enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_KERNEL_TABLES = 5 };
+enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_KERNEL_TABLE_COUNT = 5 };
 /* The number of steps whose impulses are stored: the last two steps and the current step. */
-enum { GALERKIN_RING = 3 };
+enum { GALERKIN_RING_LENGTH = 3 };
 
 /* The shape of arrays of unknowns. For one member, unknown u of node i is x[u][i]; lanes after the last node repeat
  * that node with weight 0. For several members, unknown u of node i of member m is x[u][i][m]. */
@@ -198,9 +198,9 @@ typedef struct {
 
 /* The data of the inner iterations of a Newton pass (hamiltonian.c, kernel_inner.h), for the matrix of second
  * derivatives at each node. Its rows are the unknowns whose rates depend on others. Its columns are the unknowns that
- * move and that enter some rate; they are also the first rows. Rows are stored in groups of LANES_ROWS, whose sums are
- * computed in parallel; the last group may have fewer. */
-enum { LANES_ROWS = 4 };
+ * move and that enter some rate; they are also the first rows. Rows are stored in groups of LANES_ROWS_PER_GROUP, whose
+ * sums are computed in parallel; the last group may have fewer. */
+enum { LANES_ROWS_PER_GROUP = 4 };
 typedef struct {
     int hessian_column_count, hessian_row_count;
     const int *unknown_of_row; /* [hessian_row_count] */
@@ -227,7 +227,8 @@ typedef struct {
 /* Returns the number of rows in the group that begins with row `first_row`. */
 static inline int lanes_count_rows_in_group(const lanes_inner_iterations *inner, int first_row)
 {
-    return inner->hessian_row_count - first_row < LANES_ROWS ? inner->hessian_row_count - first_row : LANES_ROWS;
+    return inner->hessian_row_count - first_row < LANES_ROWS_PER_GROUP ? inner->hessian_row_count - first_row
+                                                                       : LANES_ROWS_PER_GROUP;
 }
 
 /* The kernels of a step, for one member or for several; kernel.h defines them. */
@@ -235,10 +236,10 @@ typedef struct galerkin_kernels {
     /* `start` sets the drift values to the state at the start of the step, for equations of first order.
      * `start_drifting` does so for a separable system, whose positions drift with the momentum, and also sets drift +
      * drift_low = impulse_scale (p + p_low), the drift over the step in two parts. */
-    void (*start)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
-    void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin, double *drift,
-                           double *drift_low);
-    void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *increments);
+    void (*set_constant_drift_values)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
+    void (*set_linear_drift_values)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin,
+                                    double *drift, double *drift_low);
+    void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
     /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low +
      * impulse_scale sum_j matrix_ji L_j), with the impulse matrix. movement [member_count] is the sum of the squares of
@@ -246,21 +247,21 @@ typedef struct galerkin_kernels {
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                  double movement[]);
     /* Computes the sums of the impulses of the last movement that the end of the step needs. */
-    void (*integrate)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
-                      const galerkin_impulse_sums *sums);
+    void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
+                         const galerkin_impulse_sums *sums);
     /* `end_drifting` and `end` compute the increments of the state from the sums of `integrate`: dq = drift +
      * drift_low + scale double_integral and dp = single_integral for a separable system, and scale single_integral
      * for any other. */
-    void (*end_drifting)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, const double *drift,
-                         const double *drift_low, const tvi_increments *increments);
-    void (*end)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
-                const tvi_increments *increments);
+    void (*compute_drifting_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums,
+                                        const double *drift, const double *drift_low, const tvi_increments *increments);
+    void (*compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
+                               const tvi_increments *increments);
     /* Computes the tail of each member, [member_count]. */
-    void (*tail)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
+    void (*compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
      * members have converged in pass number `count`. It returns how many members still make passes. */
-    int (*judge)(galerkin_batch_iteration *iteration, const tvi_passes_rule *rule, int width, int count);
+    int (*judge_passes)(galerkin_batch_iteration *iteration, const tvi_passes_rule *rule, int width, int count);
 
     /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
      * displacements [unknowns][lanes]: the moved values are drift_values + displacements, rounded. */
@@ -277,8 +278,10 @@ typedef struct galerkin_kernels {
      * the error of the expansion to first order. `changes` is 0 if they do not shrink. If the second derivatives are
      * reused (is_new is false), `movement` is that of the last pass, which shows how far they are from their point. */
     void (*run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner, const double *rates,
-                                 const int slot[], bool is_new, double movement, double least, double *changes);
-    void (*evaluate)(const galerkin_curve_evaluation *places, const double *table, const double *impulses, double *out);
+                                 const int slot[], bool is_hessian_new, double last_movement, double smallest_goal,
+                                 double *changes);
+    void (*evaluate)(const galerkin_curve_evaluation *evaluation, const double *integral_table, const double *impulses,
+                     double *out);
 
     /* Inverts the matrix of each lane by elimination without row exchanges. Returns false, with `inverse` undefined, if
      * some pivot is much smaller or larger than the diagonal element in its place, or if there is a NaN. */
@@ -286,8 +289,8 @@ typedef struct galerkin_kernels {
     /* Computes the velocities V = from + A^-1 ((P - p) - change), [n][lanes] each, at which L_v is equal to the momenta
      * P to first order: at the velocities `from` L_v is p, and `change` is its change by the displacement of q.
      * `inverse` contains A^-1, with A = L_vv. */
-    void (*correct)(const lanes_matrix_inverse *inverse, const double *P, const double *p, const double *change,
-                    const double *from, double *V);
+    void (*correct_velocities)(const lanes_matrix_inverse *inverse, const double *momenta, const double *centre_momenta,
+                               const double *momentum_change, const double *centre_velocities, double *velocities);
     /* Sets the first n rows of `out` [2n][lanes] to the expansion of L_q at the displaced point, and its last n rows
      * to the change of L_v by the displacement of q alone. */
     void (*linearise)(const lanes_gradient_expansion *expansion, double *out);
@@ -295,9 +298,9 @@ typedef struct galerkin_kernels {
 
 /* The kernels for one member, one table for each number of lanes, and the kernels for several members, for each
  * instruction set. */
-extern const galerkin_kernels *const tvi_galerkin_kernels_base[GALERKIN_KERNEL_TABLES],
-    *const tvi_galerkin_kernels_avx2[GALERKIN_KERNEL_TABLES],
-        *const tvi_galerkin_kernels_avx512[GALERKIN_KERNEL_TABLES];
+extern const galerkin_kernels *const tvi_galerkin_kernels_base[GALERKIN_KERNEL_TABLE_COUNT],
+    *const tvi_galerkin_kernels_avx2[GALERKIN_KERNEL_TABLE_COUNT],
+        *const tvi_galerkin_kernels_avx512[GALERKIN_KERNEL_TABLE_COUNT];
 extern const galerkin_kernels *const tvi_galerkin_batch_kernels_base, *const tvi_galerkin_batch_kernels_avx2,
                                                                           *const tvi_galerkin_batch_kernels_avx512;
 

@@ -67,12 +67,12 @@ void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tab
     const galerkin_field *field = tables->blocks.sweep_argument;
     const jet_tape *hessian = field->system->hessian_values;
     const int rows = 2 * tables->blocks.n;
-    tvi_galerkin_emit_int_array(text, "end", rows, tables->row_end);
-    jet_text_append(text, "static const lanes_hessian_element galerkin_term[] = {");
+    tvi_galerkin_emit_int_array(text, "row_end", rows, tables->row_end);
+    jet_text_append(text, "static const lanes_hessian_element galerkin_hessian_element[] = {");
     for (int k = 0; k < tables->row_end[rows - 1]; k++)
         jet_text_append(text, "{%d, %d}, ", tables->hessian_element[k].column, tables->hessian_element[k].slot);
     jet_text_append(text,
-                    "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_KEPT = %d };\n"
+                    "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_READ_ONLY_ROWS = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
                     hessian->input_count, galerkin_count_read_only_rows(hessian), tables->blocks.lane_count);
 }

@@ -24,13 +24,13 @@ typedef struct {
 /* Returns whether the index of a loaded history is within the ring. */
 static inline bool galerkin_is_ring_index_valid(long last_ring_index)
 {
-    return last_ring_index >= 0 && last_ring_index < GALERKIN_RING;
+    return last_ring_index >= 0 && last_ring_index < GALERKIN_RING_LENGTH;
 }
 
 typedef struct {
     galerkin_history *history;
     /* The impulses of the last steps, [unknowns][lanes] each, stored in the history as a ring buffer. */
-    double *impulse_ring[GALERKIN_RING];
+    double *impulse_ring[GALERKIN_RING_LENGTH];
     /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
     double *two_step_extrapolation, *last_step_extrapolation;
     /* If the movement of the first pass of a step, a sum of squares, is larger than this, its prediction had a relative
@@ -68,8 +68,8 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
  * step if it is 1. */
 static inline double *galerkin_find_impulses_of_step(const galerkin_predictor *predictor, int steps_after_last)
 {
-    return predictor
-        ->impulse_ring[(predictor->history->last_ring_index + steps_after_last + GALERKIN_RING) % GALERKIN_RING];
+    return predictor->impulse_ring[(predictor->history->last_ring_index + steps_after_last + GALERKIN_RING_LENGTH) %
+                                   GALERKIN_RING_LENGTH];
 }
 
 /* ---- The rules that end passes, and the roundoff of a pass (probe.c; docs/method.md section 5) ------------------- */

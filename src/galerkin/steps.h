@@ -23,7 +23,7 @@ typedef struct galerkin_step_data {
     double max_first_movement_square;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
-    /* [GALERKIN_RING] The impulses of the last steps, stored in the history. */
+    /* [GALERKIN_RING_LENGTH] The impulses of the last steps, stored in the history. */
     double *const *impulse_ring;
     /* lagrangian_passes or hamiltonian_passes, or NULL if passes use no second derivatives. */
     void *form_work;
@@ -79,16 +79,16 @@ JET_INLINE void galerkin_set_drift_values(const galerkin_step_data *step_data, c
                                           const tvi_step_origin *origin)
 {
     if (step_data->tail_inputs->is_separable)
-        GALERKIN_KERNEL(step_data->kernels, start_drifting, nodes, step_data->node_abscissa, origin, step_data->drift,
-                        step_data->drift_low);
-    else GALERKIN_KERNEL(step_data->kernels, start, nodes, step_data->tail_inputs->n, origin);
+        GALERKIN_KERNEL(step_data->kernels, set_linear_drift_values, nodes, step_data->node_abscissa, origin,
+                        step_data->drift, step_data->drift_low);
+    else GALERKIN_KERNEL(step_data->kernels, set_constant_drift_values, nodes, step_data->tail_inputs->n, origin);
 }
 
 JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_data *step_data, int ring_index)
 {
-    return step_data->impulse_ring[ring_index < 0               ? ring_index + GALERKIN_RING
-                                   : ring_index < GALERKIN_RING ? ring_index
-                                                                : ring_index - GALERKIN_RING];
+    return step_data->impulse_ring[ring_index < 0                      ? ring_index + GALERKIN_RING_LENGTH
+                                   : ring_index < GALERKIN_RING_LENGTH ? ring_index
+                                                                       : ring_index - GALERKIN_RING_LENGTH];
 }
 
 /* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only one
@@ -135,7 +135,7 @@ JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_dat
     }
     for (int count = 1; left > 0 && count <= step_data->passes_rule->max_passes; count++) {
         (void)pass_functions->make_pass(pass_functions->work, nodes, iteration->movement_square, NULL);
-        left = step_data->kernels->judge(iteration, step_data->passes_rule, nodes->member_count, count);
+        left = step_data->kernels->judge_passes(iteration, step_data->passes_rule, nodes->member_count, count);
     }
 }
 
@@ -175,13 +175,13 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data,
     inputs.start_q = origin->q;
     inputs.start_p = origin->p;
     inputs.momentum_increment = increments->dp;
-    GALERKIN_KERNEL(step_data->kernels, integrate, nodes, step_data->impulse_sum_weights, &inputs.impulse_sums);
+    GALERKIN_KERNEL(step_data->kernels, sum_impulses, nodes, step_data->impulse_sum_weights, &inputs.impulse_sums);
     if (inputs.is_separable)
-        GALERKIN_KERNEL(step_data->kernels, end_drifting, nodes, &inputs.impulse_sums, step_data->drift,
+        GALERKIN_KERNEL(step_data->kernels, compute_drifting_increments, nodes, &inputs.impulse_sums, step_data->drift,
                         step_data->drift_low, increments);
-    else GALERKIN_KERNEL(step_data->kernels, end, nodes, &inputs.impulse_sums, inputs.n, increments);
+    else GALERKIN_KERNEL(step_data->kernels, compute_increments, nodes, &inputs.impulse_sums, inputs.n, increments);
     for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
-    if (nodes->node_count > 1) GALERKIN_KERNEL(step_data->kernels, tail, &inputs, nodes->member_count, tail);
+    if (nodes->node_count > 1) GALERKIN_KERNEL(step_data->kernels, compute_tails, &inputs, nodes->member_count, tail);
 }
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
@@ -241,7 +241,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         outcome->step_count++;
         if (pass_functions->after_step) pass_functions->after_step(pass_functions->work);
         outcome->pass_count += iteration.pass_count;
-        outcome->last_ring_index = (outcome->last_ring_index + 1) % GALERKIN_RING;
+        outcome->last_ring_index = (outcome->last_ring_index + 1) % GALERKIN_RING_LENGTH;
         outcome->equal_step_count += outcome->equal_step_count < 2;
         outcome->convergence = iteration.convergence;
         outcome->start_time_of_last_step = t;

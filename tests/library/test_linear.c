@@ -252,15 +252,15 @@ static void check_lanes(const galerkin_kernels *loops, lanes_matrix_inverse *f, 
         for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
     }
     ck_assert(invert_lanes(loops, f, lanes));
-    loops->correct(f, P, none, none, none, V);
+    loops->correct_velocities(f, P, none, none, none, V);
     for (int lane = 0; lane < lanes; lane++) {
         double x[MOST], b[MOST];
         for (int i = 0; i < n; i++) x[i] = V[i * lanes + lane], b[i] = P[i * lanes + lane];
         check_residual(n, A[lane], false, x, b);
     }
-    loops->correct(f, none, P, none, V, back);
+    loops->correct_velocities(f, none, P, none, V, back);
     for (int i = 0; i < n * lanes; i++) ck_assert_double_le(fabs(back[i]), DBL_EPSILON * fabs(V[i]));
-    loops->correct(f, P, none, P, V, back);
+    loops->correct_velocities(f, P, none, P, V, back);
     for (int i = 0; i < n * lanes; i++) ck_assert(back[i] == V[i]);
 }
 

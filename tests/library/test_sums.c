@@ -9,7 +9,7 @@
 
 enum { UNKNOWNS = 7, SUMMED = 10, ROUNDS = 50, MOST = TVI_GALERKIN_MAX_LANES };
 
-static const int lanes_of[GALERKIN_KERNEL_TABLES] = {1, 2, 4, 8, MOST};
+static const int lanes_of[GALERKIN_KERNEL_TABLE_COUNT] = {1, 2, 4, 8, MOST};
 static const galerkin_kernels *const *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_base] = tvi_galerkin_kernels_base,
 #ifdef __x86_64__
@@ -74,8 +74,8 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
 
 START_TEST(sums_are_compensated)
 {
-    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLES);
-    const int size = _i % GALERKIN_KERNEL_TABLES, lanes = lanes_of[size];
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLE_COUNT);
+    const int size = _i % GALERKIN_KERNEL_TABLE_COUNT, lanes = lanes_of[size];
     galerkin_tables tables;
     uint64_t bits = 1;
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
@@ -96,7 +96,7 @@ START_TEST(sums_are_compensated)
                                           .impulses = impulse};
             const galerkin_impulse_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
             for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, is_short, &bits);
-            loops_of[isa][size]->integrate(&nodes, &tables.of.impulse_sum_weights, &sums);
+            loops_of[isa][size]->sum_impulses(&nodes, &tables.of.impulse_sum_weights, &sums);
             for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], is_short, &sums, u);
         }
     galerkin_tables_close(&tables);
@@ -106,11 +106,11 @@ END_TEST
 /* Drift and rise of like size, and what each of them lacks. */
 START_TEST(increments_have_two_parts)
 {
-    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLES);
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLE_COUNT);
     double of[6][UNKNOWNS], by[4][UNKNOWNS];
     double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
     const galerkin_nodes nodes = {
-        .lane_count = lanes_of[_i % GALERKIN_KERNEL_TABLES], .unknown_count = UNKNOWNS, .impulse_scale = scale};
+        .lane_count = lanes_of[_i % GALERKIN_KERNEL_TABLE_COUNT], .unknown_count = UNKNOWNS, .impulse_scale = scale};
     const galerkin_impulse_sums sums = {.single_integral = once,
                                         .double_integral = twice,
                                         .single_integral_low = drift_low,
@@ -122,7 +122,8 @@ START_TEST(increments_have_two_parts)
         for (int k = 0; k < 6 * UNKNOWNS; k++)
             of[k / UNKNOWNS][k % UNKNOWNS] =
                 (number_of(&bits) - 0.5) * (k / UNKNOWNS % 2 && k < 4 * UNKNOWNS ? 0x1p-54 : 1);
-        loops_of[isa][_i % GALERKIN_KERNEL_TABLES]->end_drifting(&nodes, &sums, drift, drift_low, &to);
+        loops_of[isa][_i % GALERKIN_KERNEL_TABLE_COUNT]->compute_drifting_increments(&nodes, &sums, drift, drift_low,
+                                                                                     &to);
         for (int u = 0; u < UNKNOWNS; u++) {
             const double rise = scale[u] * twice[u], rise_low = fma(scale[u], twice[u], -rise);
             const long double lacks = drift_low[u] + (rise_low + (long double)scale[u] * twice_low[u]);
@@ -203,8 +204,8 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
 START_TEST(places_are_rounded_to_no_side)
 {
     static const int unknowns[] = {2, UNKNOWNS};
-    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLES);
-    const int size = _i % GALERKIN_KERNEL_TABLES, lanes = lanes_of[size];
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLE_COUNT);
+    const int size = _i % GALERKIN_KERNEL_TABLE_COUNT, lanes = lanes_of[size];
     galerkin_tables tables;
     if (isa > jet_choose_sweeps_for_processor()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
@@ -222,9 +223,9 @@ Suite *suite_sums(void)
 {
     Suite *suite = suite_create("sums");
     TCase *sums = tcase_create("sums");
-    tcase_add_loop_test(sums, sums_are_compensated, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
-    tcase_add_loop_test(sums, increments_have_two_parts, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
-    tcase_add_loop_test(sums, places_are_rounded_to_no_side, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLES);
+    tcase_add_loop_test(sums, sums_are_compensated, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLE_COUNT);
+    tcase_add_loop_test(sums, increments_have_two_parts, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLE_COUNT);
+    tcase_add_loop_test(sums, places_are_rounded_to_no_side, 0, JET_ISA_COUNT * GALERKIN_KERNEL_TABLE_COUNT);
     suite_add_tcase(suite, sums);
     suite_add_tcase(suite, tcase_chains());
     return suite;
