@@ -1,16 +1,16 @@
-/* batch.c - Makes steps of the Galerkin curves of several members of an ensemble at once, by the code of steps.h.
- * Node i of member m is element i * member_count + m of a row, in one lane of the tape. The passes of each member
- * converge by themselves: a member that has converged is not moved any more, while passes of the others go on. A
- * step is made in lanes if the member's last step had the same size and ended where this step begins. All other
- * steps are made one member after the other by the stepper of a single curve: the first step of a run, a step that
- * fails in lanes, and a step whose roundoff has to be measured. */
+/* batch.c - Makes a step of the Galerkin curves of several members of an ensemble at once; tvi_stepper_galerkin.batch
+ * is this stepper. Element i * member_count + m of a row belongs to node i of member m, and is one lane of the tape.
+ * The members in lanes are those that make a step together: their last step had the same size and ended where the new
+ * step begins. Each member has its own test of convergence: a member that has converged no longer moves, while passes
+ * of other members go on. The stepper of a single curve (galerkin.c) makes all other steps, one member after the other:
+ * the first step of a run, a step that fails in lanes, and a step whose roundoff has to be measured. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 #include "method/single.h"
 
 typedef struct {
     tvi_member_stepper member_stepper;
-    /* the stepper of member_stepper, which owns all tables of coefficients */
+    /* the stepper of a single curve in member_stepper, which owns all tables of coefficients */
     galerkin_stepper *single_stepper;
     galerkin_nodes nodes;
     galerkin_tail_inputs tail_inputs;
@@ -21,9 +21,9 @@ typedef struct {
     long long *stepped_together_mask, *last_step_only_mask;
     tvi_increments increments; /* [n][member_count] the increments of the state */
     double *tail;              /* [member_count] */
-    /* The integrator's history stores `history`, last_ring_index and impulse_ring. */
-    galerkin_history *history; /* [member_count] each member's history; its own last_ring_index is not used */
-    long *last_ring_index;
+    /* The integrator's history stores the next three fields. */
+    galerkin_history *history; /* [member_count] galerkin_history.last_ring_index is not used here */
+    long *last_ring_index;     /* the index of the last step's impulses in impulse_ring, for all members */
     /* [unknowns][node_count][member_count] The impulses (galerkin_nodes) of the last two steps and of the next one. */
     double *impulse_ring[GALERKIN_RING_LENGTH];
 } galerkin_batch_stepper;
@@ -254,8 +254,8 @@ typedef struct {
     tvi_stats *stats;
 } batch_pass_work;
 
-/* Makes a pass of all members in lanes. A member whose unknowns leave the field's domain is stepped alone
- * afterwards. */
+/* Makes a pass of the members whose moving_mask is set. A member whose unknowns leave the field's domain is stepped
+ * alone afterwards. */
 static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff)
 {
     const batch_pass_work *pass_work = work;
@@ -277,6 +277,8 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
     return TVI_OK;
 }
 
+/* Solves the equations of the step for all members in lanes. Clears stepped_together_mask of a member whose passes do
+ * not converge: it is stepped alone afterwards. */
 static void solve_step_equations_in_lanes(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
                                           const tvi_step_origin *origin, tvi_stats *stats)
 {
@@ -297,7 +299,7 @@ static void solve_step_equations_in_lanes(galerkin_batch_stepper *stepper, doubl
         stepper->stepped_together_mask[member] = stepper->iteration.converged_mask[member];
 }
 
-/* The index of the last step in the ring advances for all members together. This function moves the impulses of
+/* Advances the index of the last step in the ring, which is the same for all members. It also moves the impulses of
  * members that are stepped alone by one place in the ring, so that their history stays the same. */
 static void advance_impulse_ring(const galerkin_batch_stepper *stepper)
 {
@@ -323,6 +325,7 @@ static void copy_rows_of_members_in_lanes(const galerkin_batch_stepper *stepper,
             destination[member] = stepper->stepped_together_mask[member] ? source[member] : destination[member];
 }
 
+/* Computes the increments and the tails of the members in lanes, and stores their results and their history. */
 static void compute_results_of_members_in_lanes(galerkin_batch_stepper *stepper, double h,
                                                 const tvi_batch_origin *origins, const tvi_step_origin *origin,
                                                 const tvi_batch_results *results)

@@ -46,7 +46,7 @@ static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, in
     }
 }
 
-/* Prepares the tables for the Gauss nodes of [0, 1]. */
+/* Computes all tables of `polynomials` for the Gauss nodes of [0, 1]. */
 static void prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
     double single_integral[MAX_LANES], double_integral[MAX_LANES];
@@ -97,9 +97,9 @@ static void integrate_node_polynomials(const galerkin_node_polynomials *polynomi
     }
 }
 
-/* Computes both integrals. The integral of I_k is s^2 / 2 for k = 0, and (I_{k+1} - I_{k-1}) / (4 k + 2) otherwise.
- * If s is small, I_{k+1} and I_{k-1} nearly cancel, but the difference in long double still has the digits of a
- * double. */
+/* Computes both integrals of l_j / b_j from those of Legendre's polynomials. The integral of I_k is s^2 / 2 for k = 0,
+ * and (I_{k+1} - I_{k-1}) / (4 k + 2) otherwise. If s is small, I_{k+1} and I_{k-1} nearly cancel, but the difference
+ * in long double still has the digits of a double. */
 void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
                                   double double_integral[])
 {

@@ -1,6 +1,7 @@
-/* coefficients.h - Computes the coefficients of Gauss collocation (nodes c_i, weights b_i, matrix a_ij), in the form in
- * which they multiply impulses, which are rates times h b_j (docs/method.md section 6), and the polynomials through the
- * nodes. The stepper (galerkin.c), the predictor and the dense output use them. */
+/* coefficients.h - Computes the nodes c_i, the weights b_i and the matrix a_ij of Gauss collocation, and the
+ * polynomials through the nodes. The elements of the matrix are divided by b_j, because they multiply impulses, which
+ * are rates times h b_j (docs/method.md section 6). The stepper (galerkin.c), the predictor and the dense output use
+ * these tables. */
 #ifndef TVI_SRC_GALERKIN_COEFFICIENTS_H
 #define TVI_SRC_GALERKIN_COEFFICIENTS_H
 
@@ -11,7 +12,7 @@
  * nodes. These integrals times the impulses h b_j F_j give the curve at any point of the step. */
 typedef struct {
     int node_count;
-    const jet_sweeps *sweeps;
+    const jet_sweeps *sweeps; /* the functions for the instruction set, of which `combine` is called */
     /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
     double *legendre_coefficient;
     long double reciprocal_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */

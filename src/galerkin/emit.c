@@ -1,5 +1,6 @@
 /* emit.c - Writes the Galerkin steps of one system into generated code: the sizes of the system as constants, the
- * kernels of kernel.h for these sizes, and the steps of steps.h with the passes of the field's form. */
+ * kernels of kernel.h for these sizes, and the steps of steps.h. The passes of these steps depend on the form of the
+ * field (field.h). galerkin.c calls it. */
 #include "galerkin/field.h"
 
 extern const char *const tvi_embedded_galerkin[];

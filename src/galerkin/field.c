@@ -1,6 +1,6 @@
-/* field.c - Evaluates the field of a separable system, F, or of a Hamiltonian, (H_p, -H_q), at the nodes, for passes
- * that are a fixed-point iteration. The tape computes H_q; its sign is in impulse_scale of the nodes. The unknowns
- * are the inputs of the tape. */
+/* field.c - Evaluates the field at the nodes for passes that are a fixed-point iteration: F of a separable system, or
+ * (H_p, -H_q) of a Hamiltonian. The unknowns are the inputs of the tape. The tape computes H_q; impulse_scale of the
+ * momenta is -1 and gives its sign. The stepper (galerkin.c) calls the functions of tvi_galerkin_form_plain. */
 #include "galerkin/field.h"
 
 static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)

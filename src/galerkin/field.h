@@ -1,5 +1,6 @@
-/* field.h - Declares the field of a system at the nodes of the Galerkin curve, which gives the rates of the
- * unknowns. The forms of systems differ here, and in the order of their equations (galerkin_is_second_order). */
+/* field.h - Declares the field of a system at the nodes of the Galerkin curve, which gives the rates of the unknowns.
+ * Separable systems, Lagrangians and Hamiltonians differ in the functions of galerkin_field_form, and in the order of
+ * their equations (galerkin_is_second_order). The stepper (galerkin.c) calls these functions. */
 #ifndef TVI_SRC_GALERKIN_FIELD_H
 #define TVI_SRC_GALERKIN_FIELD_H
 
@@ -28,7 +29,8 @@ typedef struct {
     double *node_weight; /* [lanes] */
     /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
     int *rate_row_of_unknown;
-    /* [unknowns] The factor 1/h from extrapolated impulses to rates, for the forms that predict rates. */
+    /* [unknowns] The factor 1/h of impulses in rates: impulse_scale of the nodes whose unknowns are the rates, in the
+     * forms that predict rates. */
     double *rate_per_impulse;
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
@@ -39,8 +41,8 @@ typedef struct {
     /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
      * otherwise. */
     tvi_roundoff *output_displacements;
-    /* The data of the field's form: lagrangian_work or hamiltonian_work, whose first member is the data of the passes,
-     * or NULL. */
+    /* The data of the field's form: lagrangian_work or hamiltonian_work, or NULL for the plain form. The first member
+     * of both structures is the data of the passes. */
     void *form_work;
 } galerkin_field;
 
@@ -50,8 +52,9 @@ struct galerkin_field_form {
     void (*prepare)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
-    /* Predicts the unknowns, as galerkin_pass_functions.predict, by tables that contain impulse_to_predicted_matrix. If
-     * the form has NULL here, galerkin_predict_unknowns calls the kernel itself. */
+    /* Predicts the unknowns from the impulses of earlier steps, as galerkin_pass_functions.predict does. The factors of
+     * the extrapolation contain impulse_to_predicted_matrix. If the form has NULL here, galerkin_predict_unknowns calls
+     * the kernel `predict` itself. */
     void (*predict)(void *form_work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
      * moves the unknowns itself. */
@@ -82,7 +85,8 @@ void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const 
 void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[]);
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
-/* Returns the number of rows at the start of a tape's block that a sweep reads and does not write. */
+/* Returns the number of rows at the start of a tape's block that a sweep reads and does not write: inputs and
+ * constants. */
 static inline int galerkin_count_read_only_rows(const jet_tape *tape)
 {
     return tape->input_count + tape->constant_count;

@@ -47,8 +47,9 @@ static const galerkin_field_form *select_field_form(const tvi_system *system)
                                             : &tvi_galerkin_form_hamiltonian;
 }
 
-/* If the second derivatives of a Hamiltonian K = g h (hamiltonian.c) are computed without the term h g'', each pass
- * reduces the error by a constant factor only, and the passes are not those of Newton's method. */
+/* Returns the rule that ends the passes. If the second derivatives of a Hamiltonian K = g h (hamiltonian.c) are
+ * computed without the term h g'', each pass reduces the error by a constant factor only: its rule is not that of
+ * Newton's method. */
 static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
 {
     return !system->hessian_values                                          ? &tvi_galerkin_fixed_point
@@ -280,8 +281,8 @@ static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_ru
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
                         const tvi_run_state *state, galerkin_steps_outcome *outcome, tvi_stats *stats);
 
-/* Makes steps by generated code or by the library. The first step is predicted from earlier steps, if
- * can_use_earlier_steps is set and that is possible, and otherwise from the state alone. */
+/* Makes steps by generated code or by the library. The first step is predicted from earlier steps if
+ * can_use_earlier_steps is set and the last step is near enough, and otherwise from the state alone. */
 static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, step_maker *make_steps,
                                                      bool can_use_earlier_steps, const tvi_run_request *run,
                                                      const tvi_step_origin *origin, const tvi_run_state *state,

@@ -6,7 +6,8 @@
 #include "galerkin/generated_hessian.h"
 #include "galerkin/hamiltonian_passes.h"
 
-/* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
+/* Makes a pass. Returns TVI_ENOCONV if `roundoff` is not NULL or the pass fails: the library then makes the step again,
+ * and can measure the roundoff of a pass. */
 JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                      double *roundoff)
 {
@@ -17,8 +18,8 @@ JET_INLINE tvi_status galerkin_make_hamiltonian_pass(void *work, const galerkin_
     return TVI_OK;
 }
 
-/* Makes steps in a row. The matrix of the inner iterations has GALERKIN_HESSIAN_COLUMNS columns and
- * GALERKIN_HESSIAN_ROWS rows. */
+/* Makes steps in a row. The matrix of the inner iterations has GALERKIN_HESSIAN_ROWS rows and GALERKIN_HESSIAN_COLUMNS
+ * columns. */
 static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_steps_outcome *outcome)

@@ -26,6 +26,8 @@ typedef struct {
     _Alignas(64) double x[GALERKIN_ROWS_LENGTH];
 } galerkin_block_copies;
 
+/* Returns the blocks with constant sizes. If local copies are short enough, they take the place of the blocks and of
+ * nodes->values, and get the rows that a tape reads and does not set. */
 JET_INLINE galerkin_tape_blocks galerkin_make_local_blocks(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
                                                            galerkin_block_copies *copies)
 {

@@ -5,7 +5,8 @@
 #include "galerkin/generated_hessian.h"
 #include "galerkin/lagrangian_passes.h"
 
-/* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
+/* Makes a pass. Returns TVI_ENOCONV if `roundoff` is not NULL or the pass fails: the library then makes the step again,
+ * and can measure the roundoff of a pass. */
 JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                     double *roundoff)
 {

@@ -47,7 +47,8 @@ JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
     return is_inside;
 }
 
-/* Makes a pass. It returns TVI_ENOCONV if the roundoff of the pass is to be measured, which the library does. */
+/* Makes a pass. Returns TVI_ENOCONV if `roundoff` is not NULL: the library then makes the step again, and can measure
+ * the roundoff of a pass. Returns TVI_EDOMAIN if an operand is outside its domain. */
 JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                      double *roundoff)
 {

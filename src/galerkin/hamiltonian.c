@@ -1,6 +1,7 @@
-/* hamiltonian.c - Evaluates the field of a Hamiltonian K(q, p) = g h, with h = 0 on the solution, and its second
- * derivatives, for Newton's method (docs/method.md section 5). The system has them if they take little time compared
- * with K, as those of a rescaled system do (system/hessian.c).
+/* hamiltonian.c - Evaluates the field of a Hamiltonian K(q, p) and its second derivatives at the nodes, for Newton's
+ * method (docs/method.md section 5). For a rescaled system K is g h, where h = H + e is 0 on the solution. A system has
+ * a tape of second derivatives only if they take little time compared with K, as those of a rescaled system do
+ * (system/hessian.c).
  *
  * A pass evaluates the gradient (K_q, K_p) at the unknowns x = (Q, P), and the matrix K'' of its derivatives, too. One
  * fixed-point iteration with this gradient would move x by d_0. If the gradient were its expansion to first order, the

@@ -8,7 +8,7 @@
 /* Computes a b + c with the same rounding in vectors of members and in vectors of nodes. */
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
-/* Kernels are not inlined, so that each has the registers to itself. */
+/* Kernels are functions of their own, so that the loops of each kernel can use all registers. */
 #define KERNEL_FUNCTION      JET_APART
 #define NODE_COUNT_OF(nodes) ((nodes)->node_count)
 

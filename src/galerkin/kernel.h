@@ -1,7 +1,7 @@
-/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). It is included once for
- * each number of lanes of a single member (LANES), and once for several members (MEMBERS). A vector V holds nodes of
- * one member, or the same node of several members, of which `here` is the first. The code is the same for both, so
- * that a member gets the same results alone and in a batch, bit for bit. */
+/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). It is included once for each
+ * number of lanes of a single member (LANES), and once for several members (MEMBERS). A vector V holds successive nodes
+ * of one member, or one node of successive members, the first of which has the number `here`. The code is the same for
+ * both, so that a member gets the same results alone and in a batch, bit for bit. */
 #undef NAME
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS

@@ -1,6 +1,6 @@
 /* kernel_ends.h - Defines the part of kernel.h that sums the impulses at the end of a step. */
 
-/* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
+/* ---- The sums of the impulses at the end of a step --------------------------------------------------------------- */
 
 /* A column is a vector of members for one unknown, or of unknowns for one member. The sums over nodes are
  * compensated: the rounding errors of the additions are summed separately, and the low-order part of the result is
@@ -26,8 +26,8 @@ JET_INLINE void NAME(join_compensated_sums)(NAME(compensated_sums) *sums, double
     *(COLUMN *)low = less - (both - sums->total[0]);
 }
 
-/* NAME(rows) is the number of rows in a column. NAME(set_rows) lists them from unknown u on; rows after the last
- * unknown repeat it. */
+/* NAME(rows) is the number of unknowns in a column. NAME(set_rows) sets row[k] to the impulses of unknown u + k, or of
+ * the last unknown if there are fewer. */
 enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
 JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_array_shape shape,
                                size_t here)

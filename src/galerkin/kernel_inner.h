@@ -1,9 +1,9 @@
-/* kernel_inner.h - Defines the part of kernel.h that solves the linear equations of a pass with second derivatives
- * (hamiltonian.c), by inner iterations: the movement of the unknowns, multiplied by the second derivatives, changes the
- * forces and so the impulses at the nodes, and these move the unknowns again. Single precision is enough, in half the
- * time of double precision: the error that a pass leaves is larger than 2^-24 of its movement, except in the last pass,
- * whose movement is roundoff. Changes are relative to the sizes of the unknowns, so that the iterations do not depend
- * on units. */
+/* kernel_inner.h - Defines the part of kernel.h that solves the linear equations of a pass with second derivatives by
+ * inner iterations (hamiltonian.c). An inner iteration multiplies the last change of the unknowns by the second
+ * derivatives, which gives the change of the rates. From the change of the rates follow the change of the impulses at
+ * the nodes, and the next change of the unknowns. Single precision is enough, and takes half the time of double
+ * precision: the error that a pass leaves is larger than 2^-24 of its movement, except in the last pass, whose movement
+ * is roundoff. Changes are relative to the sizes of the unknowns, so that the iterations do not depend on units. */
 
 /* SINGLE is the single-precision vector with as many elements as V. ROW_VECTOR is the widest single-precision vector
  * that divides a row of LANES numbers. SINGLE_AT and PART_AT access such vectors in a row. */
@@ -21,7 +21,7 @@
 #define PART_AT(row, b)   (*(ROW_VECTOR *)((row) + (size_t)(b) * (sizeof(ROW_VECTOR) / sizeof(float))))
 enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(float) / (int)sizeof(ROW_VECTOR) };
 
-/* ---- What drives the rows ---------------------------------------------------------------------------------------- */
+/* ---- The changes of the impulses --------------------------------------------------------------------------------- */
 
 /* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns,
  * group by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown.
@@ -62,8 +62,8 @@ JET_INLINE void NAME(compute_group)(const lanes_inner_iterations *inner, const f
         for (int b = 0; b < NAME(parts); b++) PART_AT(out + (first + i) * LANES, b) = sum[i][b];
 }
 
-/* Sets the rows of `out` up to end_row, and to the end of its group, to the changes of the impulses that `change` of
- * the unknowns causes. The size of a full group is a constant in the call. */
+/* Sets the rows of `out` up to the end of the group that contains row end_row - 1. They become the changes of the
+ * impulses that `change` of the unknowns causes. The size of a full group is a constant in the call. */
 JET_INLINE void NAME(compute_impulses)(const lanes_inner_iterations *inner, const float *change, int end_row,
                                        float *out)
 {
@@ -74,7 +74,7 @@ JET_INLINE void NAME(compute_impulses)(const lanes_inner_iterations *inner, cons
     }
 }
 
-/* ---- What they move ---------------------------------------------------------------------------------------------- */
+/* ---- The changes of the unknowns --------------------------------------------------------------------------------- */
 
 /* Computes last_unknown_change from last_impulse_change, and adds it to total_unknown_change. Returns the sum of the
  * squares of last_unknown_change. */

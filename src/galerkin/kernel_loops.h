@@ -7,7 +7,7 @@ KERNEL_FUNCTION void NAME(set_constant_drift_values)(const galerkin_nodes *nodes
     EACH_VECTOR(NAME(set_constant_drift_of_half)(nodes, n, n, origin->p, origin->p_low, shape, here));
 }
 
-KERNEL_FUNCTION void NAME(set_linear_drift_values)(const galerkin_nodes *nodes, const double *c,
+KERNEL_FUNCTION void NAME(set_linear_drift_values)(const galerkin_nodes *nodes, const double *node_abscissa,
                                                    const tvi_step_origin *origin, double *drift, double *drift_low)
 {
     const int width = MEMBERS ? nodes->member_count : 1;
@@ -18,7 +18,7 @@ KERNEL_FUNCTION void NAME(set_linear_drift_values)(const galerkin_nodes *nodes, 
                 fma(nodes->impulse_scale[u], origin->p[at], -drift[at]) + nodes->impulse_scale[u] * origin->p_low[at];
         }
     for (int u = 0; u < nodes->unknown_count; u++)
-        EACH_VECTOR(NAME(set_linear_drift_of_unknown)(nodes, u, c, origin, drift, drift_low, shape, here));
+        EACH_VECTOR(NAME(set_linear_drift_of_unknown)(nodes, u, node_abscissa, origin, drift, drift_low, shape, here));
 }
 
 KERNEL_FUNCTION void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation)
@@ -91,7 +91,7 @@ KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_tail_inputs *tail_inputs
 }
 
 #if MEMBERS
-/* The rule that ends the passes of several members. */
+/* The operations with which judge.h defines members_judge_pass, which judges the passes of several members at once. */
 #define JUDGED(name)       members_##name
 #define REAL               V
 #define TRUTH              JET_MASK(jet_widest)

@@ -19,7 +19,7 @@ JET_INLINE V NAME(size)(V x) { return NAME(larger)(NAME(larger)(x, -x), (V){0});
 
 /* ---- The inverse of a matrix ------------------------------------------------------------------------------------- */
 
-/* Computes galerkin_kernels.invert by Gauss-Jordan elimination. */
+/* Implements the kernel `invert` by Gauss-Jordan elimination. */
 KERNEL_FUNCTION bool NAME(invert)(const lanes_matrix_inverse *inverses)
 {
     const int n = inverses->n;
@@ -73,9 +73,9 @@ KERNEL_FUNCTION void NAME(correct_velocities)(const lanes_matrix_inverse *invers
         }
 }
 
-/* Computes galerkin_kernels.linearise. Each sum adds the products of second derivatives and displacements before the
- * gradient at the centre, which is larger. The outer loop is unrolled: in generated code the expansion is constant,
- * and then all bounds of the inner loops are constants, too. */
+/* Implements the kernel `linearise`. Each sum adds the products of second derivatives and displacements before the
+ * gradient at the centre, which is larger. The outer loop is unrolled: in generated code the expansion is constant, and
+ * then all bounds of the inner loops are constants, too. */
 KERNEL_FUNCTION void NAME(linearise)(const lanes_gradient_expansion *expansion, double *out)
 {
     JET_UNROLL(8) for (int i = 0; i < 2 * expansion->n; i++) EACH_VECTOR_OF_LANES(v)

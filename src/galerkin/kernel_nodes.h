@@ -1,5 +1,5 @@
-/* kernel_nodes.h - Defines the part of kernel.h that computes the unknowns at the nodes without impulses, predicts
- * and moves the unknowns, and computes their sizes. */
+/* kernel_nodes.h - Defines the part of kernel.h that computes the drift values, which the unknowns at the nodes would
+ * have without impulses. It also predicts and moves the unknowns, and computes their sizes. */
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
@@ -74,8 +74,8 @@ JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBE
         sum[j % PARTIAL_SUM_COUNT] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % PARTIAL_SUM_COUNT]);
 }
 
-/* Defines `name` as the numbers of a row. For several members it loads them into local variables, which stay in
- * registers. */
+/* Defines `name` as an array of the numbers of a row, one for each node. For several members its elements are vectors
+ * of members, which are loaded into local variables and stay in registers. */
 #if MEMBERS
 #define NUMBERS_IN(name, row)                                                                                          \
     V name[LANES];                                                                                                     \
@@ -91,9 +91,9 @@ JET_INLINE void NAME(clear)(V *x, int count)
     for (int i = 0; i < count; i++) x[i] = (V){0};
 }
 
-/* Returns the sum of x over the lanes of one member: four partial sums, which are added by halves. For one
- * member the lanes after the last node count, too, which repeat that node; for several members the last node is
- * added as often. */
+/* Returns the sum of x over the lanes of one member: four partial sums, which are added by halves. For one member the
+ * sum includes the lanes after the last node, which repeat that node. For several members there are no such lanes, and
+ * the last node is added once for each of them, so that both sums are equal. */
 JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_array_shape shape)
 {
 #if MEMBERS

@@ -1,8 +1,9 @@
 /* lagrangian.c - Evaluates the field of a Lagrangian L(q, v, t): the rate of the positions Q is V, with L_v(Q, V) = P,
  * and the rate of the momenta P is F = L_q(Q, V) (docs/method.md sections 4 and 5).
  *
- * A pass evaluates the gradient (L_q, L_v) at points (Q*, V*) near the nodes, and its derivatives, too, if the last
- * ones were computed too far away. Then it iterates, with F expanded to first order about (Q*, V*),
+ * A pass evaluates the gradient (L_q, L_v) at points (Q*, V*) near the nodes. It also evaluates the second derivatives
+ * there, unless the last movement was small enough to use the old ones again. Then it iterates, with F expanded to
+ * first order about (Q*, V*),
  *
  *     P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V,
  *

@@ -34,8 +34,9 @@ typedef struct {
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    /* If the kernel `invert` fails, the library inverts L_vv by this function (tvi_galerkin_invert_with_row_exchanges),
-     * in its own arrays and with its own tvi_lu_factor. */
+    /* If the kernel `invert` fails, this function inverts L_vv (tvi_galerkin_invert_with_row_exchanges). Generated
+     * code, too, passes it arrays and a tvi_lu_factor that the library allocated, and not the local arrays of its own
+     * velocity_hessian_inverse. */
     bool (*invert_with_row_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
     const lanes_matrix_inverse *inverse_in_library_arrays;
     void *lu_factor;
@@ -51,7 +52,8 @@ typedef enum {
     LAGRANGIAN_SINGULAR
 } lagrangian_pass_result;
 
-/* The square of a relative movement that is only roundoff. After it a pass makes no further iteration. */
+/* The square of a relative movement that is only roundoff. A pass ends after an iteration that moves the unknowns by no
+ * more, but makes at least LAGRANGIAN_MIN_ITERATIONS. */
 #define LAGRANGIAN_ROUNDOFF_MOVEMENT_SQUARE (0.25 * DBL_EPSILON * DBL_EPSILON)
 
 static inline double *lagrangian_find_values_row(const galerkin_nodes *nodes, int row)
@@ -155,8 +157,8 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
         }
     passes->inversion_count++;
     if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
-    /* The called function gets no address of a local array of generated code: compilers would no longer know that other
-     * pointers do not point to it. */
+    /* The called function must not get the address of a local array of generated code. Otherwise a compiler would have
+     * to assume that other pointers may point to the array, too. */
     memmove(passes->inverse_in_library_arrays->matrix, a, bytes);
     if (passes->invert_with_row_exchanges(passes->inverse_in_library_arrays, lanes, passes->lu_factor)) {
         memmove(passes->velocity_hessian_inverse.inverse, passes->inverse_in_library_arrays->inverse, bytes);
@@ -182,7 +184,7 @@ static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
     return moved + lagrangian_move_coordinates(passes);
 }
 
-/* Sets drift_minus_centre, in two parts. */
+/* Sets drift_minus_centre to the exact difference: a number and its low-order part. */
 static inline void lagrangian_set_drift_minus_centre(lagrangian_passes *passes)
 {
     const int half = passes->nodes->unknown_count / 2 * passes->nodes->lane_count;
@@ -194,8 +196,9 @@ static inline void lagrangian_set_drift_minus_centre(lagrangian_passes *passes)
     }
 }
 
-/* Sets the row F to L_q at Q and V, and the last row to the change of L_v by the displacement of Q, both to first order
- * about the centres (kernel `linearise`). The displacement of Q is computed from Q before it was rounded. */
+/* Sets the rows F to L_q at Q and V, and the last n rows to the change of L_v by the displacement of Q, both to first
+ * order about the centres (kernel `linearise`). The displacement of Q is a sum of differences, which do not contain the
+ * rounding of Q. */
 static inline void lagrangian_evaluate_gradient_expansion(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;

@@ -1,6 +1,6 @@
-/* lanes.h - Defines vectors over the lanes of a block, the number of which is a constant. For a single member with any
- * number of lanes it also defines how impulses are set, how the curve is evaluated, and the limits of the inner
- * iterations. Files that are compiled once for each instruction set (ad/vector.h) and generated code include it. */
+/* lanes.h - Defines how a loop over a constant number of lanes is made of vectors. For a single member with any number
+ * of lanes it also defines how impulses are set, how the curve is evaluated, and the limits of the inner iterations.
+ * Files that are compiled once for each instruction set (ad/vector.h) and generated code include it. */
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 

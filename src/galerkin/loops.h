@@ -24,9 +24,9 @@ typedef struct {
     int node_count, lane_count, member_count;
 } galerkin_array_shape;
 
-/* The convergence of the passes of a step, from which that of the next step is estimated. The movement of a pass is the
- * sum of the squares of the changes of the unknowns, relative to their sizes (kernel `move`). 0 means that a field is
- * unknown. */
+/* Measures of how the passes of a step converged, from which the convergence of the next step is estimated. The
+ * movement of a pass is the sum of the squares of the changes of the unknowns, relative to their sizes (kernel `move`).
+ * A measure is 0 if it is unknown. */
 typedef struct {
     /* the largest ratio of the movements of two successive passes */
     double largest_contraction_ratio;
@@ -34,8 +34,8 @@ typedef struct {
     double first_movement_square;
 } galerkin_convergence;
 
-/* The state of the iteration that solves the equations of a step, for each member of a batch; galerkin_member_iteration
- * is that of one member. */
+/* The state of the iteration that solves the equations of a step, for each member of a batch. galerkin_member_iteration
+ * of steps.h is the state for a single member. */
 typedef struct {
     double movement_square[BATCH_MAX_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
     /* The fields of tvi_passes (algebra/passes.h) of each member. `correction` is the movement of the last pass that
@@ -50,9 +50,9 @@ typedef struct {
     long long converged_mask[BATCH_MAX_WIDTH], moving_mask[BATCH_MAX_WIDTH];
 } galerkin_batch_iteration;
 
-/* The impulses from which a step is predicted, and the tables of factors by which it is done. Usually both of the last
- * two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step. Members
- * that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
+/* The impulses of earlier steps, and the tables of factors that predict the unknowns of a step from them. Usually both
+ * of the last two steps are used, with two_step_extrapolation [2][j][i], whose second half belongs to the earlier step.
+ * Members that last_step_only_mask selects use the last step alone, with last_step_extrapolation [j][i]. */
 typedef struct {
     const double *two_step_extrapolation, *last_step_extrapolation, *last_impulses, *impulses_before;
     /* [member_count] All bits of the mask are set if the member uses the last step alone: no earlier step has the
@@ -75,12 +75,12 @@ typedef struct {
         *double_integral_low;
 } galerkin_impulse_sums;
 
-/* The quantities from which the tail of a step is computed: the last term of the rates' polynomial relative to the
- * whole (algebra/tail.h). */
+/* The quantities from which the tail of a step is computed: the last term of the polynomial of the rates, relative to
+ * the momentum or the movement (algebra/tail.h). */
 typedef struct {
     int n;
-    /* is_separable: the equations are Q'' = F. has_masses: how much a component counts in the tail is computed from its
-     * movement, not its momentum (tvi_system.has_tail_shares_without_momenta). */
+    /* is_separable: the equations are Q'' = F. has_masses: the share of a component in the motion is computed from its
+     * movement alone, without its momentum (tvi_system.has_tail_shares_without_momenta). */
     bool is_separable, has_masses;
     tvi_subsystems subsystems;
     galerkin_impulse_sums impulse_sums;
@@ -90,7 +90,8 @@ typedef struct {
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: how much each component counts, and its last term relative to the whole. */
+    /* [n][member_count] Scratch space: tvi_tail_component_share and tvi_tail_component_ratio of each component
+     * (tail.h). */
     double *component_share, *component_ratio;
 } galerkin_tail_inputs;
 
@@ -197,9 +198,9 @@ typedef struct {
 } lanes_gradient_expansion;
 
 /* The data of the inner iterations of a Newton pass (hamiltonian.c, kernel_inner.h), for the matrix of second
- * derivatives at each node. Its rows are the unknowns whose rates depend on others. Its columns are the unknowns that
- * move and that enter some rate; they are also the first rows. Rows are stored in groups of LANES_ROWS_PER_GROUP, whose
- * sums are computed in parallel; the last group may have fewer. */
+ * derivatives at each node. Its rows are the unknowns whose rates depend on any unknown. Its columns are those of them
+ * on which some rate depends; they are also the first rows. Rows are stored in groups of LANES_ROWS_PER_GROUP rows,
+ * whose sums are computed in parallel; the last group may have fewer. */
 enum { LANES_ROWS_PER_GROUP = 4 };
 typedef struct {
     int hessian_column_count, hessian_row_count;
@@ -233,12 +234,13 @@ static inline int lanes_count_rows_in_group(const lanes_inner_iterations *inner,
 
 /* The kernels of a step, for one member or for several; kernel.h defines them. */
 typedef struct galerkin_kernels {
-    /* `start` sets the drift values to the state at the start of the step, for equations of first order.
-     * `start_drifting` does so for a separable system, whose positions drift with the momentum, and also sets drift +
-     * drift_low = impulse_scale (p + p_low), the drift over the step in two parts. */
+    /* `set_constant_drift_values` sets drift_values to the state at the start of the step, for equations of first
+     * order. `set_linear_drift_values` is for a separable system, whose positions drift with the momentum: it sets them
+     * to q + q_low + c_i (drift + drift_low) at the abscissa c_i of node i. It also sets drift + drift_low =
+     * impulse_scale (p + p_low), the drift over the step in two parts. */
     void (*set_constant_drift_values)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
-    void (*set_linear_drift_values)(const galerkin_nodes *nodes, const double *c, const tvi_step_origin *origin,
-                                    double *drift, double *drift_low);
+    void (*set_linear_drift_values)(const galerkin_nodes *nodes, const double *node_abscissa,
+                                    const tvi_step_origin *origin, double *drift, double *drift_low);
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
     /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low +
@@ -246,12 +248,13 @@ typedef struct galerkin_kernels {
      * (change of x) inverse_unknown_size; it is a NaN if any change is a NaN. */
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                  double movement[]);
-    /* Computes the sums of the impulses of the last movement that the end of the step needs. */
+    /* Computes the sums of the impulses of the last movement, from which the increments and the tail of the step
+     * follow. */
     void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
                          const galerkin_impulse_sums *sums);
-    /* `end_drifting` and `end` compute the increments of the state from the sums of `integrate`: dq = drift +
-     * drift_low + scale double_integral and dp = single_integral for a separable system, and scale single_integral
-     * for any other. */
+    /* `compute_drifting_increments` is for a separable system, and computes the increments dq = drift + drift_low +
+     * scale double_integral and dp = single_integral from the sums of the impulses. `compute_increments` is for any
+     * other system: dq and dp are scale single_integral. */
     void (*compute_drifting_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums,
                                         const double *drift, const double *drift_low, const tvi_increments *increments);
     void (*compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
@@ -260,7 +263,8 @@ typedef struct galerkin_kernels {
     void (*compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
-     * members have converged in pass number `count`. It returns how many members still make passes. */
+     * members have converged in pass number `count`, and updates their masks. Returns the number of members that still
+     * make passes. */
     int (*judge_passes)(galerkin_batch_iteration *iteration, const tvi_passes_rule *rule, int width, int count);
 
     /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
@@ -271,12 +275,13 @@ typedef struct galerkin_kernels {
      * are rounded once. */
     double (*move_with_changes)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
                                 const double *changes, const int slot[]);
-    /* Makes the inner iterations of a pass (hamiltonian.c). Each computes, to first order, the changes of the
-     * impulses that the last changes of the unknowns cause, and the changes of the unknowns that these cause.
-     * `changes` [unknowns][lanes] is the sum of the changes of the impulses. The iterations end when the square of
-     * the next change is expected to be at most the larger of `least` and GALERKIN_INNER_GOAL times the square of
-     * the error of the expansion to first order. `changes` is 0 if they do not shrink. If the second derivatives are
-     * reused (is_new is false), `movement` is that of the last pass, which shows how far they are from their point. */
+    /* Makes the inner iterations of a pass (hamiltonian.c). From the last changes of the unknowns, an iteration
+     * computes the changes of the impulses to first order, and from these changes the next changes of the unknowns.
+     * `changes` [unknowns][lanes] is the sum of the changes of the impulses, or 0 if the changes of the unknowns do not
+     * shrink. The iterations end when the square of the next change is expected to be at most the larger of
+     * smallest_goal and GALERKIN_INNER_GOAL times the square of the error of the expansion to first order. If the
+     * second derivatives are reused (is_hessian_new is false), last_movement is the movement of the last pass. It shows
+     * how far the unknowns are from the point of these derivatives. */
     void (*run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner, const double *rates,
                                  const int slot[], bool is_hessian_new, double last_movement, double smallest_goal,
                                  double *changes);
@@ -286,9 +291,9 @@ typedef struct galerkin_kernels {
     /* Inverts the matrix of each lane by elimination without row exchanges. Returns false, with `inverse` undefined, if
      * some pivot is much smaller or larger than the diagonal element in its place, or if there is a NaN. */
     bool (*invert)(const lanes_matrix_inverse *inverse);
-    /* Computes the velocities V = from + A^-1 ((P - p) - change), [n][lanes] each, at which L_v is equal to the momenta
-     * P to first order: at the velocities `from` L_v is p, and `change` is its change by the displacement of q.
-     * `inverse` contains A^-1, with A = L_vv. */
+    /* Computes the velocities at which L_v is equal to `momenta` to first order: centre_velocities + A^-1 ((momenta -
+     * centre_momenta) - momentum_change), [n][lanes] each. At the centre L_v is centre_momenta; momentum_change is the
+     * change of L_v by the displacement of q. `inverse` contains A^-1, with A = L_vv. */
     void (*correct_velocities)(const lanes_matrix_inverse *inverse, const double *momenta, const double *centre_momenta,
                                const double *momentum_change, const double *centre_velocities, double *velocities);
     /* Sets the first n rows of `out` [2n][lanes] to the expansion of L_q at the displaced point, and its last n rows

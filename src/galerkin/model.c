@@ -25,7 +25,7 @@ static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_el
         row_end[system->hessian[k].row]++;
         if (system->hessian[k].row != system->hessian[k].column) row_end[system->hessian[k].column]++;
     }
-    /* Here row_end gets the beginning of each row. The loop after it advances it to the end. */
+    /* This loop sets row_end to the beginning of each row. The next loop advances it to the end. */
     for (int i = 0, before = 0; i < rows; i++) {
         const int count = row_end[i];
         row_end[i] = before;

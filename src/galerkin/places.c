@@ -1,5 +1,5 @@
-/* places.c - Evaluates the curve of the last step at other points, for dense output and for the samples in which
- * events are searched. */
+/* places.c - Evaluates the curve of the last step at any fraction of the step, for dense output, and at the samples in
+ * which events are searched. Its functions are `dense` and `sample` of the stepper (galerkin.c). */
 #include "galerkin/step.h"
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };

@@ -35,7 +35,7 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
             const long double s = coefficients->long_double_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
             now[i] = k > 0 ? s * basis[k - 1][i] : 1;
         }
-        /* For before == k this is the square of the vector's norm. */
+        /* If before == k, the product is the square of the norm of basis[k]. */
         for (int before = 0; before <= k; before++) {
             long double product = 0;
             /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m >= 1 */

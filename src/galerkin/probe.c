@@ -16,9 +16,9 @@
  *
  * correction_goal: the error that a step leaves has the same sign in each step and grows as the number N of steps, but
  * roundoff grows as sqrt(N). A goal of 2^-80 keeps the error below the roundoff for more than 10^9 steps. Passes of
- * Newton's method cost more; their goal of 2^-72 does so for N smaller by 2^16.
- * roundoff_level: corrections below it do not show how fast the passes contract. The passes of a small step are soon
- * below it; they are assumed to contract as those of an earlier step.
+ * Newton's method cost more; with their goal of 2^-72 this number of steps is smaller by 2^16.
+ * roundoff_level: corrections below it do not show how fast the passes contract. The corrections of a small step are
+ * soon below it; its passes are assumed to contract as those of an earlier step.
  * stall_comparison_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \

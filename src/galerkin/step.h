@@ -1,5 +1,6 @@
-/* step.h - Declares the stepper of the Galerkin curve (galerkin.c), which the stepper of several members uses, too
- * (batch.c), and the functions of its parts: the prediction of the unknowns and the measurement of roundoff. */
+/* step.h - Declares the stepper of the Galerkin curve for one member (galerkin.c), and the functions that predict its
+ * unknowns (predictor.c), measure roundoff (probe.c) and evaluate its curve (places.c). The stepper of several members
+ * (batch.c) contains it. */
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
 
@@ -33,8 +34,9 @@ typedef struct {
     double *impulse_ring[GALERKIN_RING_LENGTH];
     /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
     double *two_step_extrapolation, *last_step_extrapolation;
-    /* If the movement of the first pass of a step, a sum of squares, is larger than this, its prediction had a relative
-     * error above 1/100. The next step is then predicted from the last step alone. */
+    /* The limit of the movement of the first pass of a step, a sum of squares. If the movement is larger, the
+     * prediction of the step had a relative error above 1/100, and the next step is predicted from the last step
+     * alone. */
     double max_first_movement_square;
     /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_ratio times as
      * large and begins at the fraction resized_step_elapsed_fraction of the last step. */
@@ -114,7 +116,7 @@ typedef struct {
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
     double *increment_factor;
     galerkin_tail_inputs tail_inputs;
-    galerkin_step_data step_data; /* points to the members above */
+    galerkin_step_data step_data; /* pointers to the data of this stepper, for the functions of steps.h */
     /* The system's generated code, or NULL if there is none. */
     const galerkin_code *generated_code;
 } galerkin_stepper;
@@ -122,7 +124,7 @@ typedef struct {
 /* Computes the weights and scales of the nodes for the step h, if it differs from the last one. */
 void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 
-/* These functions are tvi_stepper.dense and tvi_stepper.sample of the Galerkin curve. */
+/* The functions `dense` and `sample` of tvi_stepper, for the Galerkin curve of the last step. */
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[]);
 void tvi_galerkin_compute_curve_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
                                         const double p_start[], double *q, double *p);

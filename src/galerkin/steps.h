@@ -9,7 +9,8 @@
 #include "tvi.h"
 #include "vector.h"
 
-/* The data of a stepper that its steps use: the kernels, the nodes, the coefficient tables and the memory. */
+/* The data with which the functions of this file make steps: the kernels, the nodes, the coefficient tables and the
+ * memory of a stepper. */
 typedef struct galerkin_step_data {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
@@ -18,8 +19,8 @@ typedef struct galerkin_step_data {
     const tvi_passes_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
     const double *two_step_extrapolation, *last_step_extrapolation; /* the tables of galerkin_extrapolation */
-    /* If the movement of the first pass of a step is larger than this, the next step is predicted from the last step
-     * alone. */
+    /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from
+     * the last step alone. */
     double max_first_movement_square;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *drift, *drift_low;
@@ -37,7 +38,7 @@ typedef struct {
      * far the roundoff of a pass moves the unknowns, if it can. */
     tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff);
     void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
-    /* called after each completed step of a run; may be NULL */
+    /* Called after each completed step of a run. It may be NULL. */
     void (*after_step)(void *work);
     void *work;
 } galerkin_pass_functions;
@@ -47,16 +48,17 @@ typedef struct {
     tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
     int pass_count;
     tvi_passes convergence_test;
-    /* At the start of the iteration the convergence of an earlier step of the same size, and at its end that of this
-     * step. */
+    /* The convergence of an earlier step of the same size when the iteration begins, and of this step when the
+     * iteration has ended. */
     galerkin_convergence convergence;
 } galerkin_member_iteration;
 
 /* The results of several steps in a row, apart from the increments of the state. */
 typedef struct galerkin_steps_outcome {
-    /* The status of the step that ended the run, if fewer steps were made than requested. */
+    /* TVI_OK, or the status of the step or the prediction that failed. It is TVI_OK, too, if the last step was not
+     * added to the state (galerkin_add_step_to_state). */
     tvi_status status;
-    /* The number of passes of the step that ended the run. The caller makes this step again in another way. */
+    /* The number of passes of a last step that failed or was not added. The caller makes this step again. */
     int pass_count_of_failed_step;
     /* The number of steps that were made, and of all their passes. */
     long step_count, pass_count;
@@ -65,7 +67,7 @@ typedef struct galerkin_steps_outcome {
     /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
      * size of the next step. */
     int last_ring_index, equal_step_count;
-    bool is_predicted_from_last_step; /* the first of these steps was predicted from earlier ones */
+    bool is_predicted_from_last_step; /* the first of these steps is predicted from the last one */
     galerkin_convergence convergence; /* the convergence of the last step */
     double start_time_of_last_step;   /* the time at which the last step began */
     /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
@@ -119,8 +121,8 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, g
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
-/* Makes passes of all members that have not converged, until each has converged. A member whose passes are stuck
- * moves no more. */
+/* Makes passes of all members of a batch together, until each member has converged or is stuck, or the number of passes
+ * is at its limit. A pass does not move members that have converged or are stuck. */
 JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
                                               const galerkin_pass_functions *pass_functions,
                                               galerkin_batch_iteration *iteration)
@@ -193,8 +195,9 @@ JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const doubl
     return any == 0;
 }
 
-/* Adds the increments of a step to the state. Returns false, and adds nothing, if the energy has to be checked
- * first, or if the result would not be finite. */
+/* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
+ * checked first, because the tail or the number of passes exceeds run->unchecked_limits; the step does not end before
+ * run->t_end; or the sums are not finite. */
 JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
                                            int pass_count)
 {
