@@ -65,13 +65,13 @@ static inline void tvi_tail_compute_for_members(const tvi_subsystems *subsystems
         for (; k < end; k++)
             for (int m = 0; m < width; m++) {
                 const double one = share[tvi_subsystems_component(subsystems, k) * width + m];
-                largest_share[m] = one > largest_share[m] ? one : largest_share[m];
+                largest_share[m] = tvi_larger(one, largest_share[m]);
             }
         for (k = first; k < end; k++)
             for (int m = 0; m < width; m++) {
                 const int at = tvi_subsystems_component(subsystems, k) * width + m;
                 const double one = tvi_tail_reduce_ratio_of_small_share(ratio[at], share[at], largest_share[m]);
-                largest_tail[m] = one > largest_tail[m] ? one : largest_tail[m];
+                largest_tail[m] = tvi_larger(one, largest_tail[m]);
             }
     }
     for (int m = 0; m < width; m++) tail[m] = largest_tail[m];

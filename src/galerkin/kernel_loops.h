@@ -75,19 +75,29 @@ KERNEL_FUNCTION void NAME(compute_increments)(const galerkin_nodes *nodes, const
         }
 }
 
-KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_tail_inputs *tail_inputs, int member_count, double tail[])
+/* Implements the kernel compute_tails. is_separable is a constant in each call, so that the loop over the components
+ * has no branches. */
+JET_INLINE void NAME(compute_tails_of_form)(const galerkin_tail_inputs *tail_inputs, bool is_separable, int width,
+                                            double tail[])
 {
-    const galerkin_tail_inputs inputs = *tail_inputs;
-    const int width = MEMBERS ? member_count : 1;
+    galerkin_tail_inputs inputs = *tail_inputs;
     double *restrict share = inputs.component_share, *restrict ratio = inputs.component_ratio;
+    inputs.is_separable = is_separable;
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            const size_t momentum = (size_t)(inputs.is_separable ? at : at + inputs.n * width);
+            const size_t momentum = (size_t)(is_separable ? at : at + inputs.n * width);
             const tvi_tail_component component = galerkin_make_tail_component(&inputs, i, (size_t)at, momentum);
-            share[at] = tvi_tail_component_share(&component, inputs.is_separable || inputs.has_masses);
+            share[at] = tvi_tail_component_share(&component, is_separable || inputs.has_masses);
             ratio[at] = tvi_tail_component_ratio(&component);
         }
     tvi_tail_compute_for_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
+}
+
+KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[])
+{
+    const int width = MEMBERS ? member_count : 1;
+    if (inputs->is_separable) NAME(compute_tails_of_form)(inputs, true, width, tail);
+    else NAME(compute_tails_of_form)(inputs, false, width, tail);
 }
 
 #if MEMBERS

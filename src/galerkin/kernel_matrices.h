@@ -78,15 +78,22 @@ KERNEL_FUNCTION void NAME(correct_velocities)(const lanes_matrix_inverse *invers
  * then all bounds of the inner loops are constants, too. */
 KERNEL_FUNCTION void NAME(linearise)(const lanes_gradient_expansion *expansion, double *out)
 {
-    JET_UNROLL(8) for (int i = 0; i < 2 * expansion->n; i++) EACH_VECTOR_OF_LANES(v)
+    const int n = expansion->n;
+    JET_UNROLL(8) for (int i = 0; i < 2 * n; i++)
     {
-        V sum = {0};
-        for (int k = i > 0 ? expansion->row_end[i - 1] : 0; k < expansion->row_end[i]; k++)
-            if (i < expansion->n || expansion->hessian_element[k].column < expansion->n)
-                sum += BLOCK_OF(V, expansion->hessian_block + expansion->hessian_element[k].slot * LANES, v) *
-                       LANE_AT(expansion->displacement, expansion->hessian_element[k].column, v);
-        if (i < expansion->n) sum += BLOCK_OF(V, expansion->gradient_at_centre + i * LANES, v);
-        LANE_AT(out, i, v) = sum;
+        V sum[LANES / NUMBERS_OF(V)];
+        NAME(clear)(sum, LANES / NUMBERS_OF(V));
+        for (int k = i > 0 ? expansion->row_end[i - 1] : 0; k < expansion->row_end[i]; k++) {
+            const int column = expansion->hessian_element[k].column, slot = expansion->hessian_element[k].slot;
+            if (i >= n && column >= n) continue;
+            EACH_VECTOR_OF_LANES(v)
+            sum[v] += LANE_AT(expansion->hessian_block, slot, v) * LANE_AT(expansion->displacement, column, v);
+        }
+        EACH_VECTOR_OF_LANES(v)
+        {
+            if (i < n) sum[v] += LANE_AT(expansion->gradient_at_centre, i, v);
+            LANE_AT(out, i, v) = sum[v];
+        }
     }
 }
 
