@@ -30,8 +30,8 @@ void tvi_galerkin_displace_tape_outputs(const galerkin_field *field, const jet_t
     const int lanes = field->nodes.lane_count;
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
         for (int lane = 0; lane < lanes; lane++)
-            block[tape->output_slot[i] * lanes + lane] +=
-                tvi_roundoff_sign_randomly(field->output_displacements, field->output_displacements->field_change[i]);
+            block[tape->output_slot[i] * lanes + lane] += tvi_roundoff_sign_randomly(
+                field->output_displacements, field->output_displacements->output_roundoff[i]);
 }
 
 static tvi_status predict_fixed_point_unknowns_from_start(galerkin_field *field, const tvi_step_origin *origin)

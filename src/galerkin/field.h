@@ -40,7 +40,7 @@ typedef struct {
     double *impulse_to_predicted_matrix;
     /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
      * otherwise. */
-    tvi_roundoff *output_displacements;
+    tvi_roundoff_estimator *output_displacements;
     /* The data of the field's form: lagrangian_work or hamiltonian_work, or NULL for the plain form. The first member
      * of both structures is the data of the passes. */
     void *form_work;

@@ -118,7 +118,7 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
     stats->force_evaluations += tvi_roundoff_estimate_field(&probe->output_displacements, field->system,
                                                             field->tape_block, nodes->lane_count, field->node_count);
     for (int i = 0; i < tvi_system_output_count(field->system); i++)
-        probe->output_displacements.field_change[i] *= GALERKIN_PROBE_UNITS;
+        probe->output_displacements.output_roundoff[i] *= GALERKIN_PROBE_UNITS;
     tvi_status status = make_pass_from_displaced_unknowns(field, probe, movement, stats);
     if (status == TVI_OK) status = galerkin_make_pass(field, movement, stats);
     *roundoff = compute_squared_distance_to_unknowns(nodes, probe->values_after_displaced_pass);

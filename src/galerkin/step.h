@@ -78,7 +78,7 @@ static inline double *galerkin_find_impulses_of_step(const galerkin_predictor *p
 
 /* The memory for measuring the roundoff of a pass. */
 typedef struct {
-    tvi_roundoff output_displacements;
+    tvi_roundoff_estimator output_displacements;
     /* [pass_input_row_count][lanes] The rows of nodes.values before a pass, and after a pass from displaced values. */
     double *values_before_pass, *values_after_displaced_pass;
     /* [unknowns][lanes] Copies of drift_values_low and of the impulses of the nodes. */

@@ -12,13 +12,13 @@
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve->n, points = action->points;
-    tvi_roundoff *roundoff = &action->field_roundoff;
+    tvi_roundoff_estimator *roundoff = &action->field_roundoff;
     if (tvi_curve_factor_velocity_hessian(curve) != TVI_OK) return 0;
     (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
         const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
         action->node_momentum_correction[i] =
-            tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[n + i] + of_v);
+            tvi_roundoff_sign_randomly(roundoff, roundoff->output_roundoff[n + i] + of_v);
     }
     tvi_factor_solve(&curve->velocity_hessian, action->node_momentum_correction);
     return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->node_momentum_correction, 1);
@@ -28,7 +28,7 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
                               double q_roundoff[], double p_roundoff[])
 {
     const tvi_system *system = curve->system;
-    const double *field_change = action->field_roundoff.field_change;
+    const double *output_roundoff = action->field_roundoff.output_roundoff;
     const bool separable = system->form == TVI_SEPARABLE;
     const int n = curve->n, points = action->points;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
@@ -38,7 +38,7 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
     const int values =
         tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_block, points, points);
     for (int i = 0; i < n; i++) {
-        const double of_force = fabs(h) * field_change[i], of_second = separable ? 0 : field_change[n + i];
+        const double of_force = fabs(h) * output_roundoff[i], of_second = separable ? 0 : output_roundoff[n + i];
         p_roundoff[i] = of_force + DBL_EPSILON * fabs(p[i]);
         if (separable) q_roundoff[i] = fabs(h) / system->mass[i] * of_force;
         else if (system->form == TVI_HAMILTONIAN) q_roundoff[i] = fabs(h) * of_second;

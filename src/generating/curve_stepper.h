@@ -41,9 +41,9 @@ typedef struct tvi_curve_workspace {
     double *velocity_guess;
     double *last_adapted_step_size; /* [width] the size of each member's last adapted step, or 0; part of the history */
     double *end_field_block;        /* of separable systems: the block of the field at the end of an adapted step */
-    tvi_roundoff end_field_roundoff; /* the roundoff of the field there */
-    double tolerance, log_tolerance; /* the tolerance of the last adapted step, and its logarithm */
-    double *scratch;                 /* [n] */
+    tvi_roundoff_estimator end_field_roundoff; /* the roundoff of the field there */
+    double tolerance, log_tolerance;           /* the tolerance of the last adapted step, and its logarithm */
+    double *scratch;                           /* [n] */
     tvi_increment_refinement refinement;
     tvi_quick_step_fn *quick_step;                   /* the quick step (curve_step.h), or NULL */
     const struct tvi_member_stepper *single_stepper; /* only in batches: makes the step of a single member */

@@ -64,7 +64,7 @@ typedef struct tvi_action {
     double *H_pp; /* [n][n][points] H_pp at the nodes, or its inverse */
     /* The block of the field's tangent in one direction, with one lane for each node. */
     double *field_tangent_block;
-    tvi_roundoff field_roundoff; /* the roundoff of the field at the nodes */
+    tvi_roundoff_estimator field_roundoff; /* the roundoff of the field at the nodes */
 } tvi_action;
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */

@@ -31,6 +31,6 @@ bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const
     bool is_roundoff = true;
     for (int i = 0; i < curve->n; i++)
         is_roundoff &=
-            work->scratch[i] <= limit + ROUNDOFF_MAX_UNITS * fabs(h) * work->end_field_roundoff.field_change[i];
+            work->scratch[i] <= limit + ROUNDOFF_MAX_UNITS * fabs(h) * work->end_field_roundoff.output_roundoff[i];
     return is_roundoff;
 }

@@ -10,7 +10,7 @@
  * line_origin_theta) line_direction. States x are vectors [2n + 1], in the order q, p, t. */
 typedef struct {
     tvi_event_search *search;
-    tvi_state_rates rates_evaluator;        /* evaluates dq/dt and dp/dt at a state */
+    tvi_rates_evaluator rates_evaluator;    /* evaluates dq/dt and dp/dt at a state */
     int state_size;                         /* 2n + 1, the number of components of a state */
     double *line_origin, line_origin_theta; /* the state after the last partial step, and its theta */
     /* The derivative dx/dtheta of the solution, and the distance in theta up to which the line is accurate to

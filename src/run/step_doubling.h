@@ -13,14 +13,14 @@ typedef struct {
     int n; /* the number of coordinates of an orbit */
     bool is_rescaled;
     tvi_integrated_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
-    double largest_q, largest_p;        /* the largest |q_i| and |p_i| so far, by which differences are divided */
-    tvi_state_rates rates_evaluator;    /* evaluates dq/dt and dp/dt of a rescaled system; unused otherwise */
-    double *rates_input, *rates_output; /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
-    double *scout_states;               /* memory for tvi_orbit_scout.states */
-    double largest_relative_rate;       /* the largest |dq_i/dt| / largest_q or |dp_i/dt| / largest_p so far */
-    double orbit_distance;              /* the relative distance of the two orbits when it was last measured */
-    long tried_step_count;              /* the number of steps that both orbits have tried */
-    bool has_exhausted_memory;          /* true if a step has failed for lack of memory */
+    double largest_q, largest_p;         /* the largest |q_i| and |p_i| so far, by which differences are divided */
+    tvi_rates_evaluator rates_evaluator; /* evaluates dq/dt and dp/dt of a rescaled system; unused otherwise */
+    double *rates_input, *rates_output;  /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
+    double *scout_states;                /* memory for tvi_orbit_scout.states */
+    double largest_relative_rate;        /* the largest |dq_i/dt| / largest_q or |dp_i/dt| / largest_p so far */
+    double orbit_distance;               /* the relative distance of the two orbits when it was last measured */
+    long tried_step_count;               /* the number of steps that both orbits have tried */
+    bool has_exhausted_memory;           /* true if a step has failed for lack of memory */
 } tvi_step_doubling;
 
 /* Creates the integrators of both orbits. `doubling` must be zeros before; it is to be closed also after a failure. */

@@ -1,19 +1,20 @@
-/* automatic.c - Records the automatic time scale g from the linear motion near a state (docs/adaptive.md). H_qq, H_pq
- * and H_pp are the blocks of H'', the matrix of second derivatives of the Hamiltonian H, and dq is a small change of
- * the coordinates. With H_pp held constant and A = H_pq, dq moves by dq'' = C dq' + D dq, where
+/* automatic.c - Records the automatic time scale g = dt/ds of a rescaled system whose user gives none
+ * (docs/adaptive.md). rescaled.c calls it. The scale follows from the linear motion near a state, and thus from H'',
+ * the second derivatives of the Hamiltonian H, with the blocks H_qq, A = H_pq and H_pp. If H_pp is held constant, a
+ * small change dq of the coordinates moves by dq'' = C dq' + D dq, where
  *     C = A - H_pp A^T H_pp^-1 = H_pp Omega,  Omega^T = -Omega,
- *     D = -H_pp (H_qq - A^T H_pp^-1 A) = -H_pp W,  W^T = W,
- * and g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes H_pp = diag(d_1,
- * ..., d_n). Then
+ *     D = -H_pp (H_qq - A^T H_pp^-1 A) = -H_pp W,  W^T = W.
+ * If H_pp is regular, g is defined by g^-4 = tr D^2 + (tr C^2)^2 / 4. A linear transformation of the coordinates makes
+ * H_pp = diag(d_1, ..., d_n). Then
  *     tr D^2 = sum_ij d_i d_j W_ij^2,  -tr C^2 = sum_ij d_i d_j Omega_ij^2,  Omega_ij = A_ij / d_i - A_ji / d_j.
- * No term is negative if H_pp is definite. If H_pp is singular everywhere, g^-4 = tr (J H'')^4 / 2 with J = [0 I; -I
- * 0]. rescaled.c calls the file for systems whose user gives no time scale. */
+ * No term of these sums is negative if H_pp is definite. If H_pp is singular everywhere, g is defined by g^-4 = tr (J
+ * H'')^4 / 2 with J = [0 I; -I 0]. */
 #include "system/system.h"
 
 #include <stdlib.h>
 
-/* The matrices [n][n] of the linear motion near a state, as jets. A is H_pq. W is H_qq at first, and then H_qq - A^T
- * H_pp^-1 A. */
+/* The matrices [n][n] of the linear motion near a state, as jets: H_pp, A = H_pq, and W. record_second_derivatives sets
+ * W to H_qq, and subtract_gyroscopic_part_from_W makes it H_qq - A^T H_pp^-1 A. */
 typedef struct {
     int n;
     jet *H_pp, *A, *W;
@@ -77,9 +78,10 @@ static void diagonalise_H_pp(const linearised_motion *motion)
         }
 }
 
-/* Computes W = H_qq - A^T H_pp^-1 A, except for the terms A_ii^2 / d_i of the diagonal. record_stiffness_term adds
- * them without a division. A system with one degree of freedom then needs no division at all. */
-static void subtract_gyroscopic_part_of_W(const linearised_motion *motion)
+/* Subtracts A^T H_pp^-1 A from W = H_qq for H_pp = diag(d), except for the terms A_ii^2 / d_i of the diagonal.
+ * record_stiffness_term adds these terms without a division. A system with one degree of freedom then needs no division
+ * at all. */
+static void subtract_gyroscopic_part_from_W(const linearised_motion *motion)
 {
     const int n = motion->n;
     for (int k = 0; k < n; k++)
@@ -112,23 +114,24 @@ static jet record_gyroscopic_term(const linearised_motion *motion, int i, int j)
     return jet_mul(jet_mul(d, e), jet_sqr(jet_sub(jet_div(A, d), jet_div(B, e))));
 }
 
-/* Records the sum of term(i, j) over all i and j, for a term that is symmetric in i and j. terms [n^2] is scratch. */
+/* Records the sum of term(i, j) over all i and j, for a term that is symmetric in i and j. scratch has n^2 jets. */
 static jet record_sum_over_symmetric_terms(const linearised_motion *motion,
-                                           jet term(const linearised_motion *, int, int), jet terms[])
+                                           jet term(const linearised_motion *, int, int), jet scratch[])
 {
     int count = 0;
     for (int i = 0; i < motion->n; i++)
-        for (int j = 0; j <= i; j++) terms[count++] = jet_mul(i == j ? 1 : 2, term(motion, i, j));
-    return jet_sum(terms, count);
+        for (int j = 0; j <= i; j++) scratch[count++] = jet_mul(i == j ? 1 : 2, term(motion, i, j));
+    return jet_sum(scratch, count);
 }
 
-static jet record_traces_for_regular_H_pp(const linearised_motion *motion, jet terms[])
+/* Records tr D^2 + (tr C^2)^2 / 4, which is g^-4 if H_pp is regular. */
+static jet record_trace_sum_for_regular_H_pp(const linearised_motion *motion, jet scratch[])
 {
     diagonalise_H_pp(motion);
-    subtract_gyroscopic_part_of_W(motion);
-    const jet square = record_sum_over_symmetric_terms(motion, record_stiffness_term, terms);
+    subtract_gyroscopic_part_from_W(motion);
+    const jet square = record_sum_over_symmetric_terms(motion, record_stiffness_term, scratch);
     return jet_add(square,
-                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_gyroscopic_term, terms))));
+                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_gyroscopic_term, scratch))));
 }
 
 /* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
@@ -165,11 +168,11 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     jet *jets = malloc((4 * n * n + 4 * n + 2) * sizeof *jets), sum = jet_make_poison(JET_NO_MEMORY);
     if (!jets) return sum;
     const linearised_motion motion = {base->n, jets, jets + n * n, jets + 2 * n * n};
-    jet *terms = jets + 3 * n * n, *gradient = terms + n * n, *row = gradient + 2 * n + 1;
-    if (!graph) sum = jet_const(0); /* All jets are plain numbers, and so is H: its derivatives are 0. */
+    jet *scratch = jets + 3 * n * n, *gradient = scratch + n * n, *row = gradient + 2 * n + 1;
+    if (!graph) sum = jet_const(0); /* H depends on no input, and its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
-        sum = base->is_regular ? record_traces_for_regular_H_pp(&motion, terms)
-                               : record_sum_over_symmetric_terms(&motion, record_hessian_trace_term, terms);
+        sum = base->is_regular ? record_trace_sum_for_regular_H_pp(&motion, scratch)
+                               : record_sum_over_symmetric_terms(&motion, record_hessian_trace_term, scratch);
     free(jets);
     return jet_pow(sum, -0.25);
 }

@@ -1,5 +1,5 @@
-/* bodies.c - Exports the functions of tvi_bodies.h for languages that cannot compile a header. In C they are inline;
- * here the same text is compiled as exported functions. */
+/* bodies.c - Compiles the functions of tvi_bodies.h, which are inline functions in C, as exported functions of the
+ * library. Languages that cannot compile a C header call them. */
 #define TVI_INLINE extern
 #if defined(__GNUC__)
 #pragma GCC visibility push(default)

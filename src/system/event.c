@@ -69,8 +69,8 @@ tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const doubl
     return isfinite(*g) ? TVI_OK : tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE);
 }
 
-/* Records all events once more, in a graph of their own. Expressions that several events contain are then computed
- * once. */
+/* Records all events once more in one graph, so that expressions that several events contain are computed once. `jets`
+ * becomes the inputs, as many zeros, and then the values of the events. */
 static tvi_status record_events_in_one_graph(const tvi_event *const events[], int count, jet_graph *graph,
                                              int input_count, jet jets[])
 {
@@ -151,16 +151,17 @@ static tvi_status compute_series_values(const tvi_event *event, const tvi_event_
                : tvi_refuse_failed_evaluation("event function", TVI_EDOMAIN);
 }
 
-/* Returns sum_i |dg/dx_i| size_i at the state whose values were computed last. The derivatives by SAMPLES inputs are
- * computed at once. */
-static double sum_first_order_terms(const tvi_event *event, const tvi_event_expansion *expansion, const double sizes[])
+/* Returns sum_i |dg/dx_i input_sizes[i]| at the state whose values were computed last. The derivatives by SAMPLES
+ * inputs are computed at once. */
+static double sum_first_order_magnitudes(const tvi_event *event, const tvi_event_expansion *expansion,
+                                         const double input_sizes[])
 {
     const int inputs = 2 * event->n + 1;
     double sum = 0;
     for (int first = 0; first < inputs; first += SAMPLES) {
         memset(expansion->tangents, 0, (size_t)inputs * SAMPLES * sizeof *expansion->tangents);
         for (int i = first; i < first + SAMPLES && i < inputs; i++)
-            expansion->tangents[i * SAMPLES + i - first] = sizes[i];
+            expansion->tangents[i * SAMPLES + i - first] = input_sizes[i];
         jet_sweep_tangents(event->series, expansion->series_block, expansion->tangents, 0, SAMPLES);
         for (int s = 0; s < SAMPLES; s++) sum += fabs(expansion->tangents[event->series->output_slot[0] * SAMPLES + s]);
     }
@@ -168,11 +169,11 @@ static double sum_first_order_terms(const tvi_event *event, const tvi_event_expa
 }
 
 tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_expansion *expansion, const double x[],
-                                       const double sizes[], double *roundoff)
+                                       const double input_sizes[], double *roundoff)
 {
     const tvi_status status = compute_series_values(event, expansion, x);
     if (status != TVI_OK) return status;
-    const double of_inputs = DBL_EPSILON * sum_first_order_terms(event, expansion, sizes);
+    const double of_inputs = DBL_EPSILON * sum_first_order_magnitudes(event, expansion, input_sizes);
     memset(expansion->tangents, 0, (2 * (size_t)event->n + 1) * SAMPLES * sizeof *expansion->tangents);
     tvi_roundoff_sweep_tape(event->series, 0, NULL, expansion->series_block, expansion->tangents);
     *roundoff =
@@ -181,7 +182,8 @@ tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_e
 }
 
 tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expansion *expansion, const double x[],
-                                    const double displacement[], double *change, double *term_sum, bool *is_exact)
+                                    const double displacement[], double *change, double *first_order_magnitude,
+                                    bool *is_exact)
 {
     const jet_tape *tape = event->series;
     const size_t inputs = 2 * (size_t)event->n + 1, slots = (size_t)tape->slot_count;
@@ -189,7 +191,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
     double last = 0;
     if (status != TVI_OK) return status;
     *change = 0;
-    *term_sum = sum_first_order_terms(event, expansion, displacement);
+    *first_order_magnitude = sum_first_order_magnitudes(event, expansion, displacement);
     for (int k = 1; k <= EVENT_LINE_DEGREE; k++) {
         double *order = expansion->series_block + (size_t)k * slots;
         for (size_t i = 0; i < inputs; i++) order[i] = k == 1 ? displacement[i] : 0;

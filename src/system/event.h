@@ -38,21 +38,22 @@ TVI_NODISCARD tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_e
 /* The memory in which g is expanded near one state. */
 typedef struct {
     double *series_block; /* [orders][slots] The Taylor coefficients of all slots of event->series. */
-    double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots in as many directions. */
+    double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots, a column for each direction. */
 } tvi_event_expansion;
 /* Allocates the memory. Returns TVI_ENOMEM if memory is lacking; the caller closes the expansion in this case, too. */
 TVI_NODISCARD tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event);
 void tvi_event_expansion_close(tvi_event_expansion *expansion); /* Frees the memory. Its pointers may be NULL. */
 
-/* Estimates the roundoff of g at the state x [2n + 1]: the effect of a unit of roundoff in each input, relative to
- * sizes [2n + 1], and in each operation. Returns TVI_EDOMAIN if g has no value there. */
+/* Estimates the roundoff of g at the state x [2n + 1], if each input and each operation has an error of one unit of
+ * roundoff. The unit of input i is DBL_EPSILON times input_sizes[i], i < 2n + 1. Returns TVI_EDOMAIN if g has no value
+ * at x. */
 TVI_NODISCARD tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_expansion *expansion,
-                                                     const double x[], const double sizes[], double *roundoff);
+                                                     const double x[], const double input_sizes[], double *roundoff);
 /* Computes the change g(x + displacement) - g(x) by the Taylor polynomial of g, without the cancellation of a
- * difference. *term_sum becomes the sum of the magnitudes of its first-order terms. *is_exact tells whether the rest
- * of the series is below roundoff. Returns TVI_EDOMAIN if g has no value at x. */
+ * difference. *first_order_magnitude becomes sum_i |dg/dx_i displacement_i|. *is_exact tells whether the last term of
+ * the polynomial is below the roundoff of the change. Returns TVI_EDOMAIN if g has no value at x. */
 TVI_NODISCARD tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expansion *expansion,
                                                   const double x[], const double displacement[], double *change,
-                                                  double *term_sum, bool *is_exact);
+                                                  double *first_order_magnitude, bool *is_exact);
 
 #endif

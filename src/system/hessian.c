@@ -1,11 +1,11 @@
-/* hessian.c - Records the second derivatives of a Lagrangian, and those of a rescaled Hamiltonian K = g f if they are
- * cheap (system.h). statement.c calls it. */
+/* hessian.c - Records the second derivatives of a Lagrangian, or those of the Hamiltonian K = g f of a rescaled system,
+ * where f = H + e, if they are cheap to evaluate (system.h). statement.c calls it. */
 #include "system/system.h"
 
 #include <stdlib.h>
 
-/* Makes room in *jets for the field, one more row of second derivatives, and the whole gradient that contains the
- * row. Also makes room in system->hessian for the entries of the row. */
+/* Makes room in *jets for the field, the second derivatives so far, one more row of them, and the gradient that
+ * contains the row. Makes room in system->hessian for the entries of the row. */
 static bool grow_hessian_arrays(tvi_system *system, jet **jets)
 {
     const size_t room = (size_t)system->hessian_entry_count + 6 * (size_t)system->n;
@@ -16,8 +16,8 @@ static bool grow_hessian_arrays(tvi_system *system, jet **jets)
     return more && hessian;
 }
 
-/* Records the gradient of x, and appends it to *jets, after the field and all entries so far. Returns NULL if memory
- * is lacking. */
+/* Records the gradient of x in *jets, after the room for one more row of second derivatives. Returns the gradient, or
+ * NULL if memory is lacking. */
 static jet *append_gradient(tvi_system *system, jet x, jet **jets)
 {
     const int rows = 2 * system->n;
@@ -27,7 +27,7 @@ static jet *append_gradient(tvi_system *system, jet x, jet **jets)
 }
 
 /* Appends the second derivative x to jets, and its row and column to system->hessian, unless it is 0 everywhere. */
-static void append_entry(tvi_system *system, jet jets[], int row, int column, jet x)
+static void append_hessian_entry(tvi_system *system, jet jets[], int row, int column, jet x)
 {
     if (!x.node && x.number == 0) return;
     jets[2 * system->n + system->hessian_entry_count] = x;
@@ -42,15 +42,16 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
         const jet *hessian_row = append_gradient(system, system->field[row], jets);
         if (!hessian_row) return TVI_ENOMEM;
         (*jets)[row] = system->field[row];
-        for (int column = 0; column <= row; column++) append_entry(system, *jets, row, column, hessian_row[column]);
+        for (int column = 0; column <= row; column++)
+            append_hessian_entry(system, *jets, row, column, hessian_row[column]);
     }
     return jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets);
 }
 
-/* Records a row of g f'' + g' f'^T + f' g'^T, and then the component g f' + f g' of the field, since the two share
- * operations. */
-static tvi_status record_product_row(tvi_system *system, int row, const jet factor[2], const jet gradient_g[],
-                                     const jet gradient_f[], jet **jets)
+/* Records a row of g f'' + g' f'^T + f' g'^T, and the component g f' + f g' of the field in the same row. The row and
+ * the component are recorded one after the other, since they share operations. */
+static tvi_status record_product_hessian_row(tvi_system *system, int row, const jet factor[2], const jet gradient_g[],
+                                             const jet gradient_f[], jet **jets)
 {
     const jet *hessian_row = append_gradient(system, gradient_f[row], jets);
     if (!hessian_row) return TVI_ENOMEM;
@@ -58,7 +59,7 @@ static tvi_status record_product_row(tvi_system *system, int row, const jet fact
     for (int column = 0; column <= row; column++) {
         const jet both =
             jet_add(jet_mul(gradient_g[row], gradient_f[column]), jet_mul(gradient_f[row], gradient_g[column]));
-        append_entry(system, *jets, row, column, jet_add(jet_mul(factor[0], hessian_row[column]), both));
+        append_hessian_entry(system, *jets, row, column, jet_add(jet_mul(factor[0], hessian_row[column]), both));
     }
     return TVI_OK;
 }
@@ -74,14 +75,15 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
     tvi_status status = derived ? TVI_OK : TVI_ENOMEM;
     system->hessian_entry_count = 0;
     for (int row = 0; row < rows && status == TVI_OK; row++)
-        status = record_product_row(system, row, factor, gradient_g, gradient_f, jets);
+        status = record_product_hessian_row(system, row, factor, gradient_g, gradient_f, jets);
     free(gradient_g);
     return status == TVI_OK ? jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets)
                             : status;
 }
 
-/* Drops the second derivatives if the field with them has too many operations for HESSIAN_MAX_COST. */
-static tvi_status drop_expensive_hessian(tvi_system *system, const jet jets[])
+/* Drops the second derivatives if a tape of them and the field has more than HESSIAN_MAX_COST / 4 times as many slots
+ * as a tape of the field alone. */
+static tvi_status drop_hessian_if_expensive(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
     jet_tape *field = jet_tape_create(system->graph, rows, rows, system->field, JET_TAPE_VALUES);
@@ -102,12 +104,12 @@ tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2]
     if (status != TVI_OK) return status;
     if (rows <= HESSIAN_WHOLE_MAX_NUMBERS / nodes) {
         status = tvi_hessian_record(system, jets);
-        if (status == TVI_OK) status = drop_expensive_hessian(system, *jets);
+        if (status == TVI_OK) status = drop_hessian_if_expensive(system, *jets);
     }
     system->hessian_is_complete = system->hessian_entry_count > 0;
     if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
     status = record_product_hessian(system, factor, jets);
-    return status == TVI_OK ? drop_expensive_hessian(system, *jets) : status;
+    return status == TVI_OK ? drop_hessian_if_expensive(system, *jets) : status;
 }
 
 tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[])

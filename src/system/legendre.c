@@ -97,11 +97,11 @@ static tvi_status compute_newton_correction(tvi_legendre *legendre, const double
 static double estimate_correction_roundoff(tvi_legendre *legendre, const double y[])
 {
     const tvi_system *system = legendre->system;
-    tvi_roundoff *roundoff = &legendre->roundoff;
+    tvi_roundoff_estimator *roundoff = &legendre->roundoff;
     (void)tvi_roundoff_estimate_field(roundoff, system, legendre->field_block, 1, 1);
     for (int i = 0; i < system->n; i++)
         legendre->trial[i] =
-            tvi_roundoff_sign_randomly(roundoff, roundoff->field_change[system->n + i] + DBL_EPSILON * fabs(y[i]));
+            tvi_roundoff_sign_randomly(roundoff, roundoff->output_roundoff[system->n + i] + DBL_EPSILON * fabs(y[i]));
     tvi_factor_solve(&legendre->jacobian_factor, legendre->trial);
     return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(system->n, legendre->trial, 1);
 }

@@ -16,8 +16,8 @@ typedef struct {
     double *tangents; /* [slots][n] The derivatives of all slots of the block by x. */
     /* [n] Scratch: Newton's correction of x, the x that is tried, and f(x). */
     double *correction, *trial, *transform_of_x;
-    tvi_lu_factor jacobian_factor; /* The factored Jacobian matrix dy/dx = L_vv or H_pp. */
-    tvi_roundoff roundoff;         /* Estimates the roundoff of the field. */
+    tvi_lu_factor jacobian_factor;   /* The factored Jacobian matrix dy/dx = L_vv or H_pp. */
+    tvi_roundoff_estimator roundoff; /* The memory for estimates of the field's roundoff. */
 } tvi_legendre;
 
 void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system);

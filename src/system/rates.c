@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-tvi_status tvi_state_rates_open(tvi_state_rates *rates, const tvi_system *system, const double parameters[])
+tvi_status tvi_state_rates_open(tvi_rates_evaluator *rates, const tvi_system *system, const double parameters[])
 {
-    *rates = (tvi_state_rates){.system = system};
+    *rates = (tvi_rates_evaluator){.system = system};
     if (system->form == TVI_LAGRANGIAN) return TVI_OK;
     rates->field_block = malloc((size_t)system->field_values->slot_count * sizeof *rates->field_block);
     if (!rates->field_block) return TVI_ENOMEM;
@@ -16,16 +16,16 @@ tvi_status tvi_state_rates_open(tvi_state_rates *rates, const tvi_system *system
     return TVI_OK;
 }
 
-void tvi_state_rates_set_parameters(tvi_state_rates *rates, const double parameters[])
+void tvi_state_rates_set_parameters(tvi_rates_evaluator *rates, const double parameters[])
 {
     const tvi_system *system = rates->system;
     if (!rates->field_block) return;
     jet_tape_set_parameters(system->field_values, rates->field_block, 1, tvi_system_parameters(system), 1, parameters);
 }
 
-void tvi_state_rates_close(tvi_state_rates *rates) { free(rates->field_block); }
+void tvi_state_rates_close(tvi_rates_evaluator *rates) { free(rates->field_block); }
 
-tvi_status tvi_state_rates_compute(tvi_state_rates *rates, const double x[], double rate[])
+tvi_status tvi_state_rates_compute(tvi_rates_evaluator *rates, const double x[], double rate[])
 {
     const tvi_system *system = rates->system;
     const jet_tape *tape = system->field_values;

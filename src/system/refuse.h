@@ -1,5 +1,5 @@
-/* refuse.h - Sets texts of tvi_last_error for refusals that several functions share. All functions return the
- * status. */
+/* refuse.h - Sets texts of tvi_last_error for refusals that several functions share. Each function returns the status
+ * that its caller is to return. */
 #ifndef TVI_SRC_SYSTEM_REFUSE_H
 #define TVI_SRC_SYSTEM_REFUSE_H
 

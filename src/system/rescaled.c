@@ -14,9 +14,10 @@
 
 /* ---- The user's function ----------------------------------------------------------------------------------------- */
 
-/* Records the V, L or H of the user's system `base` in the graph of q, at (q, t) and the velocities v or momenta p.
- * NULL stands for velocities or momenta that are 0: calloc makes each input the number 0. */
-static jet record_original_function(const tvi_system *base, const jet q[], const jet velocities[], jet t)
+/* Records the V, L or H of the user's system `base` in the graph of q, at the coordinates q, the time t, and the
+ * velocities of L or momenta of H. NULL stands for velocities or momenta that are 0, since calloc makes each input the
+ * number 0. */
+static jet record_user_function(const tvi_system *base, const jet q[], const jet velocities_or_momenta[], jet t)
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = base->energy_input_count;
     jet_graph *graph;
@@ -25,32 +26,32 @@ static jet record_original_function(const tvi_system *base, const jet q[], const
     jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate;
     if (!input) return jet_make_poison(JET_NO_MEMORY);
     for (int i = 0; i < n; i++) input[i] = q[i];
-    for (int i = n; i < time_index && velocities; i++) input[i] = velocities[i - n];
+    for (int i = n; i < time_index && velocities_or_momenta; i++) input[i] = velocities_or_momenta[i - n];
     input[time_index] = t;
     const bool lifted = jet_record_forward_derivatives(base->graph, graph, input, input + inputs, NULL, 1,
-                                                       &base->original_function, &value, &rate);
+                                                       &base->user_function, &value, &rate);
     free(input);
     return lifted ? value : jet_make_poison(JET_NO_MEMORY);
 }
 
 /* Records H. For a separable system H is sum p_i^2 / (2 m_i) + V, and V is the user's function at p = 0 or v = 0, up to
  * its sign (energy_sign). */
-jet tvi_record_original_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+jet tvi_record_user_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_system *base = ctx;
-    if (base->form == TVI_HAMILTONIAN) return record_original_function(base, q, p, t);
+    if (base->form == TVI_HAMILTONIAN) return record_user_function(base, q, p, t);
     jet *terms = malloc(((size_t)base->n + 1) * sizeof *terms);
     if (!terms) return jet_make_poison(JET_NO_MEMORY);
-    terms[0] = jet_mul(base->energy_sign, record_original_function(base, q, NULL, t));
+    terms[0] = jet_mul(base->energy_sign, record_user_function(base, q, NULL, t));
     for (int i = 0; i < base->n; i++) terms[1 + i] = jet_div(jet_sqr(p[i]), 2 * base->mass[i]);
     const jet H = jet_sum(terms, base->n + 1);
     free(terms);
     return H;
 }
 
-jet tvi_record_original_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
+jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
 {
-    return record_original_function(ctx, q, v, t);
+    return record_user_function(ctx, q, v, t);
 }
 
 /* The request to rescale a system by the time scale g = dt/ds. */
@@ -101,7 +102,7 @@ static void record_factors_of_K(const jet q[], const jet p[], jet s, void *ctx, 
     const rescaling_request *request = ctx;
     const int n = request->base->n;
     (void)s;
-    const jet H = tvi_record_original_hamiltonian(q, p, q[n], (void *)request->base);
+    const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base);
     const jet g = request->time_scale ? request->time_scale(q, p, q[n], request->ctx)
                                       : tvi_record_automatic_scale(request->base, H);
     factor[0] = require_positive_scale(g);
@@ -121,7 +122,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling_request request = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_create_rescaled(&stepped, system->n + 1, record_factors_of_K, &request);
+    tvi_status status = tvi_system_create_from_factors(&stepped, system->n + 1, record_factors_of_K, &request);
     if (status == TVI_EDOMAIN && !g)
         return jet_refuse(status, "K = g (H + e): the automatic g has no value (give a g of your own): %s",
                           jet_last_refusal_text());
@@ -129,7 +130,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     stepped->is_regular = false; /* K_ee = 0 */
     stepped->has_automatic_scale = !g;
     stepped->has_tail_shares_without_momenta = system->has_masses;
-    status = tvi_system_hamiltonian(&rescaled, system->n, tvi_record_original_hamiltonian, (void *)system);
+    status = tvi_system_hamiltonian(&rescaled, system->n, tvi_record_user_hamiltonian, (void *)system);
     if (status != TVI_OK) {
         tvi_system_free(stepped);
         return status;

@@ -8,15 +8,15 @@
 
 enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
-void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
+void tvi_roundoff_allocate(tvi_roundoff_estimator *roundoff, tvi_arena *arena, const tvi_system *system)
 {
     const size_t slots = (size_t)system->field_series->slot_count;
-    roundoff->field_change = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
+    roundoff->output_roundoff = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
     roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
     roundoff->tangents = tvi_arena_allocate_doubles(arena, slots * SAMPLES);
 }
 
-double tvi_roundoff_sign_randomly(tvi_roundoff *roundoff, double size)
+double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size)
 {
     roundoff->random_state = roundoff->random_state * 1664525u + 1013904223u;
     return roundoff->random_state >> 31 ? -size : size;
@@ -68,7 +68,7 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
     for (int i = 0; i < input_count; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->run_count; r++) {
         jet_tape one_run = *tape;
-        /* Generated code runs only whole tapes, so that the interpreter runs this run. */
+        /* The interpreter sweeps the single jet_run of this tape, since generated code sweeps only whole tapes. */
         one_run.sweeps = tape->interpreter_sweeps;
         one_run.run = tape->run + r;
         one_run.run_count = 1;
@@ -78,21 +78,21 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
     }
 }
 
-int tvi_roundoff_estimate_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
-                                int point_count)
+int tvi_roundoff_estimate_field(tvi_roundoff_estimator *roundoff, const tvi_system *system, const double *inputs,
+                                int lanes, int point_count)
 {
     const jet_tape *tape = system->field_series;
     const int outputs = tvi_system_output_count(system);
     roundoff->random_state = 1;
-    memset(roundoff->field_change, 0, (size_t)outputs * sizeof *roundoff->field_change);
+    memset(roundoff->output_roundoff, 0, (size_t)outputs * sizeof *roundoff->output_roundoff);
     for (int point = 0; point < point_count; point++) {
         for (int i = 0; i < system->input_count + system->uses_time; i++)
             roundoff->field_block[i] = inputs[i * lanes + point];
         if (!jet_sweep_values(tape, roundoff->field_block, 1)) continue;
         tvi_roundoff_sweep_tape(tape, system->input_count, NULL, roundoff->field_block, roundoff->tangents);
         for (int i = 0; i < outputs; i++)
-            roundoff->field_change[i] =
-                fmax(roundoff->field_change[i],
+            roundoff->output_roundoff[i] =
+                fmax(roundoff->output_roundoff[i],
                      tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output_slot[i] * SAMPLES, 1));
     }
     return point_count * (1 + SAMPLES);

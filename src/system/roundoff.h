@@ -8,15 +8,15 @@
 
 /* The memory in which roundoff is estimated. */
 typedef struct {
-    double *field_change; /* [outputs of the field] The estimate of the change of each output by roundoff. */
-    double *field_block;  /* The values of all slots of field_series at one point. */
+    double *output_roundoff; /* [outputs of the field] The estimate of the change of each output by roundoff. */
+    double *field_block;     /* The values of all slots of field_series at one point. */
     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots by rounding errors, for each random choice of their
      * signs. */
     double *tangents;
     /* The state of a pseudo-random sequence. Each estimate restarts the sequence, so that no step depends on earlier
      * steps. */
     unsigned random_state;
-} tvi_roundoff;
+} tvi_roundoff_estimator;
 
 /* The number of random choices of signs. With a single one the contributions to a sum might cancel. */
 enum { TVI_ROUNDOFF_SAMPLES = 4 };
@@ -29,24 +29,24 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
                              double *dx);
 
 /* Allocates the memory of the estimate in an arena. */
-void tvi_roundoff_allocate(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system);
+void tvi_roundoff_allocate(tvi_roundoff_estimator *roundoff, tvi_arena *arena, const tvi_system *system);
 
-/* Computes field_change[i]: the largest change of output i of the field at any of the points, if each coordinate,
+/* Computes output_roundoff[i]: the largest change of output i of the field at any of the points, if each coordinate,
  * velocity, momentum and result of an operation changes by a unit of its own roundoff. Roundoff of the time is left
  * out, since the time is the same in all passes of a step. The roundoff of a sum is that of its terms. inputs[i *
  * lanes + point] are the inputs of the field, followed by the time if it is used. The change is 0 at points where
  * the field has no value. Returns the number of evaluations of the field. */
-int tvi_roundoff_estimate_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
-                                int point_count);
+int tvi_roundoff_estimate_field(tvi_roundoff_estimator *roundoff, const tvi_system *system, const double *inputs,
+                                int lanes, int point_count);
 
 /* Returns `size` or -`size` by the next number of the pseudo-random sequence, which tvi_roundoff_estimate_field
  * restarts. */
-double tvi_roundoff_sign_randomly(tvi_roundoff *roundoff, double size);
+double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size);
 
 /* Tells whether the motion in a step is so small that roundoff at the nodes may exceed it. This is the case if the
  * coordinates, rows q [n][lanes] with `point_count` columns, stay closer to q_start than |q_start| plus a multiple of
  * |h v_start|, or if the momenta p stay closer to p_start than |p_start|. For a system that is not separable, v_start
- * counts as 0; for a separable system, the momenta are ignored. The caller needs this to exclude passes that have
+ * counts as 0; for a separable system, the momenta are ignored. By this test the callers exclude passes that have
  * diverged to states at which the field is nothing but roundoff. */
 bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
                                   const double *q, const double *p, int lanes, int point_count);

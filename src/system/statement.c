@@ -1,5 +1,5 @@
-/* statement.c - Creates systems: calls the user's function on jets, brings the recording into one of the three forms
- * (tvi_form), and lowers it to the tapes that the steppers run. */
+/* statement.c - Creates systems, also the lifts of systems: calls the user's function on jets, brings the recording
+ * into one of the three forms (tvi_form), and creates the tapes that the steppers run. */
 #include "system/system.h"
 #include "system/legendre.h"
 #include "system/refuse.h"
@@ -17,9 +17,9 @@ typedef struct {
     tvi_factors_fn *factors;
     const double *mass;
     void *ctx;
-    const tvi_system *base;     /* The system whose tangent lift is created: its equations and those of its tangents. */
-    bool has_conjugate_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
-    tvi_drive_fn *drive;        /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
+    const tvi_system *base;          /* The system whose lift is created (tvi_system_create_lift). */
+    bool has_conjugate_lift_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
+    tvi_drive_fn *drive;             /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
 } system_statement;
 
@@ -28,7 +28,7 @@ typedef struct {
     tvi_system *system;
     /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
     jet *q, *v, *r, t;
-    jet original_function;     /* The user's V, L or H. */
+    jet user_function;         /* The user's V, L or H. */
     jet *field;                /* [2n] The field, which belongs to the system. */
     jet *gradient_of_r_dot_Hp; /* [2n] The gradient of r.H_p. */
     jet *field_and_hessian;    /* [2n + hessian_entry_count] The field, and then the second derivatives. */
@@ -55,7 +55,7 @@ static const char *user_function_name(const system_statement *statement)
 static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
     const bool general =
-        statement->lagrangian || statement->hamiltonian || statement->factors || statement->has_conjugate_momenta;
+        statement->lagrangian || statement->hamiltonian || statement->factors || statement->has_conjugate_lift_momenta;
     const size_t count = (size_t)n;
     tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -103,7 +103,7 @@ static tvi_status record_full_gradient(const system_recording *recording, jet *x
 static tvi_status record_force(system_recording *recording)
 {
     tvi_system *system = recording->system;
-    return jet_record_gradient(system->graph, jet_neg(recording->original_function), system->n, recording->field)
+    return jet_record_gradient(system->graph, jet_neg(recording->user_function), system->n, recording->field)
                ? TVI_OK
                : TVI_ENOMEM;
 }
@@ -111,8 +111,8 @@ static tvi_status record_force(system_recording *recording)
 static tvi_status record_potential(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
-    recording->original_function = statement->potential(recording->q, recording->t, statement->ctx);
-    const tvi_status status = jet_graph_check_outputs(system->graph, 1, &recording->original_function);
+    recording->user_function = statement->potential(recording->q, recording->t, statement->ctx);
+    const tvi_status status = jet_graph_check_outputs(system->graph, 1, &recording->user_function);
     return status == TVI_OK ? record_force(recording) : status;
 }
 
@@ -136,11 +136,12 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
 }
 
 /* Finds masses in the second half of the field, and tells whether the system is separable. A driven system is not. */
-static tvi_status find_masses(const system_recording *recording, const system_statement *statement, bool *separable)
+static tvi_status find_masses(const system_recording *recording, const system_statement *statement, bool *is_separable)
 {
     const jet *field = recording->field;
-    const tvi_status status = tvi_system_find_masses(recording->system, field + recording->system->n, field, separable);
-    *separable &= !statement->drive;
+    const tvi_status status =
+        tvi_system_find_masses(recording->system, field + recording->system->n, field, is_separable);
+    *is_separable &= !statement->drive;
     return status;
 }
 
@@ -149,8 +150,8 @@ static tvi_status find_masses(const system_recording *recording, const system_st
 static tvi_status record_lagrangian(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
-    recording->original_function = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
-    tvi_status status = record_full_gradient(recording, &recording->original_function, recording->field);
+    recording->user_function = statement->lagrangian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive) status = add_driving_force(recording, statement, recording->v, 1);
@@ -175,9 +176,9 @@ static tvi_status record_factored_hamiltonian(system_recording *recording, const
     tvi_system *system = recording->system;
     jet factor[2];
     statement->factors(recording->q, recording->v, recording->t, statement->ctx, factor);
-    recording->original_function = jet_mul(factor[0], factor[1]);
+    recording->user_function = jet_mul(factor[0], factor[1]);
     system->form = TVI_HAMILTONIAN;
-    tvi_status status = record_full_gradient(recording, &recording->original_function, recording->field);
+    tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
     if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->field_and_hessian);
     return status == TVI_OK ? record_gradient_of_r_dot_Hp(recording) : status;
 }
@@ -188,8 +189,8 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
 {
     tvi_system *system = recording->system;
     const int n = system->n;
-    recording->original_function = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
-    tvi_status status = record_full_gradient(recording, &recording->original_function, recording->field);
+    recording->user_function = statement->hamiltonian(recording->q, recording->v, recording->t, statement->ctx);
+    tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
     bool separable = false;
     if (status == TVI_OK) status = find_masses(recording, statement, &separable);
     if (status == TVI_OK && statement->drive)
@@ -203,8 +204,8 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
 
-/* Sets the jets in the lift's graph that stand for the inputs of the base (the system that is lifted), and those that
- * stand for their components of the tangent vector (`direction`). */
+/* For each input i of the base (the system that is lifted), sets the jet of the lift's graph that stands for the input,
+ * input[i], and the jet for the input's component of the tangent vector, direction[i]. */
 static void set_lift_inputs(const system_recording *recording, const tvi_system *base, jet input[], jet direction[])
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time = inputs == n + 1 ? n : 2 * n;
@@ -221,9 +222,9 @@ static void set_lift_inputs(const system_recording *recording, const tvi_system 
     direction[time] = jet_const(0);
 }
 
-/* Sets the field of the lift from that of the base (`value`) and its derivative (`rate`) along the tangent vector,
- * marked by '. For a Hamiltonian it is ((H_q)', H_q) and (H_p, (H_p)'), for a Lagrangian ((L_q)', L_q) and ((L_v)',
- * L_v). For a separable base H_q = -F and H_p = M^-1 p. For a separable lift it is F and F'. */
+/* Sets the field of the lift from the field of the base (`value`) and its derivative along the tangent vector (`rate`),
+ * here written '. The field of the lift is ((H_q)', H_q) and (H_p, (H_p)') for a Hamiltonian, and ((L_q)', L_q) and
+ * ((L_v)', L_v) for a Lagrangian. A separable base has H_q = -F and H_p = M^-1 p. A separable lift has F and F'. */
 static void set_lift_field(system_recording *recording, const tvi_system *base, const jet value[], const jet rate[])
 {
     const int n = base->n;
@@ -241,8 +242,8 @@ static void set_lift_field(system_recording *recording, const tvi_system *base, 
     }
 }
 
-/* Records the parameters of the lift: those of the base, then their part of the tangent vector, 0 by default. */
-static void add_lift_parameters(const system_recording *recording, int parameter_count, jet parameter_direction[])
+/* Records the lift's own parameters, the components of the tangent vector that belong to the base's parameters. */
+static void record_lift_parameters(const system_recording *recording, int parameter_count, jet parameter_direction[])
 {
     for (int i = 0; i < parameter_count; i++)
         parameter_direction[i] = jet_graph_record_parameter(recording->system->graph, parameter_count + i, 0);
@@ -254,7 +255,7 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     tvi_system *system = recording->system;
     const int parameters = jet_graph_parameter_count(base->graph);
     system->is_regular = base->is_regular;
-    system->has_masses = !statement->has_conjugate_momenta;
+    system->has_masses = !statement->has_conjugate_lift_momenta;
     if (!system->has_masses) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->input_count;
@@ -263,18 +264,17 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
     jet *parameter_direction = rate + outputs;
     set_lift_inputs(recording, base, input, direction);
-    add_lift_parameters(recording, parameters, parameter_direction);
+    record_lift_parameters(recording, parameters, parameter_direction);
     bool lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction,
                                                  base->input_count, base->field, value, rate);
     if (lifted) set_lift_field(recording, base, value, rate);
     /* The Hamiltonian of the lift is the derivative of the base's H along the tangent vector. */
     if (lifted && base->form == TVI_HAMILTONIAN)
         lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction, 1,
-                                                &base->original_function, value, &recording->original_function);
+                                                &base->user_function, value, &recording->user_function);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    if (base->form == TVI_HAMILTONIAN &&
-        jet_graph_check_outputs(system->graph, 1, &recording->original_function) != TVI_OK)
+    if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(system->graph, 1, &recording->user_function) != TVI_OK)
         return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_gradient_of_r_dot_Hp(recording)
            : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
@@ -315,9 +315,9 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
     if (statement->force || (statement->base && statement->base->form != TVI_HAMILTONIAN)) return TVI_OK;
     system->energy_input_count = statement->potential ? n : 2 * n;
-    system->original_function = recording->original_function;
+    system->user_function = recording->user_function;
     system->energy =
-        jet_tape_create(system->graph, system->energy_input_count, 1, &recording->original_function, JET_TAPE_VALUES);
+        jet_tape_create(system->graph, system->energy_input_count, 1, &recording->user_function, JET_TAPE_VALUES);
     return system->energy ? TVI_OK : TVI_ENOMEM;
 }
 
@@ -353,9 +353,9 @@ static tvi_status create_system_from_statement(tvi_system **out, int n, const sy
 
 tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
 {
-    const bool has_conjugate_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
+    const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
     return record_system_and_tapes(out, 2 * system->n,
-                                   &(system_statement){.base = system, .has_conjugate_momenta = has_conjugate_momenta});
+                                   &(system_statement){.base = system, .has_conjugate_lift_momenta = is_paired});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
@@ -373,7 +373,7 @@ tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lag
     return create_system_from_statement(out, n, &(system_statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
-tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
+tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
     return create_system_from_statement(out, n, &(system_statement){.factors = factors, .ctx = ctx});
 }
@@ -394,7 +394,7 @@ tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_dri
                                                         : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     system_statement statement = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
-    if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_original_lagrangian;
-    else statement.hamiltonian = tvi_record_original_hamiltonian;
+    if (system->form == TVI_LAGRANGIAN) statement.lagrangian = tvi_record_user_lagrangian;
+    else statement.hamiltonian = tvi_record_user_hamiltonian;
     return create_system_from_statement(out, system->n, &statement);
 }

@@ -39,7 +39,7 @@ static bool find_velocity_coefficient(const jet_graph *graph, jet x, int velocit
     return *coefficient > 0 && isfinite(1 / *coefficient);
 }
 
-tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[], const jet other_field[],
+tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradient[], const jet coordinate_gradient[],
                                   bool *is_separable)
 {
     const int n = system->n;
@@ -49,9 +49,9 @@ tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[]
     bool is_coupled = false;
     system->has_masses = true;
     for (int i = 0; i < n && system->has_masses; i++) {
-        system->has_masses = find_velocity_coefficient(system->graph, velocity_field[i], n + i, node_factors,
+        system->has_masses = find_velocity_coefficient(system->graph, velocity_gradient[i], n + i, node_factors,
                                                        &system->mass[i], &is_coupled);
-        is_coupled |= other_field[i].node && other_field[i].node->mark;
+        is_coupled |= coordinate_gradient[i].node && coordinate_gradient[i].node->mark;
     }
     *is_separable = system->has_masses && !is_coupled;
     free(node_factors);

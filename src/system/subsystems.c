@@ -32,7 +32,8 @@ static void unite_results_with_operands(const jet_tape *tape, const bool depends
                 if (depends_on_state[a]) unite_sets(set_parent, run->z + i, a);
 }
 
-/* Unites each component with its momentum or velocity, and with the outputs of the field for both. */
+/* Unites the inputs of each component, which are its coordinate and its momentum or velocity, with each other, and with
+ * the outputs of the field that belong to the inputs. */
 static void unite_components_with_outputs(const tvi_system *system, const bool depends_on_state[], int set_parent[])
 {
     const int n = system->n, *output = system->field_values->output_slot;
@@ -42,8 +43,8 @@ static void unite_components_with_outputs(const tvi_system *system, const bool d
     }
 }
 
-/* Lists the components of each set; the sets are ordered by their first components. `lone_component` becomes a
- * subsystem of its own; -1: no component does. counts [n] is scratch. */
+/* Lists the components of each set. The sets are ordered by their first components. `lone_component` becomes a
+ * subsystem of its own; it is -1 if there is no such component. counts [n] is scratch. */
 static void list_components_of_sets(tvi_subsystems *subsystems, int n, int set_parent[], int lone_component,
                                     int counts[])
 {

@@ -1,4 +1,5 @@
-/* system.c - Frees systems, and answers users' questions about them. statement.c creates them. */
+/* system.c - Frees systems, returns how many coordinates and parameters they have, and sets the parameters in the
+ * blocks of their tapes. statement.c creates systems. */
 #include "system/system.h"
 
 #include <stdlib.h>

@@ -65,7 +65,7 @@ struct tvi_system {
     /* Computes V of a separable system, L of a Lagrangian, or H of a Hamiltonian; NULL for a force. */
     jet_tape *energy;
     /* The user's V, L or H as a jet of `graph`; unset for a force, and for a lift unless it is a Hamiltonian. */
-    jet original_function;
+    jet user_function;
     /* -1 if a Lagrangian became separable, since the energy tape then gives -V; otherwise 1. */
     double energy_sign;
     const struct tvi_code *code; /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
@@ -77,7 +77,7 @@ struct tvi_system {
 /* Creates a system with the Hamiltonian g f for solutions with f = 0. The function `factors` records factor = {g, f}.
  * The system has second derivatives if they are cheap (tvi_hessian_record_of_product). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
-TVI_NODISCARD tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
+TVI_NODISCARD tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
 
 /* Creates the lift of a system, which moves a state (q, p) together with a tangent vector (dq, dp). It has 2n
  * degrees of freedom, and the Hamiltonian H_q.dq + H_p.dp or the Lagrangian L_q.dq + L_v.dv (docs/method.md, section
@@ -96,33 +96,39 @@ void tvi_system_read_recorded_parameters(const tvi_system *system, double value[
 
 /* Record the H or the L of an existing system in the graph of q. `ctx` is that system (const tvi_system *), which must
  * have an energy. H of a separable system is sum p_i^2 / (2 m_i) + V. */
-jet tvi_record_original_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
-jet tvi_record_original_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
+jet tvi_record_user_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
+jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 
-/* Records the automatic time scale g from H, in the graph of the rescaled Hamiltonian K, whose inputs are q, t, p and
- * e = -H (automatic.c). The result is a jet that makes the recording fail if g exists nowhere. */
+/* Records the automatic time scale g from H, in the graph of the rescaled Hamiltonian K, whose inputs are q, t, p and e
+ * = -H (automatic.c). If g has no value at any state, the result is a jet that holds the error, and the recording of K
+ * fails. */
 jet tvi_record_automatic_scale(const tvi_system *base, jet H);
 
-/* Records the second derivatives into the system's open graph. *jets [2n + hessian_entry_count] becomes the field,
- * followed by the derivatives. The caller frees it, whatever the status. */
+/* Records the second derivatives of the system's L or H, which are the derivatives of its field, in its open graph.
+ * *jets [2n + hessian_entry_count] becomes the field, followed by the second derivatives. The caller frees *jets,
+ * whatever the status. */
 TVI_NODISCARD tvi_status tvi_hessian_record(tvi_system *system, jet **jets);
 
-/* Does the same for K = g f with factor = {g, f}, for solutions with f = 0. If the complete K'' is too expensive, it
- * records g f'' + g' f'^T + f' g'^T, which leaves out f g''. If that is too expensive, it records none. */
+/* Records the second derivatives of K = g f with factor = {g, f}, for solutions with f = 0, and sets *jets as
+ * tvi_hessian_record does. If the complete K'' is too expensive, the function records g f'' + g' f'^T + f' g'^T, which
+ * leaves out f g''. If this matrix is too expensive, too, it records no second derivatives. */
 TVI_NODISCARD tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets);
 
 /* Creates the tape of the second derivatives if there are any. The recording must be finished (jet_graph_close). */
 TVI_NODISCARD tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[]);
 
-/* Sets system->has_masses if velocity_field [n] = diag(d) v + terms without v and d > 0, and then system->mass = d.
- * Here v are the inputs n .. 2n - 1 of the recording, which are momenta for a Hamiltonian. Sets *is_separable if there
- * are no such terms, and no component of other_field [n] depends on v. Returns TVI_ENOMEM if memory is lacking. */
-TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_field[], const jet other_field[],
-                                                bool *is_separable);
+/* Finds the masses of a system from the gradient of its recorded L or H: velocity_gradient [n] is the gradient by v,
+ * and coordinate_gradient [n] that by q. Here v are the inputs n .. 2n - 1 of the recording, which are momenta for a
+ * Hamiltonian. If velocity_gradient = diag(d) v + r, where the numbers d are positive and r does not depend on v, the
+ * function sets system->has_masses and system->mass = d. *is_separable becomes true if, in addition, r = 0 and
+ * coordinate_gradient does not depend on v. Returns TVI_ENOMEM if memory is lacking. */
+TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradient[],
+                                                const jet coordinate_gradient[], bool *is_separable);
 
 /* Finds the subsystems of the field, and sets system->subsystems and tail_subsystems. If the last coordinate is the
- * time, as in a rescaled system, it becomes a subsystem of its own in tail_subsystems: its share is then the largest
- * one, so that its ratio is not reduced. Returns TVI_ENOMEM if memory is lacking. */
+ * time, as in a rescaled system, the time becomes a subsystem of its own in tail_subsystems. Its share of the motion is
+ * then the largest one in its subsystem, so that its ratio is not reduced (algebra/tail.h). Returns TVI_ENOMEM if
+ * memory is lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate);
 
 /* Returns the number of outputs of the field. */

@@ -112,7 +112,7 @@ START_TEST(rates_are_those_of_steps)
     memcpy(x, r.x.q, (size_t)n * sizeof *x);
     memcpy(x + n, r.x.p, (size_t)n * sizeof *x);
     x[2 * n] = r.x.t;
-    tvi_state_rates rates;
+    tvi_rates_evaluator rates;
     ck_assert_int_eq(tvi_state_rates_open(&rates, r.system, NULL), TVI_OK);
     ck_assert(!rates.field_block == (r.system->form == TVI_LAGRANGIAN));
     if (rates.field_block) {
