@@ -185,7 +185,7 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
         if (requests[i]->name_prefix) jet_emit_tape(text, tapes[i], requests[i]);
     if (uses.emit_loops) uses.emit_loops(text, stepped_system, resolved_options);
     emit_code_structure(text, requests, stepped_system, resolved_options);
-    if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_field_name);
+    if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_pointer_name);
     jet_text_append(text, "};\n");
     jet_text_append(text,
                     "static const struct tvi_compiled tvi_generated = {&tvi_generated_code, 0, 0};\n#undef %s\n"

@@ -368,7 +368,7 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origins, co
 
 const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,
                                               .allocate = allocate_batch_stepper,
-                                              .prepare = prepare_batch_stepper,
+                                              .set_tables = prepare_batch_stepper,
                                               .step = step_batch,
                                               .copy_history_from_lane = copy_history_from_lane,
                                               .copy_history_to_lane = copy_history_to_lane,

@@ -371,7 +371,7 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
     tvi_tapes_of_steps used = {.values = {.name_prefix = "tvi_values", .lane_counts = {lanes, of_batch}},
-                               .loops_field_name = "galerkin",
+                               .loops_pointer_name = "galerkin",
                                .emit_loops = emit_generated_steps};
     if (system->hessian_values)
         used.hessian = (jet_emission_request){.name_prefix = "tvi_hessian", .lane_counts = {lanes}};
@@ -384,10 +384,10 @@ static bool is_history_valid(const void *work)
 }
 
 const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_stepper,
-                                          .prepare = prepare_stepper,
+                                          .set_tables = prepare_stepper,
                                           .step = make_single_step,
                                           .run = make_steps_of_run,
-                                          .dense = tvi_galerkin_compute_dense_output,
+                                          .interpolate = tvi_galerkin_compute_dense_output,
                                           .sample = tvi_galerkin_compute_curve_samples,
                                           .is_superconvergent = true,
                                           .is_history_valid = is_history_valid,

@@ -124,7 +124,7 @@ typedef struct {
 /* Computes the weights and scales of the nodes for the step h, if it differs from the last one. */
 void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 
-/* The functions `dense` and `sample` of tvi_stepper, for the Galerkin curve of the last step. */
+/* The functions `interpolate` and `sample` of tvi_stepper, for the Galerkin curve of the last step. */
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[]);
 void tvi_galerkin_compute_curve_samples(void *work, const tvi_component_range used_range[2], const double q_start[],
                                         const double p_start[], double *q, double *p);

@@ -361,9 +361,9 @@ static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_op
 }
 
 static const tvi_stepper stepper = {.allocate = allocate_stepper,
-                                    .prepare = prepare_stepper,
+                                    .set_tables = prepare_stepper,
                                     .step = step_both_ends,
-                                    .dense = compute_dense_output,
+                                    .interpolate = compute_dense_output,
                                     .list_tapes = find_used_tapes};
 
 const tvi_descriptor tvi_type1_both_ends = {

@@ -63,9 +63,9 @@ typedef struct tvi_closure {
     int p_degree;                          /* the degree to which the momentum is summed */
     double *momentum_size;                 /* [n] sum_k |P_k| */
     tvi_correct_ends_fn *correct_ends;     /* computes the corrections by the equations of the generating function */
-    const tvi_end_factors *end_factors;    /* the factors by which the solution (x, y) enters the corrections */
-    double *seed_Q, *seed_U;               /* [highest_order + 1][n] the seeds of D_z */
-    double *gradient_then_solution;        /* [2n] first D_z, then the solution of the equations */
+    const tvi_end_correction_factors *end_factors; /* the factors by which the solution (x, y) enters the corrections */
+    double *seed_Q, *seed_U;                       /* [highest_order + 1][n] the seeds of D_z */
+    double *gradient_then_solution;                /* [2n] first D_z, then the solution of the equations */
     const tvi_closure_solver *solver;
     void *solver_data; /* the memory of the solver: tvi_jacobian_factors or tvi_conjugate_residuals */
     /* [n] The corrections of the start of the step and of its increments (see the head of this file). */
@@ -94,7 +94,7 @@ TVI_NODISCARD tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const t
  */
 static inline void closure_set_end_corrections(const tvi_closure *closure)
 {
-    const tvi_end_factors *factors = closure->end_factors;
+    const tvi_end_correction_factors *factors = closure->end_factors;
     const int width = curve_width(&closure->curve);
     double *restrict start_correction_q = closure->start_correction_q, *restrict increment_correction_q =
                                                                            closure->increment_correction_q;

@@ -107,8 +107,8 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
     for (int m = 0; m < width; m++) members->iterating_mask[m] = results->status[m] == TVI_OK ? -1 : 0;
     const tvi_quick_step_results quick = {members->dq,       members->dp,          members->tail,
                                           members->residual, members->pass_counts, members->iterating_mask};
-    (void)members->lane_work->quick_step(members->lane_work, members->lane_work->closure.span.tau * h, origin, &quick,
-                                         stats);
+    (void)members->lane_work->quick_step(members->lane_work, members->lane_work->closure.span.tau_over_h * h, origin,
+                                         &quick, stats);
     for (int m = 0; m < width; m++) {
         if (results->status[m] != TVI_OK) continue;
         if (members->pass_counts[m] == TVI_NOT_MADE) {
@@ -127,7 +127,7 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
 
 const tvi_batch_stepper tvi_curve_batch = {.width = choose_batch_width,
                                            .allocate = allocate_batch,
-                                           .prepare = prepare_batch,
+                                           .set_tables = prepare_batch,
                                            .step = step_batch,
                                            .copy_history_from_lane = copy_lane_to_member,
                                            .copy_history_to_lane = copy_member_to_lane,

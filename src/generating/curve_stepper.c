@@ -149,7 +149,7 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
                              tvi_stats *stats)
 {
     work *w = workspace;
-    step_attempt attempt = {w, origin, w->closure.span.tau * h, stats};
+    step_attempt attempt = {w, origin, w->closure.span.tau_over_h * h, stats};
     if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict_centre_state(&attempt);
     if (status == TVI_OK && w->has_corrections) status = run_corrector(&attempt);
@@ -265,16 +265,16 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 }
 
 const tvi_stepper tvi_stepper_curve = {.allocate = allocate_stepper,
-                                       .prepare = tvi_curve_workspace_fill_tables,
+                                       .set_tables = tvi_curve_workspace_fill_tables,
                                        .step = step_curve,
-                                       .dense = compute_dense_output,
+                                       .interpolate = compute_dense_output,
                                        .list_tapes = find_used_tapes,
                                        .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.allocate = allocate_stepper,
-                                        .prepare = tvi_curve_workspace_fill_tables,
+                                        .set_tables = tvi_curve_workspace_fill_tables,
                                         .step = step_curve,
-                                        .dense = compute_dense_output,
-                                        .step_within = step_to_tolerance,
+                                        .interpolate = compute_dense_output,
+                                        .step_within_tolerance = step_to_tolerance,
                                         .bound_energy_change = bound_energy_change,
                                         .list_tapes = find_used_tapes,
                                         .batch = &tvi_curve_batch};

@@ -64,7 +64,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n * (size_t)width;
     work w = {.has_corrections = has_corrections,
-              .needs_extra_pass = definition->is_first_pass_rough,
+              .needs_extra_pass = definition->needs_extra_pass,
               .options = options,
               .q_degree = options->degree};
     allocate_closure(&w.closure, arena, system, options, has_corrections, width);

@@ -31,5 +31,5 @@ const tvi_descriptor tvi_type1_end = {
               .action = TVI_ACTION_LAGRANGE,
               .correct_ends = correct_ends,
               .end_factors = {.start_p_factor = {0, 1}, .increment_p_factor = {1, 0}},
-              .is_first_pass_rough = true},
+              .needs_extra_pass = true},
 };

@@ -29,5 +29,5 @@ const tvi_descriptor tvi_type3_end = {
               .action = TVI_ACTION_HAMILTON,
               .correct_ends = correct_ends,
               .end_factors = {.start_q_factor = 1, .increment_q_factor = -1, .increment_p_factor = {1, 0}},
-              .is_first_pass_rough = true},
+              .needs_extra_pass = true},
 };

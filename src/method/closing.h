@@ -5,24 +5,24 @@
 
 #include "tvi.h"
 
-/* A Taylor curve is a polynomial in the scaled time s; one unit of s is tau times the step h. A step begins at s-
- * (start_s) and ends at s+ (end_s). */
+/* The ends of a step in the scaled time s, in which a Taylor curve is a polynomial: s- (start_s) and s+ (end_s). One
+ * unit of s is the time tau_over_h h. */
 typedef struct {
-    double start_s, end_s, tau;
+    double start_s, end_s, tau_over_h;
 } tvi_scaled_span;
 
 struct tvi_closure;
-/* The type of a function that computes the corrections of the curve's ends by the equations of a generating function
+/* The type of a function that computes the corrections of a curve's ends by the equations of a generating function
  * (generating/closure.h). */
 typedef tvi_status tvi_correct_ends_fn(struct tvi_closure *closure);
 
 /* The factors by which the solution (x, y) of the equations [J1; J2]^T (x, y) = D_z (generating/closure.h) enters the
- * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates. Methods whose equations
- * have one block of a Jacobian use the same factors. In the notation of docs/notation.md the corrections of the start
- * are
+ * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates. tvi_correct_ends_by_block,
+ * which solves other equations for (x, y), uses the same factors. In the notation of docs/notation.md the corrections
+ * of the start are
  *     start_correction_q = start_q_factor kappa y,
  *     start_correction_p = start_p_factor[0] x + start_p_factor[1] y,
- * and those of the increments
+ * and those of the increments are
  *     increment_correction_q = increment_q_factor kappa y,
  *     increment_correction_p = increment_p_factor[0] x + increment_p_factor[1] y,
  * with kappa = 1 unless the system is separable. */
@@ -32,6 +32,6 @@ typedef struct {
     bool uses_mean_momentum;
     double start_q_factor, increment_q_factor;
     double start_p_factor[2], increment_p_factor[2];
-} tvi_end_factors;
+} tvi_end_correction_factors;
 
 #endif

@@ -36,7 +36,7 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
 static void set_tables_of_halves(void *work)
 {
     composed_stepper *composition = work;
-    for (int half = 0; half < 2; half++) composition->stepper[half]->prepare(composition->work[half]);
+    for (int half = 0; half < 2; half++) composition->stepper[half]->set_tables(composition->work[half]);
 }
 
 /* Computes (sum, sum_low) = (x, x_low) + (increment, increment_low) by compensated summation. */
@@ -76,7 +76,7 @@ static void interpolate_within_half(void *work, double theta, double dq[], doubl
 {
     composed_stepper *composition = work;
     const int half = theta > 0.5;
-    composition->stepper[half]->dense(composition->work[half], 2 * theta - half, dq, dp);
+    composition->stepper[half]->interpolate(composition->work[half], 2 * theta - half, dq, dp);
     if (half == 0) return;
     for (int i = 0; i < composition->n; i++) {
         dq[i] += composition->first_increments.dq[i];
@@ -103,8 +103,8 @@ static bool are_histories_valid(const void *work)
 }
 
 const tvi_stepper tvi_stepper_composed = {.allocate = allocate_composed_work,
-                                          .prepare = set_tables_of_halves,
+                                          .set_tables = set_tables_of_halves,
                                           .step = step_both_halves,
-                                          .dense = interpolate_within_half,
+                                          .interpolate = interpolate_within_half,
                                           .is_history_valid = are_histories_valid,
                                           .list_tapes = list_tapes_of_half};

@@ -29,15 +29,15 @@ extern const tvi_supported_forms tvi_supports_all, tvi_supports_type1, tvi_suppo
 /* A node rule of a method. At degree N the order is order_slope N + order_offset, rounded up to an even number if the
  * method is symmetric or composed. If both numbers are 0, the method does not have this rule. */
 typedef struct {
-    const char *name; /* The name for tvi_options_named; NULL: it has none. */
+    const char *name; /* The name for tvi_options_named; NULL: the rule has no name. */
     int order_slope, order_offset;
 } tvi_node_rule;
 
-/* Who chooses the quadrature of a method. */
+/* The choice of a method's quadrature. */
 typedef enum {
-    TVI_NO_QUADRATURE,     /* The method needs none. */
-    TVI_CHOSEN_QUADRATURE, /* The user chooses it. */
-    TVI_GAUSS_OF_DEGREE    /* Gauss, with as many nodes as the degree. */
+    TVI_NO_QUADRATURE,     /* The method uses no quadrature. */
+    TVI_CHOSEN_QUADRATURE, /* The user chooses the quadrature. */
+    TVI_GAUSS_OF_DEGREE    /* The quadrature is Gauss, with as many nodes as the degree. */
 } tvi_quadrature_use;
 
 /* The discrete action of a curve, with the weights b_i of the quadrature and the values q_i, v_i, p_i, t_i at its
@@ -53,10 +53,11 @@ typedef struct {
     tvi_action_kind action;
     /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
     bool uses_highest_momentum_term;
-    tvi_correct_ends_fn *correct_ends; /* Computes the corrections of the ends; NULL: they are not corrected. */
-    tvi_end_factors end_factors;       /* The factors by which correct_ends computes them. */
-    /* The first pass reduces the residual much more than the later ones, and does not show how fast they converge. */
-    bool is_first_pass_rough;
+    tvi_correct_ends_fn *correct_ends;      /* Computes the corrections of the ends; NULL: they are not corrected. */
+    tvi_end_correction_factors end_factors; /* The factors by which correct_ends computes them. */
+    /* A step needs one more pass than the first two corrections suggest. The first pass reduces the residual much more
+     * than later passes do, and does not show how fast the later passes converge. */
+    bool needs_extra_pass;
 } tvi_curve_definition;
 
 typedef struct tvi_descriptor tvi_descriptor;

@@ -1,5 +1,5 @@
-/* list.h - Lists all methods. method.c searches the list. A method and its adjoint are neighbours in the list, if
- * they are different methods; the others are symmetric or have no adjoint. */
+/* list.h - Lists all methods. method.c searches the list. A method whose adjoint is another method stands beside its
+ * adjoint. Every other method is symmetric or has no adjoint. */
 #ifndef TVI_SRC_METHOD_LIST_H
 #define TVI_SRC_METHOD_LIST_H
 

@@ -29,7 +29,7 @@ static tvi_status set_reason(tvi_status status, const char *reason, const char *
     return status;
 }
 
-static int order_of_degree(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
+static int compute_order(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
 {
     const tvi_node_rule *rule = &descriptor->nodes[options->nodes];
     const int order = rule->order_slope * degree + rule->order_offset;
@@ -39,7 +39,7 @@ static int order_of_degree(const tvi_descriptor *descriptor, const tvi_options *
 static bool has_even_orders(const tvi_descriptor *descriptor, const tvi_options *options)
 {
     const int least = descriptor->least_degree;
-    return (order_of_degree(descriptor, options, least) | order_of_degree(descriptor, options, least + 1)) % 2 == 0;
+    return (compute_order(descriptor, options, least) | compute_order(descriptor, options, least + 1)) % 2 == 0;
 }
 
 /* ---- From options to methods ------------------------------------------------------------------------------------- */
@@ -70,7 +70,7 @@ static tvi_status check_method(const tvi_options *options, const char **why)
     return has_expansion ? TVI_OK : set_reason(TVI_EINVAL, "expansion is not a tvi_expansion", why);
 }
 
-static tvi_status check_ranges(const tvi_options *options, const char **why)
+static tvi_status check_option_ranges(const tvi_options *options, const char **why)
 {
     const tvi_status status = check_method(options, why);
     if (status != TVI_OK) return status;
@@ -109,11 +109,11 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
     if (options->degree > 0) {
         if (options->degree < least || options->degree > most)
             return set_reason(TVI_EINVAL, "the method has no such degree", why);
-        options->order = order_of_degree(descriptor, options, options->degree);
+        options->order = compute_order(descriptor, options, options->degree);
         return TVI_OK;
     }
     for (int degree = least; degree <= most; degree++) {
-        if (order_of_degree(descriptor, options, degree) != options->order) continue;
+        if (compute_order(descriptor, options, degree) != options->order) continue;
         options->degree = degree;
         return TVI_OK;
     }
@@ -122,8 +122,8 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
     return set_reason(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
-/* Sets the quadrature of the Galerkin curve, which is Gauss with as many nodes as the degree, or refuses another
- * one. */
+/* Sets the quadrature of the Galerkin curve, which is Gauss with as many nodes as the degree. Refuses options that
+ * request another quadrature or another number of nodes. */
 static tvi_status resolve_gauss_quadrature(tvi_options *options, const char **why)
 {
     if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
@@ -135,10 +135,10 @@ static tvi_status resolve_gauss_quadrature(tvi_options *options, const char **wh
     return TVI_OK;
 }
 
-/* Sets the quadrature of a method for which the user may choose one, and the resulting order, which is the smaller one
- * of the orders of the curve and of the quadrature. By default the quadrature has one point more than the order
- * needs. */
-static tvi_status resolve_chosen_quadrature(tvi_options *options, bool order_was_asked, const char **why)
+/* Sets the quadrature of a method for which the user may choose one, and makes the order the smaller one of the orders
+ * of the curve and of the quadrature. Refuses a quadrature of lower order than the curve if the user requested the
+ * order. By default the quadrature has one point more than the order needs. */
+static tvi_status resolve_chosen_quadrature(tvi_options *options, bool is_order_requested, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
     const int fixed = tvi_quadrature_required_point_count(options->quadrature);
@@ -154,16 +154,16 @@ static tvi_status resolve_chosen_quadrature(tvi_options *options, bool order_was
         return set_reason(TVI_EINVAL, "the quadrature needs more points", why);
     int order = tvi_quadrature_order(options->quadrature, options->quadrature_points);
     if (options->compose_adjoint) order += order % 2;
-    if (order_was_asked && order < options->order)
+    if (is_order_requested && order < options->order)
         return set_reason(TVI_EINVAL, "the quadrature is of lower order than the method", why);
     if (order < options->order) options->order = order;
     return TVI_OK;
 }
 
-/* Returns the default of max_tail. The steps of a system with an automatic time scale are less uniform, since the
- * scale does not depend on all that limits a step. Their limit decreases with the order, down to 1/32 from order 16
- * on. With a smaller limit, good steps would be refused (docs/adaptive.md). */
-static double default_max_tail(const tvi_options *options, const tvi_system *system)
+/* Returns the default of max_tail. Steps with an automatic time scale are less uniform than other steps, since the
+ * scale does not depend on everything that limits a step. The default for these steps decreases with the order, down to
+ * 1/32 from order 16 on. With a smaller default, good steps would be refused (docs/adaptive.md). */
+static double choose_default_max_tail(const tvi_options *options, const tvi_system *system)
 {
     if (!system || !system->has_automatic_scale) return TVI_MAX_TAIL;
     return fmin(TVI_MAX_TAIL,
@@ -172,7 +172,7 @@ static double default_max_tail(const tvi_options *options, const tvi_system *sys
 
 static tvi_status resolve_options(tvi_options *options, const tvi_system *system, const char **why)
 {
-    tvi_status status = check_ranges(options, why);
+    tvi_status status = check_option_ranges(options, why);
     if (status != TVI_OK) return status;
     const tvi_descriptor *descriptor = tvi_find_method(options);
     if (!descriptor)
@@ -181,12 +181,12 @@ static tvi_status resolve_options(tvi_options *options, const tvi_system *system
         return set_reason(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
     const char *reason = system ? find_why_unsupported(descriptor, system) : NULL;
     if (reason) return set_reason(TVI_EUNSUPPORTED, reason, why);
-    const bool order_was_asked = options->degree == 0;
+    const bool is_order_requested = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;
-    if (options->max_tail == 0) options->max_tail = default_max_tail(options, system);
+    if (options->max_tail == 0) options->max_tail = choose_default_max_tail(options, system);
     switch (descriptor->quadrature) {
-    case TVI_CHOSEN_QUADRATURE: return resolve_chosen_quadrature(options, order_was_asked, why);
+    case TVI_CHOSEN_QUADRATURE: return resolve_chosen_quadrature(options, is_order_requested, why);
     case TVI_GAUSS_OF_DEGREE: return resolve_gauss_quadrature(options, why);
     default: return TVI_OK;
     }
@@ -225,10 +225,10 @@ tvi_options tvi_adjoint_options(const tvi_options *options)
 
 /* ---- Options of the public interface ----------------------------------------------------------------------------- */
 
-static tvi_status refuse_order(const char *name, int least, int most, bool is_even, int order)
+static tvi_status refuse_order(const char *name, int least, int most, bool needs_even_order, int order)
 {
     if (least == most) return jet_refuse(TVI_EINVAL, "%s has order %d, not %d", name, least, order);
-    const char *const even = is_even ? "even " : "";
+    const char *const even = needs_even_order ? "even " : "";
     return jet_refuse(TVI_EINVAL, "%s has %sorders from %d to %d, not %d", name, even, least, most, order);
 }
 
@@ -243,8 +243,8 @@ static tvi_status set_options_of_rule(const tvi_descriptor *descriptor, tvi_node
         *options = found;
         return TVI_OK;
     }
-    const int least = order_of_degree(descriptor, &found, descriptor->least_degree);
-    const int most = order_of_degree(descriptor, &found, descriptor->most_degree);
+    const int least = compute_order(descriptor, &found, descriptor->least_degree);
+    const int most = compute_order(descriptor, &found, descriptor->most_degree);
     return refuse_order(descriptor->nodes[nodes].name, least, most, has_even_orders(descriptor, &found), order);
 }
 

@@ -40,9 +40,9 @@ typedef struct {
 } tvi_unchecked_step_limits;
 
 /* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
- * `unchecked_limits`. `increments` gets the increments of the last step; that of the independent variable, dq[N], is h
- * before. In a rescaled system q[time_index] is the time, which must move in the direction of h and stay before t_end;
- * otherwise `time_index` is -1. */
+ * `unchecked_limits`. `increments` gets the increments of the last step, except for the increment of the independent
+ * variable, dq[N], which the caller sets to h. In a rescaled system q[time_index] is the time, which must move in the
+ * direction of h and stay before t_end; otherwise `time_index` is -1. */
 typedef struct {
     double h;
     long max_steps;

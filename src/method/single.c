@@ -1,4 +1,5 @@
-/* single.c - Makes the step of one member of a batch by the stepper for single integrators (single.h). */
+/* single.c - Makes the step of one member of a batch, which is a group of members of an ensemble that are stepped
+ * together (single.h). */
 #include "method/single.h"
 
 void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments)
@@ -27,7 +28,7 @@ void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *
 void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper)
 {
     tvi_system_prepare_blocks(member_stepper->system, member_stepper->first_block, NULL);
-    if (member_stepper->stepper->prepare) member_stepper->stepper->prepare(member_stepper->stepper_work);
+    if (member_stepper->stepper->set_tables) member_stepper->stepper->set_tables(member_stepper->stepper_work);
 }
 
 void tvi_gather_member(int rows, int width, const double *from, int member, double to[])

@@ -1,5 +1,6 @@
-/* single.h - Makes the step of one member of a batch by the stepper for single integrators. Batch steppers call it
- * for first steps, and for steps that fail in a lane. Failures are thus treated in one place. */
+/* single.h - Makes the step of one member of a batch, which is a group of members of an ensemble that are stepped
+ * together. The step is made by the stepper for single integrators. Batch steppers call the file for the first step of
+ * a member, and for a step that fails in the batch, so that failures are treated by one stepper only. */
 #ifndef TVI_SRC_METHOD_SINGLE_H
 #define TVI_SRC_METHOD_SINGLE_H
 
@@ -10,8 +11,8 @@ typedef struct tvi_member_stepper {
     const tvi_stepper *stepper;
     const tvi_system *system;
     void *stepper_work; /* The memory of `stepper`. */
-    /* The first of the list of the stepper's blocks (algebra/block.h), in which the parameters of the member are
-     * set. */
+    /* The first block in the list of the stepper's blocks (algebra/block.h). The parameters of the member are set in
+     * all blocks of the list. */
     const tvi_block *first_block;
     int batch_width;           /* Number of members of the batch. */
     double *parameters;        /* The values of the member's parameters. */

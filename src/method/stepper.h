@@ -9,7 +9,7 @@
 #include "system/system.h"
 
 /* Returns the rule that decides when the passes of a step end, with the limits of passes from the options. A tolerance
- * other than 0 replaces the goal of the corrections, and has their unit. */
+ * other than 0 replaces rule->correction_goal, and is measured as the corrections are, absolutely or relatively. */
 static inline tvi_passes_rule tvi_passes_rule_with_options(const tvi_passes_rule *rule, const tvi_options *options,
                                                            double tolerance)
 {
@@ -32,11 +32,11 @@ typedef struct {
  * (src/compiled/). A tape with the name NULL is not used. */
 typedef struct {
     jet_emission_request series, values, r_dot_Hp, hessian; /* One request for each tape (jet_emission_request). */
-    /* The name of the field of tvi_code (compiled/code.h) that points to the generated loops of the method. NULL: the
-     * method has no generated loops. */
-    const char *loops_field_name;
-    /* Writes the definition of these loops, which is called tvi_loops, after the sweeps of the tapes. NULL: the
-     * method has no generated loops. */
+    /* The name of the pointer in tvi_code (compiled/code.h) to the generated loops of the method. NULL: the method has
+     * no generated loops. */
+    const char *loops_pointer_name;
+    /* Writes the definition of the method's generated loops, which has the name tvi_loops, after the sweeps of the
+     * tapes. NULL: the method has no generated loops. */
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_tapes_of_steps;
 
@@ -59,14 +59,14 @@ typedef struct {
     /* The next functions do for a batch what those of tvi_stepper with the same names do. The history is that of a
      * batch, and all zeros before a first step. */
     void *(*allocate)(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
-    void (*prepare)(void *work);
+    void (*set_tables)(void *work);
     /* Makes a step. Lanes that are not stepped contain a finite state, inside the domain as far as is known. The
      * statistics count all lanes together. */
     void (*step)(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *end, tvi_stats *stats);
-    /* Copy the history of a lane to the memory `scalar` of a stepper for single integrators, whose history is all
-     * zeros before, and from there to a lane. NULL: steps leave no history. */
-    void (*copy_history_from_lane)(const void *work, int lane, void *scalar);
-    void (*copy_history_to_lane)(void *work, int lane, const void *scalar);
+    /* Copy the history of a lane to `single_work`, the memory of a stepper for single integrators, or back. The history
+     * of `single_work` is all zeros before it becomes a copy. NULL: steps leave no history. */
+    void (*copy_history_from_lane)(const void *work, int lane, void *single_work);
+    void (*copy_history_to_lane)(void *work, int lane, const void *single_work);
     /* Clears the history of a lane, as before a first step. NULL: steps leave no history. */
     void (*clear_history)(void *work, int lane);
     /* Does what tvi_stepper.is_history_valid does, for the histories of all lanes. */
@@ -83,31 +83,32 @@ typedef struct {
     void *(*allocate)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
     /* Sets the tables in the stepper's memory, after the memory of the arena is obtained. NULL: there are no
      * tables. */
-    void (*prepare)(void *work);
+    void (*set_tables)(void *work);
     /* Computes the increments over the step h as sums of small quantities, never as the difference of the ends.
      * Their low-order parts are 0 beforehand. On failure the increments are undefined. */
     tvi_status (*step)(void *work, double h, const tvi_step_origin *origin, const tvi_increments *increments,
                        tvi_stats *stats);
-    /* Makes several steps from `state`, and updates it. Each step has the same result as `step`. Returns the number
-     * of steps that were made; it does not begin a step that needs a check. NULL: the stepper cannot do this. */
+    /* Makes several steps from `state`, and updates it. Each step has the same result as `step`. The function ends
+     * before a step that needs a check, and returns the number of steps that it made. NULL: the stepper only makes
+     * single steps. */
     long (*run)(void *work, const tvi_run_request *request, const tvi_run_state *state, tvi_stats *stats);
     /* Computes dq, dp [n]: the state at t0 + theta h inside the last step, minus the state at its start. */
-    void (*dense)(void *work, double theta, double dq[], double dp[]);
+    void (*interpolate)(void *work, double theta, double dq[], double dp[]);
     /* Computes the states q, p [n][TVI_SAMPLES] at the TVI_SAMPLES times t0 + theta h of tvi_sample_theta (origin.h)
-     * from the state at the start, for the components used[0] of q and used[1] of p. NULL: `dense` is called for each
-     * time. */
+     * from the state at the start, for the components used[0] of q and used[1] of p. NULL: `interpolate` is called for
+     * each time. */
     void (*sample)(void *work, const tvi_component_range used[2], const double q_start[], const double p_start[],
                    double *q, double *p);
     /* If the degree is more than 1, the errors of the state at the end of a step, and of its derivative by the step
      * size, are of the size of the squared tail. */
     bool is_superconvergent;
-    /* Makes a step of at most *h that meets a relative tolerance, and sets *h to its size, also on failure. NULL:
-     * the method has no such step. */
-    tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_step_origin *origin,
-                              const tvi_increments *increments, tvi_stats *stats);
-    /* Returns a bound of the change of the energy in the last step. It holds if the forces are monotonic along the
-     * step and the terms of the series decrease. If it is NULL, and in rescaled systems, the tail decides whether
-     * the energy is computed (run/guard.c). */
+    /* Makes a step that meets a relative tolerance, of the size *h or smaller, and sets *h to the size of the step,
+     * also on failure. NULL: the method cannot choose the size of a step. */
+    tvi_status (*step_within_tolerance)(void *work, double tolerance, double *h, const tvi_step_origin *origin,
+                                        const tvi_increments *increments, tvi_stats *stats);
+    /* Returns a bound of the change of the energy in the last step. The bound holds if the forces are monotonic along
+     * the step and the terms of the series decrease. The tail decides whether the energy is computed if this function
+     * is NULL, and in rescaled systems (run/guard.c). */
     double (*bound_energy_change)(const void *work);
     /* Tells whether all indices in the stepper's part of a loaded history are inside their arrays. NULL: the history
      * has no indices. */

@@ -13,11 +13,11 @@ typedef struct {
     const tvi_system *system;
     tvi_member_stepper *single_stepper; /* Makes the steps of single members that fail in a batch. */
     int width;
-    double last_step_size;                 /* The size of the last step. */
-    double *force_block;                   /* The block of the tape that computes the forces. */
-    double *force_at_start, *force_at_end; /* [n][width] The forces at the ends of the step. */
-    double *dq, *dp;                       /* [n][width] The increments of the step. */
-    bool is_outside_domain[VERLET_BATCH_MAX_WIDTH];
+    double last_step_size;                          /* The size of the last step. */
+    double *force_block;                            /* The block of the tape that computes the forces. */
+    double *force_at_start, *force_at_end;          /* [n][width] The forces at the ends of the step. */
+    double *dq, *dp;                                /* [n][width] The increments of the step. */
+    bool is_outside_domain[VERLET_BATCH_MAX_WIDTH]; /* Tells whether a force of the member has no value. */
 } verlet_work;
 
 static void *allocate_members(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
@@ -133,7 +133,7 @@ static void step_members(void *work, double h, const tvi_batch_origin *origin, c
 
 static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .allocate = allocate_members,
-                                                .prepare = set_member_tables,
+                                                .set_tables = set_member_tables,
                                                 .step = step_members,
                                                 .bound_energy_change = bound_energy_changes_of_step};
 
@@ -188,7 +188,7 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
 
 static const tvi_stepper single_stepper_functions = {.allocate = allocate_one_member,
                                                      .step = step_one_member,
-                                                     .dense = interpolate_one_member,
+                                                     .interpolate = interpolate_one_member,
                                                      .bound_energy_change = bound_energy_change,
                                                      .list_tapes = list_used_tapes,
                                                      .batch = &batch_stepper};

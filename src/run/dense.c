@@ -13,7 +13,7 @@ tvi_status tvi_compute_dense_state(tvi_integrator *it, double theta, double *t, 
         tvi_integrator_copy_state(it, t, q, p);
         return TVI_OK;
     }
-    it->stepper->dense(it->work, theta, it->increments.dq, it->increments.dp);
+    it->stepper->interpolate(it->work, theta, it->increments.dq, it->increments.dp);
     it->increments.dq[it->stepped->n] = theta * it->h;
     for (int i = 0; i < n; i++) {
         it->increments.dq[i] += it->start.q[i];
@@ -46,7 +46,7 @@ static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double
 {
     const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
-        it->stepper->dense(it->work, tvi_sample_theta[k], it->increments.dq, it->increments.dp);
+        it->stepper->interpolate(it->work, tvi_sample_theta[k], it->increments.dq, it->increments.dp);
         it->increments.dq[it->stepped->n] = tvi_sample_theta[k] * it->h;
         for (int i = 0; i < n; i++) {
             q[i * TVI_SAMPLES + k] = it->start.q[i] + it->increments.dq[i];

@@ -121,8 +121,8 @@ static tvi_status create_integrator_with_resolved_options(tvi_integrator **out, 
     tvi_system_read_recorded_parameters(system, it->one_lane_parameters);
     tvi_integrator_load_parameters(it, it->one_lane_parameters, 1, 1);
     const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
-    void (*prepare)(void *) = batch ? batch->prepare : it->stepper->prepare;
-    if (prepare) prepare(it->work);
+    void (*set_tables)(void *) = batch ? batch->set_tables : it->stepper->set_tables;
+    if (set_tables) set_tables(it->work);
     return TVI_OK;
 }
 

@@ -110,7 +110,7 @@ static tvi_status compute_time_beyond_target(void *ctx, double theta, double *g)
     const time_target *target = ctx;
     const tvi_integrator *it = target->partial_step->full_step_integrator;
     const tvi_increments *increments = &it->increments;
-    it->stepper->dense(it->work, theta, increments->dq, increments->dp);
+    it->stepper->interpolate(it->work, theta, increments->dq, increments->dp);
     *g = increments->dq[it->system->n] - target->time_from_start;
     return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
 }

@@ -188,7 +188,7 @@ tvi_status tvi_check_tolerance(const tvi_integrator *it, double tolerance)
 {
     if (!(tolerance >= DBL_EPSILON && tolerance < 1))
         return jet_refuse(TVI_EINVAL, "tolerance is below DBL_EPSILON or not below 1");
-    return it->stepper->step_within && !tvi_is_rescaled(it)
+    return it->stepper->step_within_tolerance && !tvi_is_rescaled(it)
                ? TVI_OK
                : jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
 }

@@ -45,8 +45,9 @@ static void compute_increments_of_one_member(tvi_integrator *it, double toleranc
                                     state->p_low};
     memset(increments->dq_low, 0, bytes);
     memset(increments->dp_low, 0, bytes);
-    it->status[0] = tolerance > 0 ? stepper->step_within(it->work, tolerance, &it->h, &origin, increments, &it->stats)
-                                  : stepper->step(it->work, it->h, &origin, increments, &it->stats);
+    it->status[0] = tolerance > 0
+                        ? stepper->step_within_tolerance(it->work, tolerance, &it->h, &origin, increments, &it->stats)
+                        : stepper->step(it->work, it->h, &origin, increments, &it->stats);
     it->tail[0] = it->stats.tail;
     it->pass_counts[0] = (int)(it->stats.passes - passes);
 }

@@ -34,8 +34,8 @@ START_TEST(adjoints_are_mirrored)
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         if (!expands(d)) continue;
         const tvi_scaled_span a = d->curve.span, b = adjoint->curve.span;
-        ck_assert_msg(a.start_s == -b.end_s && a.end_s == -b.start_s && a.tau == b.tau, "%s", d->title);
-        ck_assert_double_eq_tol((a.end_s - a.start_s) * a.tau, 1, 1e-15);
+        ck_assert_msg(a.start_s == -b.end_s && a.end_s == -b.start_s && a.tau_over_h == b.tau_over_h, "%s", d->title);
+        ck_assert_double_eq_tol((a.end_s - a.start_s) * a.tau_over_h, 1, 1e-15);
         ck_assert_msg(d->curve.action == adjoint->curve.action && d->supports == adjoint->supports, "%s", d->title);
         ck_assert_mem_eq(&d->nodes[0].order_slope, &adjoint->nodes[0].order_slope, 2 * sizeof(int));
     }
@@ -59,7 +59,7 @@ START_TEST(curves_are_expanded_where_they_are_called)
     const tvi_options options = {.method = places[_i].method, .expansion = places[_i].expansion};
     const tvi_descriptor *d = tvi_find_method(&options);
     ck_assert_ptr_nonnull(d);
-    ck_assert_double_eq(-d->curve.span.start_s * d->curve.span.tau, places[_i].before);
+    ck_assert_double_eq(-d->curve.span.start_s * d->curve.span.tau_over_h, places[_i].before);
 }
 END_TEST
 
