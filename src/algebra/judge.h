@@ -5,32 +5,34 @@
 
 typedef struct {
     int count;
-    REAL size, before, earlier; /* The sizes of the last three corrections, the newest one first. */
+    /* The sizes of the last three corrections. A pass moves each size to the next field. */
+    REAL size, previous_size, size_two_passes_before;
     /* A correction above the roundoff level is significant. `ratio` is the ratio of the last significant correction
      * to the one before it. `slowest_ratio` is the larger one of the last two such ratios; at first it is the ratio
      * of an earlier iteration, or 0 if that is unknown. */
     REAL ratio, slowest_ratio;
     /* The size of the last correction; if roundoff hides it, an estimate of the size without roundoff. */
     REAL size_without_roundoff;
-    REAL next; /* The expected size of the next correction. */
-    /* The expected size is multiplied by this margin, which is more than 1 only for Newton's method
-     * (generating/newton.h). */
+    REAL expected_next_size; /* The size that the next correction is expected to have. */
+    /* The factor by which a pass may contract worse than the pass before it. expected_next_size contains this factor.
+     * It is more than 1 only for Newton's method (generating/newton.h). */
     REAL contraction_loss;
     REAL roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
 } JUDGED(passes);
 
-/* Adds a pass whose correction has this size. Returns whether the pass may be the last one. *is_stuck tells that it
- * may not, and that the corrections no longer shrink.
+/* Adds a pass whose correction has this size. Returns whether the pass may be the last one. *is_stuck tells whether the
+ * corrections no longer shrink, and counts only if the pass may not be the last one.
  *
- * If the correction before was larger than 1, the ratio is that to 1, since such a correction shows the size of the
- * unknowns rather than the convergence. Corrections at the roundoff level do not show how fast the passes converge.
- * They are assumed to converge like the significant ones, and their growth does not make the passes stuck. After a
- * single correction the rate is unknown. If three corrections at the roundoff level have the same size, the unknowns
- * alternate between values that differ in their last bits, and the pass may be the last one. */
+ * The ratio of a correction is its size over that of the correction before it. If the correction before was larger than
+ * 1, the ratio is the size over 1, since such a correction shows the size of the unknowns rather than the convergence.
+ * Corrections at the roundoff level do not show how fast the passes converge. They are assumed to converge like the
+ * significant ones, and their growth does not make the passes stuck. After a single correction the rate is unknown. If
+ * three corrections at the roundoff level have the same size, the unknowns alternate between values that differ in
+ * their last bits, and the pass may be the last one. */
 static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes_rule *rule, REAL correction_size,
                                        TRUTH *is_stuck)
 {
-    const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->before;
+    const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->previous_size;
     const REAL ratio = correction_size / IF(ABOVE(one, before), before, one), ratio_before = passes->ratio;
     const int count = ++passes->count;
     const TRUTH no = ABOVE(none, none), all = NOT(no), is_first = count == 1 ? all : no,
@@ -38,23 +40,23 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
     const TRUTH is_significant = ABOVE(correction_size, rule->roundoff_level - none),
                 shows_ratio = NOT(has_exact_count) & NOT(is_first) & is_significant;
     const REAL square = ratio * ratio, larger = IF(ABOVE(ratio, ratio_before), ratio, ratio_before);
-    const REAL slower = rule->is_quadratic ? square : larger;
+    const REAL slower = rule->is_convergence_quadratic ? square : larger;
     const REAL slowest_ratio = IF(shows_ratio, slower, passes->slowest_ratio);
     const TRUTH is_ratio_trusted = ABOVE(slowest_ratio, none) & ABOVE(rule->max_trusted_ratio - none, slowest_ratio);
     const REAL expected_ratio = IF(is_ratio_trusted, slowest_ratio, one),
                expected_size = expected_ratio * passes->size_without_roundoff;
     const REAL without_roundoff =
         IF(is_significant | is_first | ABOVE(expected_size, correction_size), correction_size, expected_size);
-    passes->earlier = earlier;
-    passes->before = before;
+    passes->size_two_passes_before = earlier;
+    passes->previous_size = before;
     passes->size = correction_size;
     passes->ratio = IF(shows_ratio, ratio, ratio_before);
     passes->slowest_ratio = slowest_ratio;
     passes->size_without_roundoff = without_roundoff;
-    passes->next =
+    passes->expected_next_size =
         IF(is_significant & is_first, correction_size, passes->contraction_loss * expected_ratio * without_roundoff);
     const TRUTH is_cycle = SAME(correction_size, before) & SAME(correction_size, earlier) & NOT(is_significant);
-    const TRUTH is_at_goal = AT_MOST(passes->next, rule->correction_goal - none),
+    const TRUTH is_at_goal = AT_MOST(passes->expected_next_size, rule->correction_goal - none),
                 is_roundoff = AT_MOST(correction_size, passes->roundoff);
     const TRUTH grows = ABOVE(correction_size, rule->stall_ratio * before) &
                         (rule->stall_comparison_lag < 2

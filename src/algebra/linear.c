@@ -30,7 +30,7 @@ tvi_status tvi_factor_compute(tvi_lu_factor *factor)
     if (n <= LINEAR_OWN_MAX_ROWS) return linear_small_equilibrate_and_factor(n, factor);
     int info = 0;
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
-    linear_equilibrate(n, factor);
+    linear_equilibrate_matrix(n, factor);
     /* dgetf2 has one thread for any size, so that results do not depend on the number of threads. */
     (n < LAPACK_THREADED_MIN_ROWS ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
     return linear_finish_factorisation(n, info == 0, factor);

@@ -16,9 +16,9 @@ typedef struct {
     double *lu;
     /* Scratch for iterative refinement: the matrix R A C [n][n], the right-hand side [n] and the residual [n]. */
     double *scaled_matrix, *right_side, *residual;
-    bool refines_solutions;           /* Each solution gets one step of iterative refinement. */
+    bool uses_refinement;             /* Each solution gets one step of iterative refinement. */
     double *row_scale, *column_scale; /* [n] The diagonals of R and C, powers of two. */
-    int *pivot;                       /* [n] The rows that were exchanged (P), as LAPACK has them. */
+    int *pivot;                       /* [n] The exchanges P: row i with row pivot[i] - 1, one after the other. */
 } tvi_lu_factor;
 
 /* Allocates the factored matrix in an arena. For the matrices of `width` members of an ensemble (linear_small.h), each

@@ -86,7 +86,7 @@ JET_INLINE double linear_power_of_two_scale(double magnitude)
     uint64_t bits;
     if (magnitude == 0 || !isfinite(magnitude)) return 1;
     memcpy(&bits, &magnitude, sizeof bits);
-    /* Here magnitude = 1.f 2^(exponent - 1023), or exponent = 0 if magnitude is subnormal. */
+    /* Here magnitude = f 2^(exponent - 1023) with 1 <= f < 2, or exponent = 0 if magnitude is subnormal. */
     const uint64_t exponent = bits >> 52;
     if (exponent < 23 || exponent > 2040) return exponent < 23 ? 0x1p1000 : 0x1p-1018;
     bits = (2045 - exponent) << 52;
@@ -98,7 +98,7 @@ JET_INLINE double linear_power_of_two_scale(double magnitude)
 /* Scales A <- R A C, with R and C in row_scale and column_scale, so that the largest entry of each column, and then of
  * each row, is about 1. The columns are scaled first, which removes the units, so that the pivots do not depend on
  * them. (In the Jacobian matrices of curves, rows are coordinates.) */
-JET_INLINE void linear_equilibrate(int n, tvi_lu_factor *factor)
+JET_INLINE void linear_equilibrate_matrix(int n, tvi_lu_factor *factor)
 {
     double least = INFINITY, largest = 0;
     for (int j = 0; j < n; j++) {
@@ -119,9 +119,8 @@ JET_INLINE void linear_equilibrate(int n, tvi_lu_factor *factor)
         least = tvi_smaller(factor->row_scale[i], least);
         largest = tvi_larger(factor->row_scale[i], largest);
     }
-    factor->refines_solutions = largest >= LINEAR_UNIT_RATIO * least;
-    if (factor->refines_solutions)
-        memcpy(factor->scaled_matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
+    factor->uses_refinement = largest >= LINEAR_UNIT_RATIO * least;
+    if (factor->uses_refinement) memcpy(factor->scaled_matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
 }
 
 /* Tells whether the factorisation exchanged rows. */
@@ -146,7 +145,7 @@ JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
  * factorisation failed or a pivot is at the level of roundoff. */
 JET_INLINE tvi_status linear_finish_factorisation(int n, bool is_factored, tvi_lu_factor *factor)
 {
-    factor->refines_solutions = factor->refines_solutions && linear_has_row_exchanges(n, factor);
+    factor->uses_refinement = factor->uses_refinement && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
@@ -177,9 +176,9 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
                                     linear_factored_solver *solve_factored, double x[])
 {
     linear_scale_components(n, transposed ? factor->column_scale : factor->row_scale, x);
-    if (factor->refines_solutions) memcpy(factor->right_side, x, (size_t)n * sizeof *x);
+    if (factor->uses_refinement) memcpy(factor->right_side, x, (size_t)n * sizeof *x);
     solve_factored(n, factor, transposed, x);
-    if (factor->refines_solutions) {
+    if (factor->uses_refinement) {
         linear_compute_residual(n, factor, transposed, x);
         solve_factored(n, factor, transposed, factor->residual);
         for (int i = 0; i < n; i++) x[i] += factor->residual[i];
@@ -192,7 +191,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
 JET_INLINE tvi_status linear_small_equilibrate_and_factor(int n, tvi_lu_factor *factor)
 {
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
-    linear_equilibrate(n, factor);
+    linear_equilibrate_matrix(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
     return linear_finish_factorisation(n, true, factor);
 }

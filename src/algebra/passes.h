@@ -8,8 +8,8 @@
 
 #include <float.h>
 
-/* A stall ratio with which passes are stuck only if the correction does not shrink at all. */
-#define TVI_PASSES_ALL (1 - DBL_EPSILON)
+/* The stall ratio of a rule whose passes are stuck only if the correction does not shrink at all. */
+#define TVI_STALL_WITHOUT_DECREASE (1 - DBL_EPSILON)
 
 /* The rule by which the passes of an iteration end, from the sizes of their corrections. The iteration measures these
  * sizes, absolutely or relative to its unknowns. The ratio of a correction is its size over that of the correction
@@ -25,12 +25,12 @@ typedef struct {
     double max_trusted_ratio;
     /* The passes are stuck, that is, their corrections no longer shrink, if the ratio of corrections is above this. */
     double stall_ratio;
-    /* With how many earlier corrections a correction is compared to tell that the passes are stuck: 1, or 2 if small
-     * and large corrections may alternate. With 2, it must also exceed stall_ratio^2 times the correction two passes
-     * before. */
+    /* The number of earlier corrections with which a correction is compared, to tell whether the passes are stuck: 1,
+     * or 2 if small and large corrections may alternate. With 2, the passes are stuck only if the correction also
+     * exceeds stall_ratio^2 times the correction two passes before. */
     int stall_comparison_lag;
     /* The next ratio is expected to be the square of the last one, as in Newton's method. */
-    bool is_quadratic;
+    bool is_convergence_quadratic;
 } tvi_passes_rule;
 
 /* The outcome of a pass of an iteration. */
@@ -57,8 +57,8 @@ typedef enum {
 static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
 {
     passes->count = 0;
-    passes->size = passes->before = passes->earlier = INFINITY;
-    passes->ratio = passes->size_without_roundoff = passes->next = passes->roundoff = 0;
+    passes->size = passes->previous_size = passes->size_two_passes_before = INFINITY;
+    passes->ratio = passes->size_without_roundoff = passes->expected_next_size = passes->roundoff = 0;
     passes->contraction_loss = 1;
     passes->slowest_ratio = slowest_ratio;
 }

@@ -1,5 +1,5 @@
-/* quadrature.h - Computes the nodes and weights of quadratures on [-1, 1]. The actions of curves, and the Galerkin
- * curve, call it. */
+/* quadrature.h - Computes the nodes and weights of quadrature rules on [-1, 1]. The discrete actions of Taylor curves
+ * and the Galerkin curve are computed by these rules. */
 #ifndef TVI_SRC_ALGEBRA_QUADRATURE_H
 #define TVI_SRC_ALGEBRA_QUADRATURE_H
 

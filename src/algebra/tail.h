@@ -23,17 +23,17 @@ typedef struct {
     double inverse_momentum_size, inverse_movement_size; /* 1 / momentum_size and 1 / movement_size. */
 } tvi_tail_component;
 
-/* The share of a component in the motion is its squared velocity, so that a light body counts as much as a heavy one,
- * or its momentum times its velocity if there are no masses. If its share is less than TAIL_MIN_SHARE times the largest
- * share in its subsystem, its ratio is multiplied by the quotient of the two. */
+/* Returns the share of a component in the motion. With masses, the share is the squared movement, so that a light body
+ * counts as much as a heavy one. Without masses, it is the momentum times the movement. */
 static inline double tvi_tail_component_share(const tvi_tail_component *component, bool has_masses)
 {
     return (has_masses ? component->movement_size : component->momentum_size) * component->movement_size;
 }
 
-/* Returns the last term relative to the momentum or the movement, less the part that roundoff of the positions
- * causes: it is the roundoff of the position relative to the movement. 0 / 0 counts as 0. There are no branches,
- * since the larger of two numbers changes from step to step. */
+/* Returns the larger one of two ratios, that of the last term of p to the momentum and that of the last term of q to
+ * the movement, less the part that roundoff of the position causes. This part is the roundoff of the position relative
+ * to the movement. 0 / 0 counts as 0. The function has no branches, since processors could not predict which ratio is
+ * larger: this changes from step to step. */
 static inline double tvi_tail_component_ratio(const tvi_tail_component *component)
 {
     const double ratio_p = component->last_term_p * component->inverse_momentum_size;
@@ -44,8 +44,9 @@ static inline double tvi_tail_component_ratio(const tvi_tail_component *componen
     return rest > 0 ? rest : 0;
 }
 
-/* Returns the ratio of a component (tvi_tail_component_ratio), reduced if its share of the motion is below
- * TAIL_MIN_SHARE times the largest share in its subsystem. */
+/* Returns the ratio of a component (tvi_tail_component_ratio), reduced if the component has a small share of the
+ * motion: below the limit of TAIL_MIN_SHARE times the largest share in its subsystem, the ratio is multiplied by the
+ * share over the limit. */
 static inline double tvi_tail_reduce_ratio_of_small_share(double ratio, double share, double largest_share)
 {
     const double least = TAIL_MIN_SHARE * largest_share, quotient = share * (1 / least);

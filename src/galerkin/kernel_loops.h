@@ -123,7 +123,7 @@ KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, cons
                 slowest = *(V *)(iteration->largest_contraction_ratio + m);
         members_passes passes = {.count = count - 1,
                                  .size = *(V *)(iteration->correction + m),
-                                 .before = *(V *)(iteration->previous_correction + m),
+                                 .previous_size = *(V *)(iteration->previous_correction + m),
                                  .ratio = *(V *)(iteration->contraction_ratio + m),
                                  .slowest_ratio = slowest,
                                  .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
@@ -133,7 +133,7 @@ KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, cons
         const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, movement, &is_stuck),
                                    is_finite = movement < infinite;
         *(V *)(iteration->correction + m) = passes.size;
-        *(V *)(iteration->previous_correction + m) = passes.before;
+        *(V *)(iteration->previous_correction + m) = passes.previous_size;
         *(V *)(iteration->contraction_ratio + m) = passes.ratio;
         *(V *)(iteration->correction_without_roundoff + m) = passes.size_without_roundoff;
         *(V *)(iteration->largest_contraction_ratio + m) = JET_CHOOSE(V, moves, passes.slowest_ratio, slowest);

@@ -24,10 +24,10 @@
 #define RULE(GOAL)                                                                                                     \
     .max_passes = GALERKIN_MAX_PASSES, .correction_goal = SQUARE(GOAL),                                                \
     .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL), .max_trusted_ratio = SQUARE(PASSES_MAX_CONTRACTION),            \
-    .stall_ratio = TVI_PASSES_ALL, .stall_comparison_lag = 2
+    .stall_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 2
 const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
-const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_quadratic = true};
+const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_convergence_quadratic = true};
 
 tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int value_count,
                                                const tvi_options *options)

@@ -73,7 +73,7 @@ static inline void tvi_newton_update_contraction_loss(tvi_newton_passes *passes,
     if (shows)
         passes->contraction_loss =
             tvi_smaller(tvi_larger(passes->contraction_loss, passes->unconfirmed_loss), NEWTON_MAX_LOSS);
-    const double loss = each->contraction_loss * size / each->next;
+    const double loss = each->contraction_loss * size / each->expected_next_size;
     passes->unconfirmed_loss = shows && size > NEWTON_LOSS_MIN_CORRECTION ? loss : 0;
 }
 
@@ -84,7 +84,7 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 {
     const double largest_relative_correction = sizes->largest_relative_correction[m],
                  relative_group_correction = sizes->relative_group_correction[m];
-    const double expected = passes->by_unknown.next;
+    const double expected = passes->by_unknown.expected_next_size;
     tvi_newton_update_contraction_loss(passes, rules, largest_relative_correction);
     passes->by_unknown.contraction_loss = tvi_larger(passes->contraction_loss, passes->unconfirmed_loss);
     const tvi_passes_verdict verdict =

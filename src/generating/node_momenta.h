@@ -109,11 +109,11 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     const double size = tvi_largest_magnitude(count, p, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
                                   .max_trusted_ratio = PASSES_MAX_CONTRACTION,
-                                  .stall_ratio = TVI_PASSES_ALL,
+                                  .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
                                   .stall_comparison_lag = 1};
     for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
         tvi_status status = seeds_evaluate_field_at_nodes(action);
-        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.before)))
+        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_REUSE_MAX_RATIO * passes.previous_size)))
             status = momenta_invert_H_pp(action, curve);
         if (status != TVI_OK) return status;
         const double largest = momenta_compute_corrections(action, curve);

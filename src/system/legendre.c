@@ -112,7 +112,7 @@ static bool is_last_correction(tvi_legendre *legendre, const double x[], const d
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
                                   .max_trusted_ratio = PASSES_MAX_CONTRACTION,
-                                  .stall_ratio = TVI_PASSES_ALL,
+                                  .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
                                   .stall_comparison_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, &rule, largest);

@@ -21,7 +21,7 @@ typedef struct {
 #define HALVES       .correction_goal = 1e-16, .stall_ratio = 0.5, .stall_comparison_lag = 1
 #define EXPECTS      HALVES, .max_trusted_ratio = 0.5
 #define TURNS(STUCK) .correction_goal = 1e-24, .max_trusted_ratio = 0.5, .stall_ratio = STUCK, .stall_comparison_lag = 2
-#define NOISE        TURNS(TVI_PASSES_ALL), .roundoff_level = 1e-14
+#define NOISE        TURNS(TVI_STALL_WITHOUT_DECREASE), .roundoff_level = 1e-14
 
 static const passes_case cases[] = {
     {.name = "nothing moves", .rule = {EXPECTS}, .sizes = {1e-3, 0}, .verdicts = ".E"},
@@ -32,9 +32,15 @@ static const passes_case cases[] = {
     {.name = "the slower one is the last", .rule = {EXPECTS}, .sizes = {1e-2, 1e-9, 1e-12, 1e-14}, .verdicts = "...E"},
     {.name = "no part", .rule = {HALVES}, .sizes = {1e-2, 1e-4, 1e-11, 1e-17}, .verdicts = "...E"},
     {.name = "not squared", .rule = {EXPECTS}, .sizes = {1e-2, 1e-4, 9e-9}, .verdicts = "..."},
-    {.name = "squared", .rule = {EXPECTS, .is_quadratic = true}, .sizes = {1e-2, 1e-4, 9e-9}, .verdicts = "..E"},
+    {.name = "squared",
+     .rule = {EXPECTS, .is_convergence_quadratic = true},
+     .sizes = {1e-2, 1e-4, 9e-9},
+     .verdicts = "..E"},
     {.name = "above 1", .rule = {EXPECTS}, .sizes = {1e6, 1e-9, 1e-13}, .verdicts = ".E"},
-    {.name = "no noise", .rule = {TURNS(TVI_PASSES_ALL)}, .sizes = {1e-6, 1e-10, 1e-15, 1e-20}, .verdicts = "...E"},
+    {.name = "no noise",
+     .rule = {TURNS(TVI_STALL_WITHOUT_DECREASE)},
+     .sizes = {1e-6, 1e-10, 1e-15, 1e-20},
+     .verdicts = "...E"},
     {.name = "noise", .rule = {NOISE}, .sizes = {1e-6, 1e-10, 1.3e-15, 1.2e-15, 1.1e-15}, .verdicts = "....E"},
     {.name = "noise grows",
      .rule = {NOISE},
@@ -67,7 +73,7 @@ static const passes_case cases[] = {
      .verdicts = ".....E"},
     {.name = "stuck", .rule = {HALVES}, .sizes = {1e-3, 5e-4, 2.6e-4}, .verdicts = "..S"},
     {.name = "all is left",
-     .rule = {.stall_ratio = TVI_PASSES_ALL, .stall_comparison_lag = 1},
+     .rule = {.stall_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 1},
      .sizes = {1, 0.999, 0.999},
      .verdicts = "..S"},
     {.name = "not in turns", .rule = {HALVES}, .sizes = {1e-3, 1e-5, 9e-6}, .verdicts = "..S"},
