@@ -27,14 +27,16 @@ typedef struct {
     jet_sweeps sweeps[TVI_CODE_TAPES];
 } compiled_system;
 
-/* Replaces a tape by a copy that runs the generated sweeps, if there are any. */
-static void attach_compiled_sweeps(compiled_system *compiled, tvi_code_tape which, jet_tape **tape,
+/* Replaces a tape by a copy that runs the generated sweeps of the tape, if there are any. tape_number is the place of
+ * the copy in `compiled`. */
+static void attach_compiled_sweeps(compiled_system *compiled, tvi_code_tape tape_number, jet_tape **tape,
                                    const jet_sweeps *sweeps)
 {
     if (!*tape || !sweeps) return;
-    compiled->tape[which] = **tape;
-    compiled->tape[which].sweeps = jet_merge_sweeps(&compiled->sweeps[which], (*tape)->interpreter_sweeps, sweeps);
-    *tape = &compiled->tape[which];
+    compiled->tape[tape_number] = **tape;
+    compiled->tape[tape_number].sweeps =
+        jet_merge_sweeps(&compiled->sweeps[tape_number], (*tape)->interpreter_sweeps, sweeps);
+    *tape = &compiled->tape[tape_number];
 }
 
 const tvi_system *tvi_compiled_attach_to_copy(tvi_arena *arena, const tvi_system *stepped_system,

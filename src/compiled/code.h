@@ -1,5 +1,5 @@
-/* code.h - Declares the structure that generated code defines, and by which the library finds its functions. It is
- * part of the text of generated code. */
+/* code.h - Declares tvi_code, the structure by which the library finds the data and functions of generated code.
+ * Generated code contains this text, and defines one such structure. */
 #ifndef TVI_SRC_COMPILED_CODE_H
 #define TVI_SRC_COMPILED_CODE_H
 

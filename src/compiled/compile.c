@@ -104,9 +104,9 @@ static bool is_identifier(const char *name)
     return true;
 }
 
-/* Returns the reason why the generated function cannot have this name, or NULL. Names are refused that C, C++ or all
- * generated texts use. If a variable of one text has the same name, the variable is renamed instead
- * (write_source_text). */
+/* Returns the reason why the generated function cannot have this name. Returns NULL if it can. Names are refused that
+ * belong to C, C++, the C library or this library. If a variable in the text of one system has the same name as the
+ * function, the variable is renamed instead (write_source_text). */
 static const char *why_name_refused(const char *name)
 {
     if (!is_identifier(name)) return "is no identifier";

@@ -43,7 +43,7 @@ bool tvi_file_write(const char *path, bool appends, const void *data, size_t byt
 }
 
 /* Tells whether the file belongs to the user, and no other user may write to it. */
-static bool belongs_to_user_alone(const struct stat *s)
+static bool is_owned_by_user_alone(const struct stat *s)
 {
     return s->st_uid == geteuid() && !(s->st_mode & (S_IWGRP | S_IWOTH));
 }
@@ -51,7 +51,7 @@ static bool belongs_to_user_alone(const struct stat *s)
 static char *read_all(int file, size_t *byte_count)
 {
     struct stat s;
-    if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !belongs_to_user_alone(&s)) return NULL;
+    if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !is_owned_by_user_alone(&s)) return NULL;
     char *data = malloc((size_t)s.st_size + 1);
     for (*byte_count = 0; data && *byte_count < (size_t)s.st_size;) {
         const ssize_t got = read(file, data + *byte_count, (size_t)s.st_size - *byte_count);
@@ -126,7 +126,7 @@ bool tvi_directory_create_protected(const char *path)
     const bool is_made = do_all_parents_pass_check(copy, make_directory) && make_directory(copy);
     free(copy);
     return is_made && are_parents_protected(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) &&
-           belongs_to_user_alone(&s);
+           is_owned_by_user_alone(&s);
 }
 
 bool tvi_directory_create_temporary(char *path)
@@ -160,7 +160,8 @@ static int wait_for_exit(pid_t child)
 #endif
 #endif
 
-/* Closes all other files of this process in the compiler, and in a server that the compiler may leave behind. */
+/* Adds to the actions that start the compiler one that closes all files but 0, 1 and 2, if the C library has such an
+ * action. Neither the compiler nor a server that it leaves behind then keeps files of this process open. */
 static bool add_closing_of_other_files(posix_spawn_file_actions_t *actions)
 {
 #ifdef HAS_CLOSEFROM

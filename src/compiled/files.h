@@ -27,9 +27,10 @@ void tvi_directory_remove(const char *path, const char *const files[]);
 /* Renames a file in one operation, so that other processes see the old file or the new one. */
 bool tvi_file_move(const char *from, const char *to);
 
-/* Runs the program argv[0], which is searched for as a shell does. Its output goes to a file, and no other file of
- * this process stays open in it. Returns the exit status of the program, which is 0 on success, 128 plus the signal
- * if a signal ended the program, and a negative number if it could not be started. */
+/* Runs the program argv[0], which is searched for as a shell does. The output of the program goes to the file
+ * output_path. The program inherits no other open file of this process. Returns the exit status of the program, which
+ * is 0 on success, 128 plus the signal if a signal ended the program, and a negative number if the program could not be
+ * started. */
 int tvi_process_run(char *const argv[], const char *output_path);
 
 /* Returns the value of a variable of the environment. NULL: it is not set, or empty. */

@@ -37,8 +37,8 @@ typedef struct {
     uint64_t checksum; /* Hash of all bytes before the seal. */
 } cache_seal;
 
-/* A request to compile. compiler_command is the name of the compiler, which other arguments may follow. It and the
- * flags come from the user, the environment or the library. */
+/* A request to compile. compiler_command is the name of the compiler, which other arguments may follow. The command and
+ * the flags come from the user, the environment or the library. */
 typedef struct {
     const char *compiler_command, *flags;
     /* The directory of the cache. If the library is not stored in a cache, the directory for temporary files. */
@@ -61,18 +61,19 @@ static void append_joined_path(jet_text *path, const char *directory, const char
     jet_text_append(path, "%s%s%s", *directory == '/' ? "" : "./", directory, relative_path);
 }
 
-/* Returns the directory that a variable of the environment names. NULL: it is not set, or the path is relative. */
-static const char *absolute_path_from_environment(const char *variable)
+/* Returns the path that a variable of the environment contains. NULL: the variable is not set, or its path is
+ * relative. */
+static const char *read_absolute_path_variable(const char *variable)
 {
     const char *path = tvi_environment_variable(variable);
     return path && *path == '/' ? path : NULL;
 }
 
-/* Sets the directory of the cache, which the user, XDG_CACHE_HOME or HOME names. The user requests no cache by an
- * empty name. */
+/* Sets the directory of the cache, which the user, XDG_CACHE_HOME or HOME names. The user requests no cache by an empty
+ * name. Without a cache, the directory is the one for temporary files. */
 static void choose_cache_directory(compilation_request *request, const char *requested_directory)
 {
-    const char *home = absolute_path_from_environment("HOME"), *user = absolute_path_from_environment("XDG_CACHE_HOME");
+    const char *home = read_absolute_path_variable("HOME"), *user = read_absolute_path_variable("XDG_CACHE_HOME");
     request->uses_cache = !requested_directory || *requested_directory;
     if (requested_directory && *requested_directory)
         append_joined_path(&request->base_directory, requested_directory, "");
