@@ -1,5 +1,6 @@
-/* closing.h - Declares the data by which a generating function corrects the ends of a curve (docs/method.md, section
- * 4). Descriptors of methods (descriptor.h) contain them. The file is part of the text of generated code. */
+/* closing.h - Declares the ends of a Taylor curve in scaled time, and the factors by which the equations of a
+ * generating function correct the curve's ends (docs/method.md, section 4). Descriptors of methods (descriptor.h)
+ * contain both. The file is part of the text of generated code. */
 #ifndef TVI_SRC_METHOD_CLOSING_H
 #define TVI_SRC_METHOD_CLOSING_H
 

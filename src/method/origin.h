@@ -1,5 +1,5 @@
-/* origin.h - Declares the origin of a step, which is the state at its start, and the increments of a step, and adds
- * increments by compensated summation. All steppers and runs use it. */
+/* origin.h - Declares the origin of a step, which is the state at its start, and the increments that a step makes. Adds
+ * increments to states by compensated summation. All steppers and runs use the file. */
 #ifndef TVI_SRC_METHOD_ORIGIN_H
 #define TVI_SRC_METHOD_ORIGIN_H
 

@@ -34,7 +34,8 @@ struct tvi_system {
     bool is_driven; /* The field contains forces that do not come from the energy. */
     /* [n] The masses of a separable system, and of others with has_masses. */
     double *mass;
-    /* p = M v + f(q, t) with M diagonal and constant, as in a rotating frame or in a driven system. */
+    /* The momenta are p = M v + f(q, t), with a diagonal and constant M, as in a rotating frame or in a driven
+     * system. */
     bool has_masses;
     /* A component's share of the motion, by which the tail of a step weighs it (algebra/tail.h), is computed from the
      * change of its coordinate alone, without its momentum. */
