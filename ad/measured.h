@@ -1,8 +1,9 @@
-/* measured.h - Defines the constants of ad/ and src/ that were found by measurement, each with its unit in brackets and
- * its meaning. The heading of a group names the command whose table, or the suite of tests whose bounds, show what its
- * constants do; an exception names its own. Files get this header with compiler.h, as does generated code. Constants
- * that follow from mathematics, sizes of tables and limits of memory stand where they are used. [1] is a number without
- * unit, [h] a part of the step, [eps] a multiple of DBL_EPSILON. */
+/* measured.h - Defines the constants of ad/ and src/ that were found by measurement. compiler.h includes this file, and
+ * generated code begins with both. Each constant has its unit in brackets and its meaning: [1] is a number without
+ * unit, [h] a part of the step, [eps] a multiple of DBL_EPSILON. The heading of a group names the command whose table,
+ * or the suite of tests whose bounds, show what the constants of the group do. A constant for which another command
+ * shows it names that command. Constants that follow from mathematics, sizes of tables and limits of memory stand in
+ * the files that use them. */
 #ifndef TVI_AD_MEASURED_H
 #define TVI_AD_MEASURED_H
 
@@ -12,7 +13,8 @@
 
 /* [operations] A run is padded to whole vectors of 8 if more than this many are in its last vector. */
 #define TAPE_PAD_MAX_UNPADDED_REST 4
-/* [operations] On tapes of values, scattered operands are copied if a subgroup has so many operations on average. */
+/* [operations] On tapes of values, scattered operands are copied if a subgroup has at least this many operations on
+ * average. */
 #define TAPE_COPY_MIN_OPERATIONS 4
 /* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow (suite
  * elementary of build/check/ad). */
@@ -22,244 +24,259 @@
 
 /* [operations] On tapes of up to this size each sum is a run of its own. */
 #define EMIT_MAX_SINGLE_SUMS 256
-/* [operations] On tapes of up to this size, of which only values of whole vectors are requested, each operation is. */
+/* [operations] On tapes of up to this size each operation is a run of its own, if only values of whole vectors are
+ * requested. */
 #define EMIT_MAX_SINGLE_OPERATIONS 768
-/* [operations] Values of tapes of up to this size are inlined, for any lanes and for those of one register. */
-#define EMIT_MAX_INLINED             64
-#define EMIT_MAX_INLINED_IN_REGISTER 256
+/* [operations] The largest tape whose value function is inlined. */
+#define EMIT_MAX_INLINED             64  /* The function has more lanes than a vector register. */
+#define EMIT_MAX_INLINED_IN_REGISTER 256 /* The function has at most eight lanes, as a vector register. */
 
 /* ---- Blocks of members of an ensemble: make performance ONE=ensembles -------------------------------------------- */
 
-/* [members] The least width of a block fills one vector of the widest instruction set; the greatest one of curves, and
- * of Stormer-Verlet, is a power of two times the least one. */
-#define BATCH_MIN_WIDTH        8
-#define BATCH_MAX_WIDTH        32
-#define VERLET_BATCH_MAX_WIDTH 64
-/* [bytes] The largest block of the tape of Stormer-Verlet, except for a block of the least width. */
+/* [members] The width of a block is the number of its members: BATCH_MIN_WIDTH times a power of two. */
+#define BATCH_MIN_WIDTH        8  /* The least width fills one vector of the widest instruction set. */
+#define BATCH_MAX_WIDTH        32 /* The greatest width for methods with curves. */
+#define VERLET_BATCH_MAX_WIDTH 64 /* The greatest width for Stormer-Verlet. */
+/* [bytes] The tape of Stormer-Verlet has no larger block, except for a block of the least width. */
 #define VERLET_BATCH_MAX_BYTES (16 << 10)
-/* [lanes] The most nodes times members of a block of Galerkin curves. */
+/* [lanes] A block of Galerkin curves has at most this many lanes, one for each node of each member. */
 #define GALERKIN_BATCH_MAX_LANES 256
-/* [bytes] The largest block of the tape of Galerkin curves, which is partly in the second-level cache; and of a block
- * of the least width, except if whole steps are generated code, which is faster with one member. */
-#define GALERKIN_BATCH_MAX_BYTES              (40 << 10)
+/* [bytes] The tape of Galerkin curves has no larger block. A part of a block of this size is in the second-level
+ * cache. */
+#define GALERKIN_BATCH_MAX_BYTES (40 << 10)
+/* [bytes] The tape of Galerkin curves has a larger block of the least width, up to this size. If whole steps are
+ * generated code, GALERKIN_BATCH_MAX_BYTES is the limit of that block, too, since generated steps of one member are
+ * faster. */
 #define GALERKIN_BATCH_MAX_BYTES_AT_MIN_WIDTH (128 << 10)
-/* [bytes] The largest block of a series and its tangents along one direction, to stay in the first-level cache; and of
- * a block of the least width. */
-#define CURVE_BATCH_MAX_BYTES              (32 << 10)
+/* [bytes] A series and its tangents along one direction have no larger block, to stay in the first-level cache. */
+#define CURVE_BATCH_MAX_BYTES (32 << 10)
+/* [bytes] A series and its tangents have a larger block of the least width, up to this size. */
 #define CURVE_BATCH_MAX_BYTES_AT_MIN_WIDTH (256 << 10)
-/* [directions] The most of one sweep of tangents. More would not fit into the cache (make performance ONE=cost). */
+/* [directions] One sweep of tangents has at most this many directions. A block of more would not fit into the cache
+ * (make performance ONE=cost). */
 #define CURVE_TANGENT_DIRECTIONS 8
 
 /* ---- Matrices: suite linear of build/check/library --------------------------------------------------------------- */
 
-/* [rows] Matrices of up to this size are factored by algebra/linear_small.h, larger ones by LAPACK: a call of it costs
- * more than the arithmetic of a small matrix. */
+/* [rows] Matrices of up to this size are factored by algebra/linear_small.h, larger ones by LAPACK: a call of LAPACK
+ * costs more than the arithmetic of a small matrix. */
 #define LINEAR_OWN_MAX_ROWS 16
 /* [rows] OpenBLAS factors matrices of fewer rows with one thread (make blas-threads). */
 #define LAPACK_THREADED_MIN_ROWS 100
 /* [1] Rows have different units if their scales differ by this factor; solutions are refined then. */
 #define LINEAR_UNIT_RATIO 8
-/* [1] A pivot is neither smaller nor larger, by this factor, than the number on the diagonal before the elimination;
- * otherwise rows are exchanged. In a row in the units of its columns it is not smaller than this number itself. */
+/* [1] Rows are exchanged if a pivot is smaller, or larger, by this factor than the number on the diagonal before the
+ * elimination. In a row with the units of the columns, rows are also exchanged if the pivot itself is smaller than this
+ * number. */
 #define LINEAR_MIN_PIVOT 0x1p-10
-/* [1] The same limit for an inverse, which rounds more than a factorisation does. */
+/* [1] For an inverse this factor takes the place of LINEAR_MIN_PIVOT, since an inverse rounds more than a factorisation
+ * does. */
 #define LINEAR_MIN_PIVOT_OF_INVERSE (1.0 / 16)
 
 /* ---- The end of the passes of every iteration: suite convergence of build/check/generating ----------------------- */
 
-/* [1] Nothing is expected of the next correction if this part, or more, of the last one is left. Newton's method,
- * which allows for a loss of contraction, trusts every contraction below 1. */
+/* [1] If a correction is at least this part of the one before, the next correction is expected to be as large. Newton's
+ * method, which allows for a loss of contraction, expects a smaller one after every contraction below 1. */
 #define PASSES_MAX_CONTRACTION 0.5
-/* [1] Newton's method, and products of Jacobians, are stuck if more than this part of a correction is left. */
+/* [1] Newton's method, and generalised conjugate residuals, are stuck if a correction is more than this part of the one
+ * before. */
 #define PASSES_STALL_RATIO 0.5
-/* [eps] Corrections that no longer shrink are roundoff if they are at most this many units of it. Near equilibria
- * (suite equilibria of build/check/stability) one in a hundred was larger, which costs a pass or a Jacobian. A
- * correction below the limit does no harm even if it is not roundoff. */
+/* [1] Corrections that no longer shrink are roundoff if they are at most this many times the estimated roundoff. Near
+ * equilibria (suite equilibria of build/check/stability) one in a hundred was larger, which costs a pass or a Jacobian.
+ * A correction below the limit does no harm even if it is not roundoff. */
 #define ROUNDOFF_MAX_UNITS 32.0
-/* [1] A motion is small if the nodes are no farther from q at the start than |q| and so many times the way of its
- * velocity. */
+/* [1] The motion in a step is small if no node is farther from q at the start than |q| plus this many times the
+ * drift. */
 #define ROUNDOFF_MAX_SPEED_GROWTH 4
 
 /* ---- The Galerkin curve: make longrun, make stability ------------------------------------------------------------ */
 
-/* [1] Passes end when the next one should move the unknowns by at most this part: galerkin/probe.c derives it. The
- * second one is for passes with second derivatives, which cost more. */
-#define GALERKIN_GOAL         0x1p-80
-#define GALERKIN_HESSIAN_GOAL 0x1p-72
+/* [1] Passes end when the next pass is expected to move the unknowns by at most this part (galerkin/probe.c derives the
+ * two numbers). */
+#define GALERKIN_GOAL         0x1p-80 /* For passes without second derivatives. */
+#define GALERKIN_HESSIAN_GOAL 0x1p-72 /* For passes with second derivatives, which cost more. */
 /* [1] A movement of the unknowns by at most this part may be roundoff, and shows no contraction. */
 #define GALERKIN_ROUNDOFF_LEVEL (32 * DBL_EPSILON)
-/* [passes] After so many a step begins again without prediction, and after so many more it fails. */
+/* [passes] A step begins again without prediction after this many passes, and fails after this many further ones. */
 #define GALERKIN_MAX_PASSES 100
-/* [eps] A movement is roundoff if displacing the unknowns and the values of the field by so much moves them as far. */
+/* [eps] The roundoff of a pass is measured by a pass from displaced unknowns and displaced values of the field. The
+ * displacements have this many units of roundoff. */
 #define GALERKIN_PROBE_UNITS 16
-/* [1] A component smaller than this part of the largest one of its subsystem is measured by that part: its roundoff is
- * no smaller than that of the others. */
+/* [1] A movement is measured relative to the size of its component plus this part of the largest component of the
+ * subsystem: the roundoff of a small component is no smaller than that of a large one. */
 #define GALERKIN_MIN_SHARE 1e-3
-/* [1] After a first movement of more than this part, root mean square, prediction is from one step only. */
+/* [1] After a step whose first pass moved the unknowns by more than this part, root mean square, the next step is
+ * predicted from the last one alone. */
 #define GALERKIN_ROUGH_PREDICTION 1e-2
-/* [1] The largest size of a step that is predicted from the last one, as a part of that one; and backwards. */
-#define GALERKIN_PREDICTION_MAX_RATIO  1.5
-#define GALERKIN_PREDICTION_BACK_RATIO (-2)
-/* [h] A step follows the last one if its time is less than this from where the last one ended. */
+/* [1] A step is predicted from the last one if its size, divided by that of the last step, is in this range. A step in
+ * the opposite direction has a negative quotient. */
+#define GALERKIN_PREDICTION_MAX_RATIO  1.5  /* The largest quotient. */
+#define GALERKIN_PREDICTION_BACK_RATIO (-2) /* The least quotient. */
+/* [h] A step follows the last one if it begins less than this from where the last one ended. */
 #define GALERKIN_MAX_TIME_GAP 0.25
 /* [numbers] Blocks of up to this size are local variables of a generated step, so that compilers know that nothing else
  * changes them (make performance ONE=compiled). */
 #define GALERKIN_MAX_LOCAL 4096
-/* [1] Inner iterations end when the square of the next movement is this many times that of the error of the expansion
- * to first order. Half of this bound takes more time, twice this bound takes more passes. */
+/* [1] Inner iterations end when the square of the next movement is expected to be at most this many times the square of
+ * the error of the expansion to first order. With half of this number steps take more time, with twice this number more
+ * passes. */
 #define GALERKIN_INNER_GOAL 4
-/* [iterations] A pass has at most so many inner iterations. */
+/* [iterations] A pass has at most this many inner iterations. */
 #define GALERKIN_MAX_INNER_ITERATIONS 32
-/* [1] The next pass reuses second derivatives after a relative movement whose square is at most this. In the equations
- * of a Hamiltonian its error is the cube of that movement; for a Lagrangian make longrun SCENE=double_pendulum shows
- * it. */
-#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50
-#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT  1e-8
-/* [iterations] The most and the fewest of a pass of a Lagrangian. More would cost more than they save. After a single
- * one F would not follow V, and the energy would drift by the error of the last pass in V. */
+/* [1] A pass reuses the second derivatives of the pass before if the square of the last relative movement is at most
+ * this. */
+#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* The error of the pass is then the cube of the movement. */
+#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT  1e-8    /* make longrun SCENE=double_pendulum shows the error. */
+/* [iterations] A pass for a Lagrangian has at most, and at least, this many inner iterations. More would cost more than
+ * they save. After a single iteration F would not follow V, and the energy would drift by the error of V in the last
+ * pass. */
 #define LAGRANGIAN_MAX_ITERATIONS 3
 #define LAGRANGIAN_MIN_ITERATIONS 2
-/* [bits] The points where the gradient of a Lagrangian is evaluated are rounded by so many last bits. */
+/* [bits] The gradient of a Lagrangian is evaluated at the nodes with this many last bits rounded off. */
 #define LAGRANGIAN_ROUNDED_BITS 6
-/* [quarters] The second derivatives of K = g f save passes of large steps. The field with them has at most this
- * many quarters of the operations of the field alone; otherwise more passes without them take as little time. */
+/* [quarters] The second derivatives of K = g f, with f = H + e, save passes of large steps. The tape of the field with
+ * second derivatives has at most this many quarters of the slots of the tape without them. Otherwise more passes
+ * without second derivatives take as little time. */
 #define HESSIAN_MAX_COST 13
-/* [numbers] All of K'' is recorded up to so many nodes of the graph times rows, and its shorter form up to so many
- * nodes (make performance ONE=compiling). */
+/* [numbers] The whole matrix K'' is recorded if the nodes of the graph times the rows of K'' are at most this many
+ * (make performance ONE=compiling). */
 #define HESSIAN_WHOLE_MAX_NUMBERS 4096
-#define HESSIAN_SHORT_MAX_NODES   800
+/* [nodes] If the whole matrix cannot be used, K'' at f = 0 is recorded, up to this many nodes of the graph. */
+#define HESSIAN_SHORT_MAX_NODES 800
 
 /* ---- Curves and their equations: suites convergence and adjoints of build/check/generating ----------------------- */
 
-/* [passes] The most of Newton's method; and the most fresh Jacobians, after passes that did not contract. */
-#define NEWTON_MAX_PASSES    64
-#define NEWTON_MAX_REFRESHES 3
+#define NEWTON_MAX_PASSES    64 /* [passes] Newton's method fails after this many. */
+#define NEWTON_MAX_REFRESHES 3  /* [Jacobians] The most in a step, each after passes that did not contract. */
 /* [1] An unknown smaller than this part of the largest of its group is measured as if it had this size. */
 #define NEWTON_MIN_SCALE 1e-20
-/* [1] Corrections that no longer shrink are roundoff if they are this small against the largest unknowns, or against
- * the numbers that the residual is computed from. */
+/* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
+ * numbers from which the residual is computed. */
 #define NEWTON_STALLED_CORRECTION (256 * DBL_EPSILON)
-/* [1] Corrections above this are no roundoff, and show the loss of contraction of the passes after the first one. */
+/* [1] Larger corrections are no roundoff, and show the loss of contraction of the passes after the first one. */
 #define NEWTON_LOSS_MIN_CORRECTION 1e-13
-/* [1] A pass that checks an expectation moves no more than this. */
+/* [1] An extra pass confirms that the unknowns were converged if its correction is at most this. */
 #define NEWTON_CHECK_MAX_CORRECTION (8 * DBL_EPSILON)
-/* [1] The largest loss of contraction that is allowed for. */
+/* [1] The expected size of a correction allows for a loss of contraction up to this factor. */
 #define NEWTON_MAX_LOSS 1e6
-/* [1] The error that old Jacobians, or the last correction by products, may leave in the state, relative to it. It is
- * well below the roundoff of a step. */
+/* [1] Old Jacobians, or the last correction by products, leave at most this relative error in the state. The roundoff
+ * of a step is much larger. */
 #define CURVE_NEGLIGIBLE_ERROR (DBL_EPSILON / 16)
 /* [1] The corrector's Jacobian serves until z has moved by this part: passes then contract by about this factor. */
 #define MATRICES_MAX_MOVEMENT 1e-4
-/* [coordinates] Separable systems have products of Jacobians from here on. Products cost less from 6 or so on, but
- * stiff systems of few bodies at large steps do better with matrices, which can be made anew by differences (make
- * performance ONE=cost). */
+/* [coordinates] Separable systems with at least this many coordinates use products of Jacobians with vectors instead of
+ * matrices. Products cost less from 6 coordinates or so on, but stiff systems of few bodies at large steps do better
+ * with matrices, which can be made anew by differences (make performance ONE=cost). */
 #define PRODUCTS_MIN_COORDINATES 8
-/* [iterations] The most directions of generalised conjugate residuals. */
+/* [iterations] Generalised conjugate residuals make at most this many iterations, each with one search direction. */
 #define PRODUCTS_MAX_ITERATIONS 40
 /* [orders] The preconditioner includes only the orders of the curve up to this one. */
 #define PRODUCTS_NEAR_ORDER 3
-/* [1] Each pass computes the residual anew and exactly, and need not reduce it by more than this factor. */
+/* [1] A pass need not reduce the residual by more than this factor, since the next pass computes the residual anew. */
 #define PRODUCTS_REDUCTION 1e-6
 /* [1] Corrections by products that no longer shrink are roundoff if they are this part of the solution. */
 #define PRODUCTS_STALLED_CORRECTION 1e-12
-/* [1] A product of a given relative accuracy leaves out orders of the curve below that accuracy
- * divided by this. */
+/* [1] A product of a given relative accuracy leaves out orders of the curve below that accuracy divided by this. */
 #define PRODUCTS_TRUNCATION_SAFETY 10
-/* [iterations] The most for the momenta of the nodes, H_p = v (suite statements of build/check/generating). */
+/* [iterations] Newton's method for the momenta of the nodes, H_p = v, fails after this many (suite statements of
+ * build/check/generating). */
 #define MOMENTA_MAX_ITERATIONS 50
-/* [1] Their corrections that no longer shrink are roundoff if they are this part of the largest momentum. */
+/* [1] Corrections of the momenta of the nodes that no longer shrink are roundoff if they are this part of the largest
+ * momentum. */
 #define MOMENTA_STALLED_CORRECTION 1e-13
 /* [1] H_pp is reused as long as each correction is less than this part of the one before. */
 #define MOMENTA_REUSE_MAX_RATIO 1e-3
-/* [1], [corrections] The last correction of the velocity of a Lagrangian, as nearly as predictors need it. */
-#define VELOCITY_MAX_CORRECTION  1e-8
-#define VELOCITY_MAX_CORRECTIONS 4
+/* The velocity of a Lagrangian that belongs to a momentum is computed as accurately as predictors need it. */
+#define VELOCITY_MAX_CORRECTION  1e-8 /* [1] The last correction is at most this part of the velocity. */
+#define VELOCITY_MAX_CORRECTIONS 4    /* [corrections] The velocity is not found if more are needed. */
 
 /* ---- Legendre transforms y = f(x): suites points and serves of build/check/generating ---------------------------- */
 
-/* [1] A solution has |y - f(x)| at most this part of the larger of |y| and of |f(x)| at the start. If the iteration
- * runs off to infinity, the residual is large. */
-#define LEGENDRE_MAX_RESIDUAL 1e-6
-/* [iterations] The most of Newton's method, and [halvings] of a correction; after the last so many f(x) need not be
- * nearer to y. */
-#define LEGENDRE_MAX_ITERATIONS      100
-#define LEGENDRE_MAX_HALVINGS        40
-#define LEGENDRE_MAX_GROWTH_HALVINGS 12
-/* [1] dy/dx is reused if the residual is below this part of the residual for which it was computed. */
+/* [1] A solution x has |y - f(x)| at most this part of |y|, or of |f(x)| at the start if that is larger. If the
+ * iteration runs off to infinity, the residual is large. */
+#define LEGENDRE_MAX_RESIDUAL        1e-6
+#define LEGENDRE_MAX_ITERATIONS      100 /* [iterations] Newton's method makes at most this many. */
+#define LEGENDRE_MAX_HALVINGS        40  /* [halvings] A correction is halved at most this many times. */
+#define LEGENDRE_MAX_GROWTH_HALVINGS 12  /* [halvings] After this many f(x) need not be nearer to y than before. */
+/* [1] The matrix dy/dx is reused if the residual is below this part of the residual for which the matrix was
+ * computed. */
 #define LEGENDRE_REUSE_MAX_RATIO 1e-3
 /* [1] Corrections that no longer shrink are roundoff if they are below this part of x (suite equilibria of
  * build/check/stability). */
 #define LEGENDRE_STALLED_CORRECTION 1e-12
-/* [points], [1] L_vv is regular if its least pivot is above a limit at one of so many random points: the pivots of a
- * singular matrix are roundoff, which may not be exactly 0. */
-#define LEGENDRE_PROBES            8
-#define LEGENDRE_REGULAR_MIN_PIVOT 1e-9
+/* L_vv is regular if it is so at one random point. The pivots of a singular matrix are roundoff, which may not be
+ * exactly 0. */
+#define LEGENDRE_PROBES            8    /* [points] At most this many random points are tested. */
+#define LEGENDRE_REGULAR_MIN_PIVOT 1e-9 /* [1] L_vv is regular at a point if its least pivot is larger. */
 
 /* ---- "taylor" to a tolerance: make adaptive; suites tolerance of build/check/events ------------------------------ */
 
-/* [1] The last term is e to minus this, times the tolerance: 2 of it is that of the paper, and 3 allows for the growth
- * of errors in tens of revolutions. */
+/* [1] The last term of the series is e to minus this, times the tolerance. The paper (generating/step_size.h) has e to
+ * minus 2; the other 3 allow for the growth of errors in tens of revolutions. */
 #define STEP_SIZE_SAFETY 5.0
 /* [1] A step is at most this part of the radius of convergence. */
 #define STEP_SIZE_MAX_PART_OF_RADIUS 0.7
-/* [1], [expansions] A step's size is accepted from a curve whose tau is within this factor of it, a power of two; the
- * most curves that are tried. */
-#define STEP_SIZE_MAX_TAU_RATIO  16.0
+/* [1] A curve serves for a step if the size of the step and the tau of the curve differ by at most this factor, a power
+ * of 2. */
+#define STEP_SIZE_MAX_TAU_RATIO 16.0
+/* [expansions] At most this many curves, each with another tau, are tried for a step. */
 #define STEP_SIZE_MAX_EXPANSIONS 64
-/* [1] A step is at most so many times as large as the one before it. If its coefficients allow the second factor, or in
- * a first step, it must show that it is right at its end. */
-#define STEP_SIZE_MAX_GROWTH     4.0
-#define STEP_SIZE_CHECKED_GROWTH 1.5
+/* [1] The size of a step, divided by that of the step before. */
+#define STEP_SIZE_MAX_GROWTH     4.0 /* The quotient is at most this. */
+#define STEP_SIZE_CHECKED_GROWTH 1.5 /* With a larger quotient, and in a first step, the force at the end is checked. */
 /* [1] Increments are refined for tolerances below this. Larger tolerances leave errors that exceed roundoff. */
 #define REFINE_MAX_TOLERANCE 1e-13
-/* [1] The change of the energy is taken as at most so many times that of the last two terms (make guard). */
+/* [1] The omitted terms of a curve change the energy by at most this many times as much as the last two terms (make
+ * guard). */
 #define CURVE_ENERGY_BOUND_FACTOR 8
 
 /* ---- Tails and default options: make tails, make choose ---------------------------------------------------------- */
 
-/* [1] A component with less than this part of the largest share in its subsystem counts in proportion to its share:
- * less than a hundredth of the motion, as a share is a product of two. An example is the end of a chain that a wave has
- * not reached: its first motion has the highest power of t, however small h is. */
+/* [1] A component with less than this part of the largest share in its subsystem counts in proportion to its share
+ * (algebra/tail.h). Its motion is then less than a hundredth of the largest one, as a share is a product of two sizes.
+ * An example is the end of a chain that a wave has not reached: its first motion has the highest power of t, however
+ * small h is. */
 #define TAIL_MIN_SHARE 1e-4
 /* [1] The roundoff of a force, relative to the positions. */
 #define TAIL_ROUNDOFF (32 * DBL_EPSILON)
-/* [orders] The default: the one with the least cost in all scenes (docs/choosing.md). */
+/* [orders] A method has this order if the user chooses none. It has the least cost in all scenes (docs/choosing.md). */
 #define DEFAULT_ORDER 16
-/* [1], [orders] With an automatic time scale the largest tail is 2^(first - order / 2), until the last order. With
- * smaller tails good steps would be refused (docs/adaptive.md). */
-#define AUTOMATIC_TAIL_FIRST_EXPONENT 3
-#define AUTOMATIC_TAIL_LAST_ORDER     16
+/* With an automatic time scale, the largest tail of a step is 2^(AUTOMATIC_TAIL_FIRST_EXPONENT - order / 2). With a
+ * smaller limit good steps would be refused (docs/adaptive.md). */
+#define AUTOMATIC_TAIL_FIRST_EXPONENT 3  /* [1] */
+#define AUTOMATIC_TAIL_LAST_ORDER     16 /* [orders] Higher orders have the limit of this order. */
 
 /* ---- The guard: make guard; the reference level of the energy: suite zero of build/check/stability --------------- */
 
-/* [1] The relative change of the energy that a step may make. Steps near a pericentre right to 1e-3 changed it by 4 %.
- * */
+/* [1] A step may change the energy by this part. Steps near a pericentre that were right to 1e-3 changed it by 4 %. */
 #define GUARD_MAX_ENERGY_CHANGE 0.05
-/* [1], [passes] Up to these tails and passes a step was right in all runs of docs/stability.md (make stability): of the
- * Galerkin curve, and of methods with series, whose passes contract faster. */
-#define GUARD_UNCHECKED_MAX_TAIL          1e-3
-#define GUARD_UNCHECKED_MAX_SERIES_TAIL   1e-4
-#define GUARD_UNCHECKED_MAX_PASSES        32
-#define GUARD_UNCHECKED_MAX_SERIES_PASSES 4
-/* [1] A change of the energy below this part of it is roundoff. */
+/* [1], [passes] Steps with at most these tails and passes are accepted without a check of the energy. They were right
+ * in all runs of docs/stability.md (make stability). The passes of methods with series contract faster. */
+#define GUARD_UNCHECKED_MAX_TAIL          1e-3 /* For the Galerkin curve. */
+#define GUARD_UNCHECKED_MAX_SERIES_TAIL   1e-4 /* For methods with series. */
+#define GUARD_UNCHECKED_MAX_PASSES        32   /* For the Galerkin curve. */
+#define GUARD_UNCHECKED_MAX_SERIES_PASSES 4    /* For methods with series. */
+/* [1] A change of the energy is roundoff if it is below this part of |H| plus the sum of |q dp/dt| and |p dq/dt|. */
 #define GUARD_ENERGY_ROUNDOFF (64 * DBL_EPSILON)
-/* [1] An energy below the first part of p.dq/dt measures nothing, as that of K = g (H + e); the second replaces it. */
-#define GUARD_MIN_PART_OF_ACTION 1e-6
-#define GUARD_PART_OF_ACTION     (1.0 / 64)
-/* [1] Energies that differ by at most this part are the same: of bodies at rest, far apart, at two distances, and
- * H(q, p) and H(q, -p) of an H that is even in p. */
+/* [1] The change of an energy that is nearly 0, such as K = g (H + e), is compared with p.dq/dt instead of the
+ * energy. */
+#define GUARD_MIN_PART_OF_ACTION 1e-6       /* An energy is nearly 0 if it is at most this part of p.dq/dt. */
+#define GUARD_PART_OF_ACTION     (1.0 / 64) /* This part of p.dq/dt takes the place of the energy. */
+/* [1] Two energies are taken as equal if they differ by at most this part: those of bodies at rest, far apart, at two
+ * distances, and H(q, p) and H(q, -p) of an H that is even in p. */
 #define GUARD_LEVEL_MAX_DIFFERENCE 1e-9
-/* [increments of the step] The reference level is searched on lines between these distances, by factors [1]. A step
- * from rest that is too large may be a billion times as long as it should be. */
-#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30
-#define GUARD_LEVEL_MAX_DISTANCE 0x1p12
-#define GUARD_LEVEL_RATIO        2
+/* [increments of the step] The reference level is searched at points of lines, at growing distances from the start of
+ * the line. A step from rest that is too large may be a billion times as long as it should be. */
+#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* The least distance. */
+#define GUARD_LEVEL_MAX_DISTANCE 0x1p12  /* The largest distance. */
+#define GUARD_LEVEL_RATIO        2       /* [1] The quotient of neighbouring distances. */
 
 /* ---- Runs: suites times and plans of build/check/events ---------------------------------------------------------- */
 
-#define RUN_STEPS_BETWEEN_CHECKS     64        /* [steps] A run then checks again whether its time moves. */
-#define RUN_MAX_SLOW_STEPS           (1 << 16) /* [steps] It fails after these in turn (build/check/rescaled). */
-#define PARTIAL_STEP_MAX_CORRECTIONS 12        /* [corrections] The most until its time is the given one. */
+#define RUN_STEPS_BETWEEN_CHECKS 64 /* [steps] A run checks after this many whether its time moves. */
+/* [steps] A run fails after this many consecutive steps that hardly move its time (build/check/rescaled). */
+#define RUN_MAX_SLOW_STEPS           (1 << 16)
+#define PARTIAL_STEP_MAX_CORRECTIONS 12 /* [corrections] A partial step to a given time has at most this many. */
 /* [h] Partial steps whose sizes differ by less have nearly the same nodes, so that one's history serves the other. */
 #define PARTIAL_STEP_NEAR 1e-3
 
@@ -267,117 +284,112 @@
 
 /* [eps] A change of g by fewer units of roundoff of its terms has no certain sign, and ends the search of a dip. */
 #define EVENT_ROUNDOFF_UNITS 64.0
-/* [eps] The roundoff of a state after a step, or on the curve, in units of its components: such a state is a sum. */
+/* [eps] A state after a step, or on the curve, is a sum. Its roundoff is this many units of its components. */
 #define EVENT_STATE_ROUNDOFF_UNITS 4.0
-/* [1] The largest relative differences of times that are the same, and of stops at events that count as one. */
-#define EVENT_SAME_TIME  (2 * DBL_EPSILON)
-#define EVENT_SAME_STOP  (32 * DBL_EPSILON)
-#define EVENT_NEAR_STOP  1e-6    /* [h] A root so near to a stop may be the same point up to the roundoff of g. */
-#define EVENT_SAME_ROOT  1e-12   /* [h] Nearer roots of one event in the same direction are one. */
-#define EVENT_EDGE       0x1p-20 /* [h] An additional sample is so far from a sample with g = 0, or from an end. */
-#define EVENT_FLAT_SLOPE 0.1     /* [mean slope of |g|] A dip may be beside an end of the step with a lower slope. */
-#define EVENT_KINK       0.05    /* [largest difference of g] g is not smooth if the fourth or eighth is larger. */
-/* [h] The sign of g just after the start is tested at growing theta: the first one in steps in time, and in rescaled
- * systems, where the time must move; then the least one from which an event may return to 0, and its multiples [1]. */
-#define EVENT_FIRST_THETA          0x1p-200
-#define EVENT_FIRST_RESCALED_THETA 0x1p-60
-#define EVENT_RETURN_MIN_THETA     0x1p-52
-#define EVENT_RETURN_THETA_GROWTH  16.0
-/* [h], [samples] The search of a dip ends when its middle samples are so near, or after so many. */
-#define EVENT_DIP_MIN_WIDTH   1e-8
-#define EVENT_DIP_MAX_SAMPLES 120
-/* [h], [secants] The secant method ends when theta changes by less, or after so many. */
-#define EVENT_SECANT_MIN_CHANGE 1e-4
-#define EVENT_MAX_SECANTS       6
-#define EVENT_ITP_TRUNCATION    0.2  /* [1 / width of the first bracket] The ITP method truncates its steps by this. */
-#define EVENT_LINE_DEGREE       8    /* [orders] The degree of the Taylor polynomial of g along a line. */
-#define EVENT_MAX_LINES         5    /* [lines] A root is found on so many lines at most. */
-#define EVENT_LINE_MAX_LENGTH   2e-9 /* [h] A line from a state of the method is used up to here. */
-#define EVENT_CHORD             1e-5 /* [h] Slopes are difference quotients between theta -+ this. */
-#define EVENT_SLOPE_ERROR       32.0 /* [1] The curve's slope has at most so many times its relative error. */
-/* [h] A correction is short up to the first, and up to the second part [1] of the distance to the bracket's ends. */
-#define EVENT_SHORT_CORRECTION      1e-6
-#define EVENT_SHORT_CORRECTION_PART 1e-3
-/* [h] A sign change within this distance of an estimated root is the event; the bracket else grows by factors [1]. */
-#define EVENT_SURE_DISTANCE  0x1p-50
-#define EVENT_BRACKET_GROWTH 16.0
-#define EVENT_BRACKET_MAX    (1.0 / 16)
+#define EVENT_SAME_TIME            (2 * DBL_EPSILON)  /* [1] Times are the same if they differ by at most this part. */
+#define EVENT_SAME_STOP            (32 * DBL_EPSILON) /* [1] Stops are one stop if their times differ by no more. */
+#define EVENT_NEAR_STOP            1e-6    /* [h] A nearer root may be the stop itself, up to the roundoff of g. */
+#define EVENT_SAME_ROOT            1e-12   /* [h] Nearer roots of one event in one direction are one root. */
+#define EVENT_EDGE                 0x1p-20 /* [h] From an additional sample to an end, or to a sample with g = 0. */
+#define EVENT_FLAT_SLOPE           0.1     /* [mean slope of |g|] A dip may be beside an end with a lower slope. */
+#define EVENT_KINK                 0.05    /* [largest difference of g] The fourth or eighth is larger at a kink. */
+/* [h] If g is 0 at the start of a step, the sign of g just after the start is found at growing theta. */
+#define EVENT_FIRST_THETA          0x1p-200 /* The first theta. */
+#define EVENT_FIRST_RESCALED_THETA 0x1p-60  /* The first theta in a rescaled system, where the time must move. */
+#define EVENT_RETURN_MIN_THETA     0x1p-52  /* The least second theta. An event may have returned to 0 by then. */
+#define EVENT_RETURN_THETA_GROWTH  16.0     /* [1] Each further theta is this many times the one before. */
+#define EVENT_DIP_MIN_WIDTH        1e-8     /* [h] The search of a dip ends when three samples span no more. */
+#define EVENT_DIP_MAX_SAMPLES      120      /* [samples] The search of a dip ends after this many. */
+#define EVENT_SECANT_MIN_CHANGE    1e-4     /* [h] The secant method ends when theta changes by no more. */
+#define EVENT_MAX_SECANTS          6        /* [secants] The secant method ends after this many. */
+#define EVENT_ITP_TRUNCATION       0.2      /* [1 / first width] The ITP method truncates its steps by this. */
+#define EVENT_LINE_DEGREE          8        /* [orders] The degree of the Taylor polynomial of g along a line. */
+#define EVENT_MAX_LINES            5        /* [lines] A root is searched on at most this many lines. */
+#define EVENT_LINE_MAX_LENGTH      2e-9     /* [h] A line from a state of the method is used up to this distance. */
+#define EVENT_CHORD                1e-5     /* [h] Half the distance of the two points of a difference quotient. */
+#define EVENT_SLOPE_ERROR          32.0     /* [1] The relative error of a slope divided by that of the curve. */
+/* A correction of theta is short if it is at most EVENT_SHORT_CORRECTION, and at most EVENT_SHORT_CORRECTION_PART of
+ * the distance from the corrected theta to the nearer end of the bracket. */
+#define EVENT_SHORT_CORRECTION      1e-6 /* [h] */
+#define EVENT_SHORT_CORRECTION_PART 1e-3 /* [1] */
+/* An estimated root on a line lies in a small bracket. The ends of the bracket move outwards until g changes its
+ * sign. */
+#define EVENT_SURE_DISTANCE  0x1p-50    /* [h] The distance of the first ends from the estimate. */
+#define EVENT_BRACKET_GROWTH 16.0       /* [1] The quotient of two movements of an end that follow each other. */
+#define EVENT_BRACKET_MAX    (1.0 / 16) /* [h] The largest distance of an end from the origin of the line. */
 
-/* ---- The suggested step (tvi_suggest_step): make suggest. All are [1] but for what says otherwise ---------------- */
+/* ---- The suggested step (tvi_suggest_step): make suggest. A constant without a unit is [1] ----------------------- */
 
-/* Trials aim at this part of the wanted error; in a rescaled system at the second, since another passage of a
- * pericentre may be worse than the one that a trial sees. */
+/* Trials aim at a part of the wanted error. In a rescaled system the part is smaller, since another passage of a
+ * pericentre may be worse than the passage in the trial. */
 #define SUGGEST_AIM          0.08
 #define SUGGEST_AIM_RESCALED 0.06
-/* The step size is multiplied by these after a failed step or a large error, and at the end if no estimate was near the
- * aim. Otherwise the factor is at least the least, and the aim over a trial's error counts as at least the last. */
-#define SUGGEST_FAILED_FACTOR          0.88
-#define SUGGEST_FAILED_FACTOR_RESCALED 0.7
-#define SUGGEST_UNKNOWN_FACTOR         0.8
-#define SUGGEST_MIN_FACTOR             0.25
-#define SUGGEST_MIN_AIM_PER_ERROR      1e-3
-/* Orbits that differ by less than the first may differ by roundoff alone; below the second they are tested. They do if
- * the error is no less by the third factor with a step size that should make it less by the fourth. */
-#define SUGGEST_ROUNDOFF          1e-13
+/* The step size of a trial, divided by that of the trial before; after the last trial, the suggested step size divided
+ * by that of the trial. */
+#define SUGGEST_FAILED_FACTOR          0.88 /* After a failed step or a large error. */
+#define SUGGEST_FAILED_FACTOR_RESCALED 0.7  /* After a failed step in a rescaled system. */
+#define SUGGEST_UNKNOWN_FACTOR         0.8  /* A further factor of the suggestion, if no estimate was near the aim. */
+#define SUGGEST_MIN_FACTOR             0.25 /* Otherwise the quotient is at least this, and at most 1 / this. */
+#define SUGGEST_MIN_AIM_PER_ERROR      1e-3 /* The aim divided by the error of a trial counts as at least this. */
+/* The error of a trial is roundoff if SUGGEST_ROUNDOFF_DOUBT is above the distance of its orbits, and if a step size
+ * that should reduce the error to the part SUGGEST_EXPECTED_DECREASE does not reduce it by the factor
+ * SUGGEST_ROUNDOFF_DECREASE. */
+#define SUGGEST_ROUNDOFF          1e-13 /* A smaller distance of two orbits may be roundoff alone. */
 #define SUGGEST_ROUNDOFF_DOUBT    1e-10
 #define SUGGEST_ROUNDOFF_DECREASE 3
 #define SUGGEST_EXPECTED_DECREASE 0.01
-/* For the first size: a step that just resolves the orbit makes this error times tail^(order / degree), a trial covers
- * this part of the run, and no step may have a tail above the ratio times the scout's. */
+/* The first trial supposes that a step that just resolves the orbit has the error SUGGEST_RESOLVED_ERROR tail^a, with a
+ * = order / degree. */
 #define SUGGEST_RESOLVED_ERROR 0.1
-#define SUGGEST_COVERED_PART   0.05
-#define SUGGEST_MAX_TAIL_RATIO 40.0
+#define SUGGEST_COVERED_PART   0.05 /* The first trial covers this part of the run. */
+#define SUGGEST_MAX_TAIL_RATIO 40.0 /* The tail of a step is at most this many times SCOUT_RESOLVING_TAIL. */
 /* A step size is accepted if the error of the whole run is at most SUGGEST_MAX_ERROR times the wanted error. It is the
  * longest one if that error is at least SUGGEST_FULL_ERROR times the wanted one, or if a step that is
  * SUGGEST_LONGER_FACTOR times as long is not accepted. */
 #define SUGGEST_MAX_ERROR     0.9
 #define SUGGEST_FULL_ERROR    0.02
 #define SUGGEST_LONGER_FACTOR 1.1
-/* The final size is divided by 1 + this log(r), r the largest over the smallest resolving step size, at most the
- * second. */
+/* The suggested step size is divided by 1 + SUGGEST_SPREAD_WEIGHT log(r). r is the ratio of the largest to the smallest
+ * resolving step size, but at most SUGGEST_MAX_SPREAD. */
 #define SUGGEST_SPREAD_WEIGHT 0.15
 #define SUGGEST_MAX_SPREAD    30.0
-/* The time's roundoff is measured if it may be more than this part of the wanted error: by a shift of the time by a
- * part of the step [h], or by units of its roundoff [eps] if that is more. A run rounds it bias * sqrt(steps) times one
- * way. */
-#define SUGGEST_TIME_DOUBT       0.01
-#define SUGGEST_TIME_SHIFT       1e-3
-#define SUGGEST_TIME_SHIFT_UNITS 4.0
+/* A step at a shifted time measures the error by the roundoff of the time. In a run this roundoff adds up to
+ * SUGGEST_TIME_BIAS sqrt(steps) units. */
+#define SUGGEST_TIME_DOUBT       0.01 /* The error is measured if it may be more than this part of the wanted error. */
+#define SUGGEST_TIME_SHIFT       1e-3 /* [h] The shift of the time. */
+#define SUGGEST_TIME_SHIFT_UNITS 4.0  /* [eps] The least shift, in units of the roundoff of the time. */
 #define SUGGEST_TIME_BIAS        3.0
-/* [steps] The budget of the scout and all trials together is a part [1] of the steps of the run, within these limits.
- * */
+/* The scout and all trials together make at most the part TRIALS_PART_OF_RUN of the steps of the run. */
 #define TRIALS_PART_OF_RUN 0.04
-#define TRIALS_MIN_STEPS   60
-#define TRIALS_MAX_STEPS   6000
-#define TRIAL_ERROR_BAND   30.0 /* A trial goes on while its estimate is within this factor of the aim. */
-#define TRIAL_EQUAL_LENGTH 0.8  /* A trial that covers this part of the longest one counts as much. */
-#define TRIAL_MAX_DISTANCE 0.05 /* Orbits that differ by more do not differ by a power of the step size. */
-#define TRIAL_END          1e-9 /* A trial that leaves less of the run covers the whole run. */
-/* Errors grow as t^a with this a, or in a rescaled system the second. With a drive it is measured after so many steps,
- * and then at every so many [steps]. */
-#define TRIAL_GROWTH_EXPONENT          1.25
-#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1
-#define TRIAL_GROWTH_FIRST_STEP        8
-#define TRIAL_GROWTH_INTERVAL          4
-#define TRIAL_MIN_STEPS                4          /* [steps] A large estimate ends no trial before these. */
-#define TRIAL_MAX_HARDEST_PART         0.6        /* A trial begins at the start if the hardest part comes sooner. */
-#define TRIAL_COMPANION_MIN_EXPLORED   0.5        /* The companion is used if the scout saw this part of the run. */
-#define DOUBLING_MIN_SPEED             (1.0 / 30) /* Lags are measured from this part of the largest speed on. */
-#define DOUBLING_START_DISTANCE        1e-7       /* The companion starts so far from the scout's orbit. */
-#define SCOUT_MAX_STEPS                24         /* [steps] The scout tries no more. */
+#define TRIALS_MIN_STEPS   60   /* [steps] The limit is at least this. */
+#define TRIALS_MAX_STEPS   6000 /* [steps] The limit is at most this. */
+#define TRIAL_ERROR_BAND   30.0 /* A trial ends if its estimate and the aim differ by more than this factor. */
+#define TRIAL_EQUAL_LENGTH 0.8  /* A trial that covers this part of the longest trial counts as much as that one. */
+#define TRIAL_MAX_DISTANCE 0.05 /* A larger distance of two orbits does not grow as a power of the step size. */
+#define TRIAL_END          1e-9 /* A trial that leaves out a smaller part of the run covers the whole run. */
+/* Errors grow as t^a with the time t of a run. */
+#define TRIAL_GROWTH_EXPONENT          1.25       /* a; in a driven system a is measured, and is at most this. */
+#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1        /* a in a rescaled system. */
+#define TRIAL_GROWTH_FIRST_STEP        8          /* [steps] a is measured after this many steps in a driven system. */
+#define TRIAL_GROWTH_INTERVAL          4          /* [steps] a is measured again after every further interval. */
+#define TRIAL_MIN_STEPS                4          /* [steps] A large estimate does not end a trial of fewer steps. */
+#define TRIAL_MAX_HARDEST_PART         0.6        /* The hardest part ends by this part of a trial from the start. */
+#define TRIAL_COMPANION_MIN_EXPLORED   0.5        /* The companion orbit needs a scout that saw this part of the run. */
+#define DOUBLING_MIN_SPEED             (1.0 / 30) /* Lags are measured above this part of the largest speed. */
+#define DOUBLING_START_DISTANCE        1e-7       /* The companion orbit's first distance from the scout's orbit. */
+#define SCOUT_MAX_STEPS                24         /* [steps] The scout tries at most this many. */
 #define SCOUT_RESOLVING_TAIL           0.003      /* The tail of a step that just resolves the orbit. */
 #define SCOUT_MAX_TAIL                 0.03       /* A step with a larger tail is undone and repeated. */
-/* Factors of the scout's step: after a first step that fails, after a later one, after a success at most, and from the
- * least to the largest for the step that just resolves the orbit. */
-#define SCOUT_FIRST_FAILED_FACTOR  0.125
-#define SCOUT_FAILED_FACTOR        0.6
-#define SCOUT_MAX_GROWTH           1.6
-#define SCOUT_MIN_RESOLVING_FACTOR 0.4
-#define SCOUT_MAX_RESOLVING_FACTOR 8.0
-#define SCOUT_HARDER_FACTOR        0.9  /* A later position is harder if its resolving step is smaller by this. */
-#define SCOUT_MAX_ENERGY_CHANGE    0.1  /* The largest relative change of the energy in the first step. */
-#define SCOUT_MAX_DISTANCE         0.25 /* The largest relative distance of the first step from two half steps. */
-#define SCOUT_ERROR_POWER          4.0  /* The weight of a position is its resolving step size to the power -this. */
-#define SCOUT_MIN_WEIGHT           0.02 /* The weight is at least this part of that at the hardest position. */
+/* The size of the scout's next step, divided by that of the last one. */
+#define SCOUT_FIRST_FAILED_FACTOR  0.125 /* After a first step that fails. */
+#define SCOUT_FAILED_FACTOR        0.6   /* After a later step that fails. */
+#define SCOUT_MAX_GROWTH           1.6   /* The largest quotient after a success. */
+#define SCOUT_MIN_RESOLVING_FACTOR 0.4   /* The least quotient if the next step just resolves the orbit. */
+#define SCOUT_MAX_RESOLVING_FACTOR 8.0   /* The largest quotient if the next step just resolves the orbit. */
+#define SCOUT_HARDER_FACTOR        0.9   /* A harder position has a resolving step below this part of the least. */
+#define SCOUT_MAX_ENERGY_CHANGE    0.1   /* The largest relative change of the energy in the first step. */
+#define SCOUT_MAX_DISTANCE         0.25  /* The largest relative distance of the first step from two half steps. */
+#define SCOUT_ERROR_POWER          4.0   /* A position's weight: its resolving step size to minus this power. */
+#define SCOUT_MIN_WEIGHT           0.02  /* The least weight, in weights of the hardest position. */
 
 #endif
