@@ -1,14 +1,15 @@
 /* compiler.h - Defines everything that the library asks of the compilers, gcc and clang: attributes, pragmas and
- * built-in functions, each with its reason. Only OpenMP's pragmas, the processor queries of isa.c, the visibility of
- * bodies.c and the counter of attach.c stand elsewhere. The macros change at most the last bits of results, where a
- * sum is computed as a vector. Generated code begins with this text, and files get measured.h with it. */
+ * built-in functions, each with its reason. Exceptions are the pragmas of OpenMP, the queries of the processor in
+ * isa.c, the exported functions of src/system/bodies.c, and the atomic counter in src/compiled/attach.c. The macros
+ * change at most the last bits of results, where a sum is computed as a vector. Generated code begins with this text.
+ * The file includes measured.h, so that files and generated code get the measured constants with it. */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 
 #include "measured.h"
 
-/* Switches off warnings that generated code would give: it contains the text of all rules and calls only some of them,
- * and its constant structures leave out braces and initialisers. */
+/* Switches off warnings that generated code would give. Generated code contains the text of all rules and calls only
+ * some of them, and its constant structures leave out braces and initialisers. */
 #ifdef JET_EMITTED
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-const-variable"
@@ -25,8 +26,9 @@
 /* Keeps a function from being inlined. It is large or rarely called, and would cost its caller registers. */
 #define JET_APART static __attribute__((noinline, unused))
 
-/* Has the compiler compare the arguments of a printf-like function with its format. `text` is the number of the
- * format among the parameters, and `from` that of the first argument; 0 for a va_list. */
+/* Has the compiler compare the arguments of a printf-like function with its format. `text` is the position of the
+ * format among the parameters, counted from 1, and `from` that of the first argument. A function with a va_list has
+ * from = 0. */
 #define JET_FORMAT(text, from) __attribute__((format(printf, text, from)))
 /* Marks functions that are called only when something is refused. The compiler moves code that leads to them out of
  * the way. */
@@ -58,16 +60,16 @@
 #define JET_UNROLL(most) JET_PRAGMA(GCC unroll most)
 #define JET_PRAGMA(text) _Pragma(#text)
 
-/* Stands before a loop over lanes. In generated code gcc knows the number of lanes, and would otherwise unroll the
- * loop before it looks for vectors. */
+/* Keeps gcc from unrolling the following loop over lanes, so that gcc makes vectors of the lanes. In generated code gcc
+ * knows the number of lanes, and would otherwise unroll the loop before it looks for vectors. */
 #ifdef JET_EMITTED
 #define JET_IN_VECTORS JET_UNROLL(1)
 #else
 #define JET_IN_VECTORS
 #endif
 
-/* Stands before loops that generated code unrolls completely, so that the numbers they set stay in registers. Elsewhere
- * the bound is a variable, and 16 copies of a loop inside 16 copies of another would only cost compile time. */
+/* Unrolls the following loop completely in generated code, so that the numbers it sets stay in registers. Elsewhere the
+ * bound is a variable, and 16 copies of a loop inside 16 copies of another would only cost compile time. */
 #ifdef JET_EMITTED
 #define JET_UNROLLED JET_UNROLL(16)
 #else

@@ -1,6 +1,6 @@
 /* derive.c - Records the gradient of a scalar into the scalar's own graph, by reverse accumulation (docs/jets.md,
- * section 1). The systems call it: they record the force F = -V_q as the negative gradient of the potential V, for
- * example. */
+ * section 1). src/system/ calls it: for example, it records the force F = -V_q as the negative gradient of the
+ * potential V. */
 #include "graph.h"
 #include "rule.h"
 
@@ -16,8 +16,8 @@ typedef struct {
 typedef struct {
     adjoint_contribution *contributions;
     int contribution_count, contribution_capacity;
-    int *newest_contribution; /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
-    jet *sum_terms;           /* [sum_term_capacity] Scratch for the contributions to one node. */
+    int *newest_contribution_index; /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
+    jet *sum_terms;                 /* [sum_term_capacity] Scratch for the contributions to one node. */
     int sum_term_capacity;
     bool is_out_of_memory;
 } adjoint_lists;
@@ -35,15 +35,15 @@ static void add_adjoint_contribution(adjoint_lists *lists, const struct jet_node
         lists->contribution_capacity = capacity;
     }
     lists->contributions[lists->contribution_count] =
-        (adjoint_contribution){value, lists->newest_contribution[node->index]};
-    lists->newest_contribution[node->index] = lists->contribution_count++;
+        (adjoint_contribution){value, lists->newest_contribution_index[node->index]};
+    lists->newest_contribution_index[node->index] = lists->contribution_count++;
 }
 
 /* Records the sum of a node's contributions, which is the node's adjoint. */
 static jet sum_adjoint_contributions(adjoint_lists *lists, int node_index)
 {
     int count = 0;
-    for (int i = lists->newest_contribution[node_index]; i >= 0; i = lists->contributions[i].next_index) count++;
+    for (int i = lists->newest_contribution_index[node_index]; i >= 0; i = lists->contributions[i].next_index) count++;
     if (count > lists->sum_term_capacity) {
         jet *sum_terms = realloc(lists->sum_terms, (size_t)count * sizeof *sum_terms);
         if (!sum_terms) {
@@ -56,7 +56,7 @@ static jet sum_adjoint_contributions(adjoint_lists *lists, int node_index)
     int free_index = count;
     /* The loop above has counted the contributions, and sum_terms has room for all of them.
      * NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
-    for (int i = lists->newest_contribution[node_index]; i >= 0; i = lists->contributions[i].next_index)
+    for (int i = lists->newest_contribution_index[node_index]; i >= 0; i = lists->contributions[i].next_index)
         lists->sum_terms[--free_index] = lists->contributions[i].value;
     const jet sum = jet_sum(lists->sum_terms, count);
     /* If memory is lacking for the sum, it is a poison node whose index is TVI_ENOMEM. The whole gradient then fails,
@@ -104,18 +104,18 @@ bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet grad
     }
     adjoint_lists lists = {0};
     const int count = output.node->index + 1;
-    lists.newest_contribution = malloc((size_t)count * sizeof *lists.newest_contribution);
-    if (!lists.newest_contribution) return false;
-    for (int i = 0; i < count; i++) lists.newest_contribution[i] = -1;
+    lists.newest_contribution_index = malloc((size_t)count * sizeof *lists.newest_contribution_index);
+    if (!lists.newest_contribution_index) return false;
+    for (int i = 0; i < count; i++) lists.newest_contribution_index[i] = -1;
     add_adjoint_contribution(&lists, output.node, jet_const(1));
     for (int i = count - 1; i >= 0 && !lists.is_out_of_memory; i--) {
-        if (lists.newest_contribution[i] < 0) continue;
+        if (lists.newest_contribution_index[i] < 0) continue;
         const jet zbar = sum_adjoint_contributions(&lists, i);
         if (i < input_count) gradient[i] = zbar;
         if (!lists.is_out_of_memory) propagate_adjoint_to_operands(&lists, jet_graph_node_at(graph, i), zbar);
     }
     free(lists.contributions);
-    free(lists.newest_contribution);
+    free(lists.newest_contribution_index);
     free(lists.sum_terms);
     return !lists.is_out_of_memory;
 }

@@ -1,9 +1,9 @@
 /* devices.h - Names the devices: parts of the library that exist for speed alone, each with its file and the place
- * where it is chosen. Without them all results are the same to roundoff. docs/adding.md says when a device applies and
- * what it must gain to stay; `make devices` measures what each one gains.
+ * where it is chosen. Without devices all results are the same to roundoff. docs/adding.md says when a device applies
+ * and what it must gain to stay; `make devices` measures what each one gains.
  *
- * A library built with TVI_PLAIN, as by make PLAIN=1, has no devices. A library built with TVI_DEVICES, as by make
- * devices, has all devices except those of the mask jet_without, a variable. */
+ * A library built by `make PLAIN=1` (TVI_PLAIN) has no devices. A library built by `make devices` (TVI_DEVICES) has all
+ * devices except those whose bits are set in the variable jet_without. */
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 

@@ -125,21 +125,22 @@ JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, dou
 
 /* Computes the function for numbers of every size: by the vector function in the two ranges, and by the scalar function
  * elsewhere. */
-JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar,
+JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar_function,
                                         jet_magnitude_range near_zero, jet_magnitude_range far_from_zero,
                                         double exponent, int count, const double *argument, double *result)
 {
     for (int i = 0; i < count; i++)
         if (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i]))
-            result[i] = scalar(exponent, argument[i]);
+            result[i] = scalar_function(exponent, argument[i]);
     for (int here = 0; here < count; here += JET_NATIVE) {
         jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here);
         jet_apply_to_numbers_in_range(function, exponent, far_from_zero, count - here, argument + here, result + here);
     }
 }
 
-JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude_range near_zero, double exponent,
-                                    int count, const double *argument, double *result)
+/* Computes the function for numbers that are all in the range near 0. */
+JET_INLINE void jet_apply_to_numbers_near_zero(jet_vector_function *function, jet_magnitude_range near_zero,
+                                               double exponent, int count, const double *argument, double *result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
@@ -173,7 +174,7 @@ JET_INLINE void jet_apply_near_zero(jet_vector_function *function, jet_magnitude
     JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result))        \
     {                                                                                                                  \
         if (jet_are_all_in_range(near_zero, count, argument))                                                          \
-            jet_apply_near_zero(jet_vector_##name, near_zero, 0, count, argument, result);                             \
+            jet_apply_to_numbers_near_zero(jet_vector_##name, near_zero, 0, count, argument, result);                  \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
@@ -196,7 +197,7 @@ JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
 {
     const jet_magnitude_range near_zero = jet_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
-        jet_apply_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
+        jet_apply_to_numbers_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

@@ -1,6 +1,6 @@
-/* fused.h - Multiplies and adds vectors with one rounding, if the processor has such an instruction. The kernels of
- * the methods call it. It is no part of vector.h, since the compiler takes 0.3 s to read the header of the vector
- * instructions. */
+/* fused.h - Multiplies and adds vectors with one rounding, if the processor has such an instruction. The inner loops of
+ * the methods (src/galerkin/, src/generating/) call it. It is no part of vector.h, since the compiler takes 0.3 s to
+ * read the header of the vector instructions. */
 #ifndef TVI_AD_FUSED_H
 #define TVI_AD_FUSED_H
 

@@ -1,5 +1,6 @@
 /* lift.c - Records a closed graph once more into another graph, together with its derivative along a direction, by
- * forward accumulation (docs/jets.md, section 1). The systems of tangent maps and the tapes of events call it. */
+ * forward accumulation (docs/jets.md, section 1). src/system/ calls it for tangent maps, rescaled systems and the
+ * functions of events. */
 #include "graph.h"
 #include "rule.h"
 

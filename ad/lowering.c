@@ -1,6 +1,6 @@
 /* lowering.c - Gives the nodes of a graph their slots on a tape (lowering.h). It drops the nodes that no output needs,
- * sorts the others into levels, so that each operation reads lower levels only, and gives equal operations with
- * adjacent operands adjacent slots. */
+ * and sorts the needed nodes into levels, so that each operation reads lower levels only. In a level, equal operations
+ * with adjacent operands get adjacent slots. */
 #include "devices.h"
 #include "lowering.h"
 
@@ -131,12 +131,12 @@ static void set_subgroup_if_unset(const graph_lowering *lowering, const struct j
     if (node && lowering->placements[node->index].subgroup < 0) lowering->placements[node->index].subgroup = subgroup;
 }
 
-/* Divides the operations of a level into subgroups, so that the operations of a subgroup can read adjacent slots. The
- * subgroup is a number; that of an operation with two operands is the number of operations before it that read one of
- * these operands. An operation with fewer operands gets the subgroup of the first two-operand operation that reads it,
- * or its position among the terms of the first sum that reads it. As an example, let x, y and z be the components of
- * the distances of many pairs of bodies; they are squared and summed, and each is multiplied by a function of its pair.
- * Then all x form one subgroup, all y the next, and all z the third. */
+/* Divides the operations of a level into numbered subgroups, so that the operations of a subgroup can read adjacent
+ * slots. An operation with two operands gets the number of operations before it that read one of its operands, the
+ * larger number of the two. An operation with one operand, or with none, gets the subgroup of the first two-operand
+ * operation that reads it. If a sum of products reads it first, it gets its position among the terms of that sum. As an
+ * example, let x, y and z be the components of the distances of many pairs of bodies; they are squared and summed, and
+ * each is multiplied by a function of its pair. Then all x form one subgroup, all y the next, and all z the third. */
 static void assign_operand_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -251,10 +251,10 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
     }
 }
 
-/* Arranges the operations of a group so that their operands are adjacent. If the order by subgroups does this, it is
- * kept. Otherwise the group is sorted by one operand, and the other operand is copied to adjacent slots. Tapes of
- * values read scattered operands where they are, unless each subgroup has at least TAPE_COPY_MIN_OPERATIONS operations
- * on average; copies are then cheaper. */
+/* Arranges the operations of a group so that their operands are adjacent. The order by subgroups is kept if the
+ * operands are adjacent in it. Otherwise the group is sorted by one operand, and the other operand is copied to
+ * adjacent slots. Tapes of values read scattered operands where they are, unless each subgroup has at least
+ * TAPE_COPY_MIN_OPERATIONS operations on average; copies are then cheaper. */
 static void arrange_group_operands(graph_lowering *lowering, tape_placement *group[], int count)
 {
     int subgroup_count = 0;

@@ -1,5 +1,5 @@
-/* lowering.h - Declares two parts of the lowering of a graph to a tape (docs/jets.md, section 2): the nodes are given
- * their slots, and runs are lengthened to whole vectors. tape.c calls them. */
+/* lowering.h - Declares two steps of the translation of a graph to a tape (docs/jets.md, section 2): the first gives
+ * the nodes their slots, and the second lengthens runs to whole vectors. tape.c calls them. */
 #ifndef TVI_AD_LOWERING_H
 #define TVI_AD_LOWERING_H
 
@@ -27,10 +27,10 @@ typedef struct {
 typedef struct {
     const jet_graph *graph;
     jet_tape_kind kind;
-    int node_count;             /* Number of nodes in the graph. */
-    bool *is_node_needed;       /* [node_count] Tells whether an output depends on the node. */
-    int *use_counts;            /* [node_count] Number of operations that read the node; later scratch for subgroups. */
-    tape_placement *placements; /* Placements of all nodes by their index, followed by those of the copies. */
+    int node_count;                  /* Number of nodes in the graph. */
+    bool *is_node_needed;            /* [node_count] Tells whether an output depends on the node. */
+    int *use_counts;                 /* [node_count] Operations that read the node; then scratch for subgroups. */
+    tape_placement *placements;      /* Placements of all nodes by their index, followed by those of the copies. */
     tape_placement **nodes_by_level; /* [needed_node_count] The needed nodes, sorted by level. */
     tape_placement **nodes_by_slot;  /* [slot_count] Nodes and copies, sorted by slot. */
     int (*operands)[2];              /* Memory for tape_placement.operand of all placements. */
@@ -43,10 +43,11 @@ void jet_assign_slots(graph_lowering *lowering, int input_count, int output_coun
 
 /* Lengthens the runs of a tape to whole vectors of eight (tape_pad.c). Repeats the last operation of each run whose
  * length is just below a multiple of eight, on tapes with runs of eight operations or more. Sweeps process a run in
- * vectors, and the three short vectors at its end (4, 2, 1) take as long together as three whole ones. The operands of
- * the repeated operations are copied, too. Nothing reads the repeated results, whose adjoints are therefore 0. Runs of
- * whole vectors begin at slots that are multiples of eight, as each order of a block does; slots that this leaves empty
- * are never read. Returns false if memory is lacking; the tape is then unchanged. */
+ * vectors, and the three short vectors at its end (4, 2, 1) take as long together as three whole ones. The operands
+ * of the repeated operations are copied, too. Nothing reads the repeated results, whose adjoints are therefore 0.
+ * Runs of whole vectors begin at slots that are multiples of eight, and the number of slots becomes a multiple of
+ * eight. Slots between two runs may stay empty, and are never read. Returns false if memory is lacking; the tape is
+ * then unchanged. */
 bool jet_pad_runs_to_whole_vectors(jet_tape *tape);
 
 /* Tells whether the tape needs the partner of z, as all tapes of series do. */

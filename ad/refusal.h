@@ -1,5 +1,6 @@
-/* refusal.h - Keeps the text that explains the last refusal, which tvi_last_error returns. Each thread has its own
- * text. Nothing is stored unless something is refused. */
+/* refusal.h - Keeps the text that explains the last refusal: an error status that the library returned, with its
+ * reason. tvi_last_error returns this text. Each thread has its own text. Nothing is stored unless something is
+ * refused. */
 #ifndef TVI_AD_REFUSAL_H
 #define TVI_AD_REFUSAL_H
 

@@ -37,8 +37,8 @@ typedef void jet_tangent_rule(const jet_run *run, const double *x, double *dx, i
 typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride);
 
 /* Records the contribution of the node z, whose adjoint is zbar, to the adjoint of an operand: zbar times the partial
- * derivative of z by a (operand = 0) or b (operand = 1). */
-typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand);
+ * derivative of z by a (operand_index = 0) or b (operand_index = 1). */
+typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand_index);
 
 /* The orders of the partner from which order k of z is computed. Values (order 0) need no partner. */
 typedef enum {

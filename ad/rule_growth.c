@@ -1,6 +1,6 @@
 /* rule_growth.c - Defines the rules of functions z of one operand a with z' = s w a', s = 1 or -1: exponential,
- * trigonometric and hyperbolic functions, and the error function (docs/jets.md, section 4). The partner w is recorded
- * with z, and read at lower orders only. */
+ * trigonometric and hyperbolic functions, and the error function (docs/jets.md, section 4). The series w, called the
+ * partner of z, is recorded with z, and read at lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 
@@ -43,16 +43,16 @@
 
 /* Defines the rule of z = function(a). SIGN names the bodies for s = 1 or -1. The functions exist for all numbers. */
 #define GROWTH_RULES(name, function, SIGN, s)                                                                          \
-    static bool evaluate_##name(double exponent, int count, const double *a, const double *b, double *restrict z)      \
+    static bool evaluate_##name(double exponent, int width, const double *a, const double *b, double *restrict z)      \
     {                                                                                                                  \
         (void)exponent, (void)b;                                                                                       \
-        jet_array_##function(count, a, z);                                                                             \
+        jet_array_##function(width, a, z);                                                                             \
         return true;                                                                                                   \
     }                                                                                                                  \
     JET_FRAMES(name, SIGN)                                                                                             \
-    static jet record_##name##_pullback(struct jet_node *z, jet zbar, int operand)                                     \
+    static jet record_##name##_pullback(struct jet_node *z, jet zbar, int operand_index)                               \
     {                                                                                                                  \
-        (void)operand;                                                                                                 \
+        (void)operand_index;                                                                                           \
         return jet_mul(s, jet_mul(zbar, jet_from_node(z->w)));                                                         \
     }                                                                                                                  \
     JET_RULE(name, 1, W_LOWER)
@@ -68,11 +68,11 @@ GROWTH_RULES(erf, erf, PLUS, 1)   /* w = 2 exp(-a^2) / sqrt(pi) */
 
 /* ---- z = sech^2 a = 1 - w^2 with w = tanh a: the value without the cancellation, the series with w --------------- */
 
-static bool evaluate_sech2(double exponent, int count, const double *a, const double *b, double *restrict z)
+static bool evaluate_sech2(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)exponent, (void)b;
-    jet_array_cosh(count, a, z);
-    for (int i = 0; i < count; i++) z[i] = 1 / (z[i] * z[i]);
+    jet_array_cosh(width, a, z);
+    for (int i = 0; i < width; i++) z[i] = 1 / (z[i] * z[i]);
     return true;
 }
 
@@ -105,9 +105,9 @@ static bool evaluate_sech2(double exponent, int count, const double *a, const do
 JET_FRAMES(sech2, SECH2)
 
 /* The derivative is dz/da = -2 w z. */
-static jet record_sech2_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_sech2_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
-    (void)operand;
+    (void)operand_index;
     return jet_mul(-2, jet_mul(zbar, jet_mul(jet_from_node(z->w), jet_from_node(z))));
 }
 

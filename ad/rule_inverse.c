@@ -1,6 +1,6 @@
 /* rule_inverse.c - Defines the rules of functions z of one operand a with z' = s a' / w, s = 1 or -1: the logarithm and
- * the inverse trigonometric and hyperbolic functions (docs/jets.md, section 4). The partner w is recorded with z, and
- * read at lower orders only. */
+ * the inverse trigonometric and hyperbolic functions (docs/jets.md, section 4). The series w, called the partner of z,
+ * is recorded with z, and read at lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 
@@ -48,18 +48,18 @@
 /* Defines the rule of z = function(a). SIGN names the bodies for s = 1 or -1. z does not exist if outside(a) is
  * true. */
 #define INVERSE_RULES(name, function, SIGN, s, outside)                                                                \
-    static bool evaluate_##name(double exponent, int count, const double *a, const double *b, double *restrict z)      \
+    static bool evaluate_##name(double exponent, int width, const double *a, const double *b, double *restrict z)      \
     {                                                                                                                  \
         (void)exponent, (void)b;                                                                                       \
         int bad = 0;                                                                                                   \
-        for (int i = 0; i < count; i++) bad |= outside(a[i]);                                                          \
-        jet_array_##function(count, a, z);                                                                             \
+        for (int i = 0; i < width; i++) bad |= outside(a[i]);                                                          \
+        jet_array_##function(width, a, z);                                                                             \
         return !bad;                                                                                                   \
     }                                                                                                                  \
     JET_FRAMES(name, SIGN)                                                                                             \
-    static jet record_##name##_pullback(struct jet_node *z, jet zbar, int operand)                                     \
+    static jet record_##name##_pullback(struct jet_node *z, jet zbar, int operand_index)                               \
     {                                                                                                                  \
-        (void)operand;                                                                                                 \
+        (void)operand_index;                                                                                           \
         return jet_mul(s, jet_div(zbar, jet_from_node(z->w)));                                                         \
     }                                                                                                                  \
     JET_RULE(name, 1, W_LOWER)

@@ -4,20 +4,20 @@
 
 #include <math.h>
 
-static bool is_any_at_origin(int count, const double *a, const double *b)
+static bool is_any_at_origin(int width, const double *a, const double *b)
 {
     int at_origin = 0;
-    for (int i = 0; i < count; i++) at_origin |= a[i] == 0 && b[i] == 0;
+    for (int i = 0; i < width; i++) at_origin |= a[i] == 0 && b[i] == 0;
     return at_origin;
 }
 
 /* ---- z = sqrt(a^2 + b^2), whose value neither overflows nor underflows ------------------------------------------- */
 
-static bool evaluate_hypot(double exponent, int count, const double *a, const double *b, double *restrict z)
+static bool evaluate_hypot(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)exponent;
-    for (int i = 0; i < count; i++) z[i] = hypot(a[i], b[i]);
-    return !is_any_at_origin(count, a, b);
+    for (int i = 0; i < width; i++) z[i] = hypot(a[i], b[i]);
+    return !is_any_at_origin(width, a, b);
 }
 
 /* The series rule computes z_k:
@@ -55,20 +55,20 @@ static bool evaluate_hypot(double exponent, int count, const double *a, const do
 JET_FRAMES(hypot, HYPOT)
 
 /* The derivatives are dz/da = a / z and dz/db = b / z. */
-static jet record_hypot_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_hypot_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
-    return jet_mul(zbar, jet_div(jet_from_node(operand == 0 ? z->a : z->b), jet_from_node(z)));
+    return jet_mul(zbar, jet_div(jet_from_node(operand_index == 0 ? z->a : z->b), jet_from_node(z)));
 }
 
 JET_RULE(hypot, 2, W_NONE)
 
 /* ---- z = atan2(a, b), w = a^2 + b^2 ------------------------------------------------------------------------------ */
 
-static bool evaluate_atan2(double exponent, int count, const double *a, const double *b, double *restrict z)
+static bool evaluate_atan2(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)exponent;
-    for (int i = 0; i < count; i++) z[i] = atan2(a[i], b[i]);
-    return !is_any_at_origin(count, a, b);
+    for (int i = 0; i < width; i++) z[i] = atan2(a[i], b[i]);
+    return !is_any_at_origin(width, a, b);
 }
 
 /* The series rule computes z_k:
@@ -115,10 +115,11 @@ static bool evaluate_atan2(double exponent, int count, const double *a, const do
 JET_FRAMES(atan2, ATAN2)
 
 /* The derivatives are dz/da = b / w and dz/db = -a / w. */
-static jet record_atan2_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_atan2_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
     const jet quotient = jet_div(zbar, jet_from_node(z->w));
-    return operand == 0 ? jet_mul(quotient, jet_from_node(z->b)) : jet_neg(jet_mul(quotient, jet_from_node(z->a)));
+    return operand_index == 0 ? jet_mul(quotient, jet_from_node(z->b))
+                              : jet_neg(jet_mul(quotient, jet_from_node(z->a)));
 }
 
 JET_RULE(atan2, 2, W_LOWER)

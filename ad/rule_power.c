@@ -51,9 +51,9 @@ static bool evaluate_sqrt(double exponent, int width, const double *a, const dou
 JET_FRAMES(sqrt, SQRT)
 
 /* The derivative is dz/da = 1 / (2 z). */
-static jet record_sqrt_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_sqrt_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
-    (void)operand;
+    (void)operand_index;
     return jet_div(jet_mul(0.5, zbar), jet_from_node(z));
 }
 
@@ -102,7 +102,7 @@ JET_INLINE bool compute_inverse_half_power(int halves, int width, const double *
     return are_all_positive(width, a);
 }
 
-JET_INLINE bool compute_power_with_any_exponent(double exponent, int width, const double *a, double *restrict z)
+JET_INLINE bool compute_power_inlined(double exponent, int width, const double *a, double *restrict z)
 {
     if (fabs(4 * exponent) <= 4 * TAPE_POWER_MAX_EXPONENT && 4 * exponent == floor(4 * exponent))
         compute_quarter_power((int)(4 * exponent), width, a, z);
@@ -110,11 +110,11 @@ JET_INLINE bool compute_power_with_any_exponent(double exponent, int width, cons
     return exponent == floor(exponent) ? are_all_nonzero(width, a) : are_all_positive(width, a);
 }
 
-/* Computes a power whose exponent is no constant for the compiler. It is a function of its own, so that its caller need
- * not save registers for it. */
-JET_APART bool compute_power_with_variable_exponent(double exponent, int width, const double *a, double *restrict z)
+/* Computes a power whose exponent is no constant for the compiler. The code is not inlined, so that the caller need not
+ * save registers for it. */
+JET_APART bool compute_power_in_own_function(double exponent, int width, const double *a, double *restrict z)
 {
-    return compute_power_with_any_exponent(exponent, width, a, z);
+    return compute_power_inlined(exponent, width, a, z);
 }
 
 static bool evaluate_pow(double exponent, int width, const double *a, const double *b, double *restrict z)
@@ -124,8 +124,8 @@ static bool evaluate_pow(double exponent, int width, const double *a, const doub
            : exponent == -1.5    ? compute_inverse_half_power(3, width, a, z)
            : exponent == -2.5    ? compute_inverse_half_power(5, width, a, z)
            : exponent == -3.5    ? compute_inverse_half_power(7, width, a, z)
-           : JET_KNOWS(exponent) ? compute_power_with_any_exponent(exponent, width, a, z)
-                                 : compute_power_with_variable_exponent(exponent, width, a, z);
+           : JET_KNOWS(exponent) ? compute_power_inlined(exponent, width, a, z)
+                                 : compute_power_in_own_function(exponent, width, a, z);
 }
 
 /* The series rule computes z_k:
@@ -170,9 +170,9 @@ static bool evaluate_pow(double exponent, int width, const double *a, const doub
 JET_FRAMES(pow, POW)
 
 /* The derivative is dz/da = c a^(c-1). */
-static jet record_pow_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_pow_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
-    (void)operand;
+    (void)operand_index;
     return jet_mul(z->number, jet_mul(zbar, jet_pow(jet_from_node(z->a), z->number - 1)));
 }
 

@@ -11,9 +11,9 @@ static bool evaluate_mul(double exponent, int width, const double *a, const doub
     return true;
 }
 
-static jet record_mul_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_mul_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
-    return jet_mul(zbar, jet_from_node(operand == 0 ? z->b : z->a));
+    return jet_mul(zbar, jet_from_node(operand_index == 0 ? z->b : z->a));
 }
 
 JET_RULE_ROW(mul, .operand_count = 2, .compute_values = evaluate_mul, .record_pullback = record_mul_pullback)
@@ -22,9 +22,9 @@ JET_RULE_ROW(mul, .operand_count = 2, .compute_values = evaluate_mul, .record_pu
 
 /* The pullback is 2 a zbar. If zbar is c + k a with numbers c and k, as for a^3 = a z, it is recorded as the sum 2 c a
  * + 2 k z, which needs no product, since z = a^2 is recorded already. */
-static jet record_sqr_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_sqr_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
-    (void)operand;
+    (void)operand_index;
     const jet a = jet_from_node(z->a);
     const struct jet_node *factor = zbar.node;
     if (!factor || factor->op != OP_LINEAR || factor->count != 1 || factor->terms[0].node != z->a)
@@ -79,10 +79,10 @@ static bool evaluate_div(double exponent, int width, const double *a, const doub
 JET_FRAMES(div, DIV)
 
 /* The derivatives are dz/da = 1 / b and dz/db = -z / b. */
-static jet record_div_pullback(struct jet_node *z, jet zbar, int operand)
+static jet record_div_pullback(struct jet_node *z, jet zbar, int operand_index)
 {
     const jet quotient = jet_div(zbar, jet_from_node(z->b));
-    return operand == 0 ? quotient : jet_neg(jet_mul(quotient, jet_from_node(z)));
+    return operand_index == 0 ? quotient : jet_neg(jet_mul(quotient, jet_from_node(z)));
 }
 
 JET_RULE(div, 2, W_NONE)

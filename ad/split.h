@@ -25,8 +25,8 @@ void jet_free_split_tape(jet_tape *split);
  * and operands are counted from 0. */
 int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int operation_index, int operand_index);
 
-/* Sets is_dependent[slot] for every computed slot: it is true if it is true for one of the slot's operands. The caller
- * has set it for the inputs and constants, as true for those of interest. */
+/* Sets is_dependent[slot] of every computed slot to true if one of the operands of the slot is dependent, otherwise to
+ * false. The caller has set is_dependent for the inputs and constants. */
 void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[]);
 
 #endif

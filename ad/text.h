@@ -1,5 +1,5 @@
-/* text.h - Appends formatted text to a buffer that grows. The writers of generated code and the saved states call
- * it. */
+/* text.h - Appends formatted text to a buffer that grows. The writers of generated code call it: emit.c, src/compiled/,
+ * src/galerkin/ and src/generating/. */
 #ifndef TVI_AD_TEXT_H
 #define TVI_AD_TEXT_H
 
