@@ -1,13 +1,14 @@
-/* emit.c - Writes the sweeps of a tape as C text (emit.h). src/compiled/ and the generated steps call it. */
+/* emit.c - Writes the sweeps of a tape as C text (emit.h). src/compiled/ calls it, and so do the files of the methods
+ * that write generated steps. */
 #include "emit.h"
 #include "devices.h"
 #include "rule.h"
 #include "split.h"
 
-/* Numbers of lanes. A vector register holds from LEAST_REGISTER lanes to MOST_REGISTER lanes, depending on the
- * instruction set. Multiples of REGISTER lanes are processed in whole vectors: on a wider machine, a shorter vector
- * takes the last lanes. */
-enum { REGISTER = 4, LEAST_REGISTER = 2, MOST_REGISTER = 8 };
+/* A vector register holds from REGISTER_LANES_MIN lanes to REGISTER_LANES_MAX lanes, depending on the instruction set.
+ * A multiple of WHOLE_VECTOR_LANES is processed in whole vectors on every machine: if a register holds eight lanes, a
+ * shorter vector takes the last four. */
+enum { WHOLE_VECTOR_LANES = 4, REGISTER_LANES_MIN = 2, REGISTER_LANES_MAX = 8 };
 
 extern const char *const jet_embedded_rules[];
 
@@ -50,7 +51,7 @@ typedef struct {
     const jet_tape *tape;
     const jet_emission_request *request;
     int tape_operation_count;
-    bool splits_operations; /* Each operation is a run of its own. */
+    bool has_only_single_operations; /* True if each run is a single operation. */
 } tape_emitter;
 
 /* Writes the arrays of the tape as constants. Each array begins with an extra 0, since C has no empty arrays. */
@@ -59,27 +60,28 @@ static void emit_tape_arrays(const tape_emitter *emitter)
     const jet_tape *tape = emitter->tape;
     const char *name = emitter->request->name_prefix;
     emit_int_array(emitter->text, name, "slot", tape->term_count, tape->term_slot);
-    emit_int_array(emitter->text, name, "operand_b", tape->term_count, tape->term_operand_b);
+    emit_int_array(emitter->text, name, "slot_b", tape->term_count, tape->term_slot_b);
     emit_int_array(emitter->text, name, "output", tape->output_count, tape->output_slot);
     emit_double_array(emitter->text, name, "coefficient", tape->term_count, tape->term_coefficient);
     emit_double_array(emitter->text, name, "constant_terms", tape->linear_operation_count, tape->constant_terms);
     jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         emit_run_initialiser(emitter->text, run);
     jet_text_append(emitter->text, "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_is_split = %d };\n", name,
-                    tape->slot_count, name, tape->output_count, name, emitter->splits_operations);
+                    tape->slot_count, name, tape->output_count, name, emitter->has_only_single_operations);
     jet_text_append(
         emitter->text,
-        "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .run = (jet_run "
+        "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .runs = (jet_run "
         "*)%s_run,\n"
         "    .constant_terms = (double *)%s_constant_terms + 1, .term_slot = (int *)%s_slot + 1,\n"
-        "    .term_operand_b = (int *)%s_operand_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
+        "    .term_slot_b = (int *)%s_slot_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
         name, tape->input_count, tape->constant_count, tape->slot_count, name, name, name, name, name);
 }
 
 /* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
 
-/* Tells whether a run is a single sum, on a tape on which each sum is a run of its own. */
+/* Tells whether a run is a single sum. All LINEAR runs are single sums if the tape was split by JET_SPLIT_SUMS or
+ * JET_SPLIT_ALL. */
 static bool is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
 
 /* Tells whether a sum has a term that it reads from this slot or from a later one. */
@@ -94,7 +96,7 @@ static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run *run,
 static const jet_run *first_adjacent_sum(const jet_tape *tape, const jet_run *run)
 {
     const jet_run *first = run;
-    while (first > tape->run && is_single_sum(first - 1)) first--;
+    while (first > tape->runs && is_single_sum(first - 1)) first--;
     for (const jet_run *next = first; next <= run; next++)
         if (sum_reads_slot_at_or_after(tape, next, first->z)) first = next;
     return first;
@@ -103,12 +105,12 @@ static const jet_run *first_adjacent_sum(const jet_tape *tape, const jet_run *ru
 /* Returns the end of the sequence of adjacent sums that begins with `first`. */
 static const jet_run *end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
 {
-    const jet_run *const end = tape->run + tape->run_count, *next = first;
+    const jet_run *const end = tape->runs + tape->run_count, *next = first;
     while (next < end && is_single_sum(next) && first_adjacent_sum(tape, next) == first) next++;
     return next;
 }
 
-/* Writes one statement. It adds the contributions of the sums `first`, ..., end - 1 to the adjoint of a slot. */
+/* Writes one statement, which adds the contributions of the sums `first`, ..., end - 1 to the adjoint of a slot. */
 static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *tape, const jet_run *first,
                                                const jet_run *end, int slot)
 {
@@ -128,10 +130,10 @@ static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *t
 static void emit_adjoints_of_sums(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
-    for (const jet_run *first = tape->run; first < tape->run + tape->run_count; first++) {
+    for (const jet_run *first = tape->runs; first < tape->runs + tape->run_count; first++) {
         if (!is_single_sum(first) || first_adjacent_sum(tape, first) != first) continue;
         jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n",
-                        emitter->request->name_prefix, (int)(first - tape->run));
+                        emitter->request->name_prefix, (int)(first - tape->runs));
         for (int slot = 0; slot < first->z; slot++)
             emit_adjoint_contributions_of_sums(emitter->text, tape, first, end_of_adjacent_sums(tape, first), slot);
         jet_text_append(emitter->text, "}\n");
@@ -147,7 +149,7 @@ static const char *const rule_names[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
 {
     const char *name = emitter->request->name_prefix;
-    const int index = (int)(run - emitter->tape->run);
+    const int index = (int)(run - emitter->tape->runs);
     if (run->op == OP_LINEAR)
         jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->term_count);
     else if (run->is_scattered)
@@ -166,19 +168,19 @@ static void emit_adjoint_list_entry(const tape_emitter *emitter, const jet_run *
     if (!first) emit_run_macro_call(emitter, run);
     else if (end_of_adjacent_sums(emitter->tape, first) == run + 1)
         jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name_prefix,
-                        (int)(first - emitter->tape->run));
+                        (int)(first - emitter->tape->runs));
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
 static void emit_run_lists(const tape_emitter *emitter)
 {
-    const jet_run *const begin = emitter->tape->run, *const end = begin + emitter->tape->run_count;
+    const jet_run *const begin = emitter->tape->runs, *const end = begin + emitter->tape->run_count;
     jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, SCATTERED, LINEAR)", emitter->request->name_prefix);
     for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
     jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, SCATTERED, LINEAR, SUMS)",
                     emitter->request->name_prefix);
-    for (const jet_run *run = end; run-- > begin && emitter->request->has_adjoints;)
+    for (const jet_run *run = end; run-- > begin && emitter->request->needs_adjoint_sweep;)
         emit_adjoint_list_entry(emitter, run);
     jet_text_append(emitter->text, "\n");
 }
@@ -189,8 +191,8 @@ static void emit_run_lists(const tape_emitter *emitter)
 static void emit_value_function(const tape_emitter *emitter, int lanes)
 {
     const char *name = emitter->request->name_prefix;
-    const bool fits = lanes <= MOST_REGISTER;
-    if (emitter->splits_operations && !fits)
+    const bool fits = lanes <= REGISTER_LANES_MAX;
+    if (emitter->has_only_single_operations && !fits)
         jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
         jet_text_append(emitter->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
@@ -199,13 +201,13 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
                             : "NEVER");
 }
 
-/* Writes the functions that other generated code inlines, or calls if they are large. Value functions for one
- * register are always written; unused ones cost nothing. */
-static void emit_inlined_functions(const tape_emitter *emitter)
+/* Writes the functions that other generated code can call. The value functions for one register are written even
+ * without a request; an unused one costs nothing. */
+static void emit_callable_functions(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name_prefix;
     const int *const lane_counts = emitter->request->lane_counts;
-    for (int lanes = LEAST_REGISTER; lanes <= MOST_REGISTER; lanes *= 2) emit_value_function(emitter, lanes);
+    for (int lanes = REGISTER_LANES_MIN; lanes <= REGISTER_LANES_MAX; lanes *= 2) emit_value_function(emitter, lanes);
     for (const int *lanes = lane_counts; *lanes > 0; lanes++) {
         const bool is_register = *lanes == 2 || *lanes == 4 || *lanes == 8;
         if (!is_register && !(lanes > lane_counts && *lanes == lanes[-1])) emit_value_function(emitter, *lanes);
@@ -259,17 +261,17 @@ static void emit_adjoints_sweep(const tape_emitter *emitter)
 static bool requests_only_vector_values(const jet_emission_request *request)
 {
     for (const int *lanes = request->lane_counts; *lanes > 0; lanes++)
-        if (*lanes % REGISTER != 0) return false;
-    return !request->has_series && !request->has_adjoints && request->direction_counts[0] == 0;
+        if (*lanes % WHOLE_VECTOR_LANES != 0) return false;
+    return !request->needs_series_sweep && !request->needs_adjoint_sweep && request->direction_counts[0] == 0;
 }
 
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request)
 {
     const char *name = request->name_prefix;
     const int operation_count = tape->slot_count - tape->input_count - tape->constant_count;
-    const bool splits_operations =
+    const bool has_only_single_operations =
         JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_OPERATIONS && requests_only_vector_values(request);
-    const jet_split_mode mode = splits_operations                                           ? JET_SPLIT_ALL
+    const jet_split_mode mode = has_only_single_operations                                  ? JET_SPLIT_ALL
                                 : JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_SUMS ? JET_SPLIT_SUMS
                                                                                             : JET_SPLIT_NONE;
     jet_tape split;
@@ -277,21 +279,21 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
         text->is_incomplete = true;
         return;
     }
-    const tape_emitter emitter = {text, &split, request, operation_count, splits_operations};
+    const tape_emitter emitter = {text, &split, request, operation_count, has_only_single_operations};
     emit_tape_arrays(&emitter);
-    if (request->has_adjoints) emit_adjoints_of_sums(&emitter);
+    if (request->needs_adjoint_sweep) emit_adjoints_of_sums(&emitter);
     emit_run_lists(&emitter);
-    emit_inlined_functions(&emitter);
+    emit_callable_functions(&emitter);
     jet_text_append(text, "enum { %s_top = %d };\n", name, request->top_order);
     if (request->lane_counts[0] > 0) emit_values_sweep(&emitter);
-    if (request->has_series) emit_series_sweep(&emitter);
+    if (request->needs_series_sweep) emit_series_sweep(&emitter);
     if (request->direction_counts[0] > 0) emit_tangents_sweep(&emitter);
-    if (request->has_adjoints) emit_adjoints_sweep(&emitter);
+    if (request->needs_adjoint_sweep) emit_adjoints_sweep(&emitter);
     jet_text_append(text, "static const jet_sweeps %s_sweeps = {", name);
     if (request->lane_counts[0] > 0) jet_text_append(text, ".values = %s_values, ", name);
-    if (request->has_series) jet_text_append(text, ".series = %s_series, ", name);
+    if (request->needs_series_sweep) jet_text_append(text, ".series = %s_series, ", name);
     if (request->direction_counts[0] > 0) jet_text_append(text, ".tangents = %s_tangents, ", name);
-    if (request->has_adjoints) jet_text_append(text, ".adjoints = %s_adjoints, ", name);
+    if (request->needs_adjoint_sweep) jet_text_append(text, ".adjoints = %s_adjoints, ", name);
     jet_text_append(text, ".isa = JET_GENERATED_ISA};\n");
     jet_free_split_tape(&split);
 }

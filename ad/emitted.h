@@ -2,11 +2,11 @@
  * rules.
  *
  * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each run
- * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, squares, terms); SCATTERED(T, i, squares, terms) for
- * products with scattered operands, on tapes of values; or LINEAR(T, i, terms). `name` is the name of the rule, `terms`
- * the number of terms, and `squares` 1 for SQUARES, 0 for PRODUCTS. For adjoints it defines T_RUNS_BACK, the same list
- * in reverse order. There SUMS(T, i) stands for the adjacent sums from run i on, whose adjoint function is
- * T_sums_back_i. */
+ * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, are_squares, terms); SCATTERED(T, i, are_squares, terms)
+ * for products with scattered operands, on tapes of values; or LINEAR(T, i, terms). `name` is the name of the rule,
+ * `terms` the number of terms, and `are_squares` 1 for SQUARES, 0 for PRODUCTS. For adjoints the text defines
+ * T_RUNS_BACK, the same list in reverse order. In that list SUMS(T, i) stands for the adjacent sums from run i on,
+ * whose adjoint function is T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -15,9 +15,9 @@
 #define VALUES_RULE(T, i, name)                                                                                        \
     inside &= evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,       \
                               x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);
-#define VALUES_PRODUCTS(T, i, squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_SCATTERED(T, i, squares, terms)                                                                         \
-    compute_scattered_product_values(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_PRODUCTS(T, i, are_squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, are_squares, terms);
+#define VALUES_SCATTERED(T, i, are_squares, terms)                                                                     \
+    compute_scattered_product_values(&T, &T##_run[i], x, lanes, are_squares, terms);
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_sums_without_constants(&T, &T##_run[i], x, lanes, terms);                                                  \
     add_constant_terms(&T, &T##_run[i], x, lanes);
@@ -26,13 +26,13 @@
     compute_sums_without_constants(&T, &T##_run[i], x + k * T.slot_count * lanes, lanes, terms);
 
 #define SERIES_RULE(T, i, name) name##_series(&T##_run[i], x, k, (size_t)T.slot_count, lanes);
-#define SERIES_PRODUCTS(T, i, squares, terms)                                                                          \
-    compute_product_series_order(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
+#define SERIES_PRODUCTS(T, i, are_squares, terms)                                                                      \
+    compute_product_series_order(&T, &T##_run[i], x, k, (size_t)lanes, are_squares, terms);
 #define SERIES_LINEAR(T, i, terms) ORDER_LINEAR(T, i, x, terms)
 
 #define TANGENTS_RULE(T, i, name) name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slot_count, lanes);
-#define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
-    compute_product_tangents(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
+#define TANGENTS_PRODUCTS(T, i, are_squares, terms)                                                                    \
+    compute_product_tangents(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, are_squares, terms);
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
 /* The following macros compute the tangents of order 0, along one direction for each lane of x. */
@@ -41,14 +41,15 @@
         const jet_run all = jet_make_run_over_all_lanes(&T##_run[i], lanes);                                           \
         name##_tangent(&all, x, dx, 0, (size_t)(T.slot_count * lanes), 1);                                             \
     }
-#define PER_LANE_PRODUCTS(T, i, squares, terms)                                                                        \
-    compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
+#define PER_LANE_PRODUCTS(T, i, are_squares, terms)                                                                    \
+    compute_product_tangents(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, are_squares, terms);
 #define PER_LANE_LINEAR(T, i, terms) compute_sums_without_constants(&T, &T##_run[i], dx, lanes, terms);
 
-#define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slot_count);
-#define ADJOINTS_PRODUCTS(T, i, squares, terms) add_product_adjoints(&T, &T##_run[i], x, bar, k, top, squares, terms);
-#define ADJOINTS_LINEAR(T, i, terms)            add_linear_adjoints(&T, &T##_run[i], bar + k * T.slot_count, terms);
-#define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slot_count);
+#define ADJOINTS_RULE(T, i, name) name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slot_count);
+#define ADJOINTS_PRODUCTS(T, i, are_squares, terms)                                                                    \
+    add_product_adjoints(&T, &T##_run[i], x, bar, k, top, are_squares, terms);
+#define ADJOINTS_LINEAR(T, i, terms) add_linear_adjoints(&T, &T##_run[i], bar + k * T.slot_count, terms);
+#define ADJOINTS_SUMS(T, i)          T##_sums_back_##i(bar + k * T.slot_count);
 
 /* The instruction set for which this code is compiled. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
@@ -114,7 +115,7 @@
     }
 
 /* Stands for SCATTERED on tapes of series, which have no scattered operands. */
-#define NONE(T, i, squares, terms)
+#define NONE(T, i, are_squares, terms)
 
 #define JET_GENERATED_SERIES(T)                                                                                        \
     JET_INLINE bool T##_series_of(double *x, int k)                                                                    \

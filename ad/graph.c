@@ -15,7 +15,7 @@ struct jet_graph {
     bool is_open;
     const char *output_name;       /* Name of the outputs, for the texts of refusals. */
     const char *derived_part_name; /* Name of the operations that the library derives from the user's, or NULL. */
-    int derived_part_start;        /* Index of the first of these operations. */
+    int derived_part_first_index;  /* Index of the first operation that is derived. */
     bool is_out_of_memory;         /* An operation could not be stored. All outputs are refused from then on. */
     int input_count, parameter_count, count, capacity;
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
@@ -72,13 +72,13 @@ void jet_graph_close(jet_graph *graph) { graph->is_open = false; }
 void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->output_name = name; }
 void jet_graph_begin_derived_part(jet_graph *graph, const char *name)
 {
-    graph->derived_part_start = graph->count;
+    graph->derived_part_first_index = graph->count;
     graph->derived_part_name = name;
 }
 
 const char *jet_graph_get_derived_part_name(const jet_graph *graph, int *first_index)
 {
-    *first_index = graph->derived_part_start;
+    *first_index = graph->derived_part_first_index;
     return graph->derived_part_name;
 }
 
@@ -97,7 +97,8 @@ static uint64_t double_bits(double value)
     return word;
 }
 
-/* Computes the hash of a node's operation, number and operands. The partner is left out, since these determine it. */
+/* Computes the hash of a node's operation, number and operands. The partner is left out, since the operation and the
+ * operands determine it. */
 static uint64_t hash_node(const struct jet_node *node)
 {
     uint64_t hash = mix_into_hash((uint64_t)node->op, double_bits(node->number));

@@ -85,8 +85,9 @@ struct jet_node {
     struct jet_node *w; /* Partner, or NULL. */
     jet_term *terms;    /* LINEAR: the terms. */
     int count;          /* Number of terms. Poison node: its jet_reason. */
-    int mark;           /* Scratch while a sum is recorded: index of the node's term in the sum. */
-    /* PARAMETER: its index. It must be the last member, since test_sharing.c compares all members up to it. */
+    int scratch;        /* Scratch of the function that runs: the index of a term, or a flag. */
+    /* PARAMETER: the index of the parameter. This member must be the last one, since test_sharing.c compares all
+     * members before it. */
     int parameter_index;
 };
 
@@ -127,7 +128,8 @@ struct jet_node *jet_graph_node_at(const jet_graph *graph, int index);
 static inline jet jet_from_node(struct jet_node *node) { return (jet){0, node}; }
 
 /* Sets *graph to the open graph to which all nodes among x belong, or to NULL if all x are numbers. Returns poison if
- * no operation on x can be recorded, since one of them is poison, or two belong to different graphs; otherwise 0. */
+ * no operation on x can be recorded, since one of them is poison, or two belong to different graphs. Otherwise it
+ * returns the number 0, a jet without a node. */
 jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph);
 /* Returns a poison jet, which belongs to no graph and holds the reason. All jets made from it are the same poison.
  * Its node has the status (tvi_status) as its index. */

@@ -1,5 +1,5 @@
-/* jet.c - Records the operations on jets that the user's function calls, as nodes of a graph. It folds operations on
- * constants, and an equal node that exists is used again (docs/jets.md, section 1). */
+/* jet.c - Records the operations on jets that the user's function calls, as nodes of a graph. Operations on constants
+ * are folded, and a node that equals an earlier one is not recorded again (docs/jets.md, section 1). */
 #include "graph.h"
 #include "rule.h"
 
@@ -20,11 +20,11 @@ static void add_term_to_sum(struct jet_node *sum, double coefficient, struct jet
         coefficient *= node->terms[0].coefficient;
         node = node->terms[0].node;
     }
-    if (node->mark >= 0 && node->mark < sum->count && sum->terms[node->mark].node == node) {
-        sum->terms[node->mark].coefficient += coefficient;
+    if (node->scratch >= 0 && node->scratch < sum->count && sum->terms[node->scratch].node == node) {
+        sum->terms[node->scratch].coefficient += coefficient;
         return;
     }
-    node->mark = sum->count;
+    node->scratch = sum->count;
     /* The caller has allocated sum->terms for all terms. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
     sum->terms[sum->count++] = (jet_term){coefficient, node};
 }
@@ -112,7 +112,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
 
 /* ---- Products, quotients, powers, functions ---------------------------------------------------------------------- */
 
-static jet finite_constant_or_poison(double value)
+static jet make_finite_constant_or_poison(double value)
 {
     return isfinite(value) ? jet_const(value) : jet_make_poison(JET_NOT_FINITE);
 }
@@ -123,7 +123,7 @@ static jet fold_constant_operation(jet_op op, double exponent, double a, double 
     double z;
     if (!jet_rules[op]->compute_values(exponent, 1, &a, &b, &z))
         return jet_make_domain_poison(op, op == OP_DIV ? b : a);
-    return finite_constant_or_poison(z);
+    return make_finite_constant_or_poison(z);
 }
 
 enum { PARAMETERS_MAX = 1000 };
@@ -184,7 +184,7 @@ jet jet_record_pow(jet a, double c)
     if (refused.node) return refused;
     if (!isfinite(c)) return jet_make_poison(JET_NOT_FINITE);
     const bool natural = c >= 0 && c == floor(c);
-    if (!graph && natural) return finite_constant_or_poison(pow(a.number, c));
+    if (!graph && natural) return make_finite_constant_or_poison(pow(a.number, c));
     if (!graph) return fold_constant_operation(OP_POW, c, a.number, 0);
     if (c == 0) return jet_const(1);
     if (c == 0.5) return jet_sqrt(a);

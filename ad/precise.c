@@ -61,7 +61,7 @@ static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run,
 static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run, int operation_index,
                                         const long double *values)
 {
-    const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_operand_b;
+    const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_slot_b;
     const int k0 = run->first_term + (run->is_scattered ? operation_index * run->term_count : 0),
               at = run->is_scattered ? 0 : operation_index;
     long double sum = 0;
@@ -73,7 +73,7 @@ static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run
 void jet_sweep_long_double_values(const jet_tape *tape, const double *block, long double *values)
 {
     for (int i = tape->input_count; i < tape->input_count + tape->constant_count; i++) values[i] = block[i];
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++)
             values[run->z + i] = run->op == OP_LINEAR ? evaluate_linear_sum(tape, run, i, values)
                                  : jet_is_sum_of_products(run->op)

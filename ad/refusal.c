@@ -58,14 +58,14 @@ bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
     /* Generated code does not store the values of all slots; the interpreter therefore computes all of them again. */
     (void)tape->interpreter_sweeps->values(tape, block, lanes);
     (void)jet_refuse(TVI_EDOMAIN, "an operation has no power series");
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (!operation_names[run->op]) continue;
         const double *a = block + (size_t)run->a * (size_t)lanes, *b = block + (size_t)run->b * (size_t)lanes;
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int operation = i / lanes;
             const bool is_part =
-                tape->derived_part_name && tape->recording_index[run->z + operation] >= tape->derived_part_start;
+                tape->derived_part_name && tape->recording_index[run->z + operation] >= tape->derived_part_first_index;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
                              is_part ? tape->derived_part_name : "", is_part ? ": " : "", operation_names[run->op],
                              operand_outside_domain(run, block, lanes, i), tape->recording_index[run->z + operation]);

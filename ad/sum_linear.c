@@ -1,18 +1,18 @@
-/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i in every kind of sweep (sums.h). The number is the
- * constant term: it belongs to the values, which are order 0. Higher orders of a series, and tangents, are the same
- * sums without it. */
+/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i in every kind of sweep (sums.h). The number, called the
+ * constant term, belongs to the values, which are order 0. Higher orders of a series, and tangents, are the same sums
+ * without the constant term. */
 #include "sums.h"
 
-/* TABLE defines the table of functions name[term_count](parameters), with one function for each number of terms up to
- * OWN_MAX, and name[0] for larger numbers. */
-enum { OWN_MAX = 5 };
+/* TABLE defines the table of functions name[term_count](parameters). Sums of up to SPECIALISED_TERMS_MAX terms have a
+ * function for each number of terms, and name[0] is for longer sums. */
+enum { SPECIALISED_TERMS_MAX = 5 };
 #define TABLE(name, body, parameters, ...)                                                                             \
     static void name##_any parameters { body(__VA_ARGS__, run->term_count); }                                          \
     JET_BY_TERMS(name##_of, body, parameters, __VA_ARGS__)                                                             \
     static void name##_5 parameters { body(__VA_ARGS__, 5); }                                                          \
-    static void(*const name[1 + OWN_MAX])                                                                              \
+    static void(*const name[1 + SPECIALISED_TERMS_MAX])                                                                \
         parameters = {name##_any, name##_of_1, name##_of_2, name##_of_3, name##_of_4, name##_5};
-#define FUNCTION(name, run) name[(run)->term_count <= OWN_MAX ? (run)->term_count : 0]
+#define FUNCTION(name, run) name[(run)->term_count <= SPECIALISED_TERMS_MAX ? (run)->term_count : 0]
 
 /* Computes the sums of a run, without constant terms, in a block of one lane. */
 JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run *run, double *block, int term_count)
@@ -57,10 +57,12 @@ JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run *
                                            const double *constant_terms, int term_count)
 {
     const size_t stride = (size_t)lanes;
-    const int *from = tape->term_slot + run->first_term, kept = term_count < OWN_MAX ? term_count : OWN_MAX;
-    const double *coefficient = tape->term_coefficient + run->first_term, *a[OWN_MAX];
-    double *z = block + stride * (size_t)run->z, *const end = z + stride * (size_t)run->operation_count, c[OWN_MAX];
-    if (lanes == 8 && !constant_terms && term_count > OWN_MAX)
+    const int *from = tape->term_slot + run->first_term,
+              kept = term_count < SPECIALISED_TERMS_MAX ? term_count : SPECIALISED_TERMS_MAX;
+    const double *coefficient = tape->term_coefficient + run->first_term, *a[SPECIALISED_TERMS_MAX];
+    double *z = block + stride * (size_t)run->z, *const end = z + stride * (size_t)run->operation_count,
+           c[SPECIALISED_TERMS_MAX];
+    if (lanes == 8 && !constant_terms && term_count > SPECIALISED_TERMS_MAX)
         for (; z + stride < end; z += 2 * stride, from += 2 * term_count, coefficient += 2 * term_count)
             JET_BLOCKS_OF_8(lanes, LINEAR_PAIR, JET_OF)
     for (; z < end; z += stride, from += term_count, coefficient += term_count) {

@@ -4,8 +4,8 @@
  * while the vector of z is in a register. */
 #include "sums.h"
 
-/* Defines the table of functions name[squares][term_count](parameters), with one function for each number of terms of
- * PRODUCTS and of SQUARES. */
+/* Defines the table of functions name[are_squares][term_count](parameters), with one function for each number of terms
+ * of PRODUCTS and of SQUARES. */
 #define TABLE(name, body, parameters, ...)                                                                             \
     JET_BY_TERMS(name##_products, body, parameters, __VA_ARGS__, false)                                                \
     JET_BY_TERMS(name##_squares, body, parameters, __VA_ARGS__, true)                                                  \
@@ -38,7 +38,7 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
                                           int term_count)
 {
     const int first = run->first_term;
-    return locate_terms_at_slots(tape->term_coefficient + first, tape->term_slot + first, tape->term_operand_b + first,
+    return locate_terms_at_slots(tape->term_coefficient + first, tape->term_slot + first, tape->term_slot_b + first,
                                  block, lanes, term_count);
 }
 
@@ -62,14 +62,14 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes, bool squares,
-                                       int term_count)
+JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                       bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
     const size_t stride = (size_t)lanes;
     const int width = run->operation_count * lanes;
     double *z = block + (size_t)run->z * stride;
-    (void)squares; /* b is a */
+    (void)are_squares; /* b is a */
     if (lanes == 8) JET_BLOCKS_OF_8(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
@@ -79,11 +79,11 @@ TABLE(values_any, compute_product_values, (const jet_tape *tape, const jet_run *
       run, block, lanes)
 
 JET_INLINE void compute_scattered_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                                 bool squares, int term_count)
+                                                 bool are_squares, int term_count)
 {
     const size_t stride = (size_t)lanes;
     const double *c = tape->term_coefficient + run->first_term;
-    const int *a = tape->term_slot + run->first_term, *b = squares ? a : tape->term_operand_b + run->first_term;
+    const int *a = tape->term_slot + run->first_term, *b = are_squares ? a : tape->term_slot_b + run->first_term;
     double *z = block + (size_t)run->z * stride, *const end = z + (size_t)run->operation_count * stride;
     for (; z < end; z += stride, a += term_count, b += term_count, c += term_count) {
         const product_terms p = locate_terms_at_slots(c, a, b, block, stride, term_count);
@@ -132,13 +132,13 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double
     }
 
 JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k,
-                                             size_t lanes, bool squares, int term_count)
+                                             size_t lanes, bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, lanes, term_count);
     const size_t stride = (size_t)tape->slot_count * lanes;
     const int width = run->operation_count * (int)lanes;
     double *z = block + (size_t)run->z * lanes;
-    if (squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
+    if (are_squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
 
@@ -190,14 +190,14 @@ void jet_compute_product_series_order(const jet_tape *tape, const jet_run *run, 
     }
 
 JET_INLINE void compute_product_tangents(const jet_tape *tape, const jet_run *run, const double *block,
-                                         double *tangent_block, int k, size_t block_lanes, size_t lanes, bool squares,
-                                         int term_count)
+                                         double *tangent_block, int k, size_t block_lanes, size_t lanes,
+                                         bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, block_lanes, term_count),
                         d = locate_run_terms(tape, run, tangent_block, lanes, term_count);
     const size_t stride = (size_t)tape->slot_count * block_lanes, dstride = (size_t)tape->slot_count * lanes;
     double *dz = tangent_block + (size_t)run->z * lanes;
-    if (squares) {
+    if (are_squares) {
         TANGENT_OF(SQUARES_TANGENT)
     } else {
         TANGENT_OF(PRODUCTS_TANGENT)
@@ -244,7 +244,7 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, cons
     }
 
 JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, const double *block,
-                                     double *adjoint_block, int k, int top, bool squares, int term_count)
+                                     double *adjoint_block, int k, int top, bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, 1, term_count);
     const size_t stride = (size_t)tape->slot_count;
@@ -252,9 +252,9 @@ JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, c
     double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];
     for (int t = 0; t < term_count; t++) {
         abar[t] = adjoint_block + tape->term_slot[run->first_term + t];
-        bbar[t] = adjoint_block + tape->term_operand_b[run->first_term + t];
+        bbar[t] = adjoint_block + tape->term_slot_b[run->first_term + t];
     }
-    if (squares) JET_BLOCKS(run->operation_count, SQUARES_ADJOINT, JET_OF);
+    if (are_squares) JET_BLOCKS(run->operation_count, SQUARES_ADJOINT, JET_OF);
     else JET_BLOCKS(run->operation_count, PRODUCTS_ADJOINT, JET_OF);
 }
 

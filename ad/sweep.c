@@ -1,22 +1,22 @@
-/* sweep.c - Runs the sweeps of a tape as an interpreter. Each sweep goes through the runs once, and calls the rule
- * of each run's operation. It is compiled once for each instruction set. */
+/* sweep.c - Runs the sweeps of a tape as an interpreter. Each sweep goes through the runs once, and calls the rule of
+ * each run's operation. The file is compiled once for each instruction set. */
 #include "sums.h"
 
 #define RULE(op, name) [op] = &JET_RULE_OF(name),
 const jet_rule *const jet_rules[OP_COUNT] = {JET_RULE_LIST(RULE)};
 
-static double *slot_numbers(double *block, int slot, int lanes) { return block + (size_t)slot * (size_t)lanes; }
+static double *numbers_of_slot(double *block, int slot, int lanes) { return block + (size_t)slot * (size_t)lanes; }
 
 JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
     bool inside = true;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op)) jet_compute_product_values(tape, run, block, lanes);
         else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
         else
             inside &= jet_rules[run->op]->compute_values(
-                run->exponent, run->operation_count * lanes, slot_numbers(block, run->a, lanes),
-                slot_numbers(block, run->b, lanes), slot_numbers(block, run->z, lanes));
+                run->exponent, run->operation_count * lanes, numbers_of_slot(block, run->a, lanes),
+                numbers_of_slot(block, run->b, lanes), numbers_of_slot(block, run->z, lanes));
     }
     return inside;
 }
@@ -33,7 +33,7 @@ JET_INLINE bool sweep_series_inlined(const jet_tape *tape, double *block, int or
 {
     if (order == 0) return sweep_values(tape, block, lanes);
     const size_t stride = (size_t)tape->slot_count;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op)) jet_compute_product_series_order(tape, run, block, order, lanes);
         else if (run->op == OP_LINEAR)
             jet_compute_sums_without_constants(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
@@ -50,7 +50,7 @@ static bool sweep_series(const jet_tape *tape, double *block, int order, int lan
 static void sweep_tangents(const jet_tape *tape, const double *block, double *tangent_block, int order, int lanes)
 {
     const size_t stride = (size_t)tape->slot_count;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op))
             jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, lanes);
         else if (run->op == OP_LINEAR)
@@ -64,7 +64,7 @@ static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, d
                                     int lanes)
 {
     const size_t stride = (size_t)tape->slot_count * (size_t)lanes;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op))
             jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
         else if (run->op == OP_LINEAR)
@@ -79,7 +79,7 @@ static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, d
 static void sweep_adjoints(const jet_tape *tape, const double *block, double *adjoint_block, int order, int top_order)
 {
     const size_t stride = (size_t)tape->slot_count;
-    for (const jet_run *run = tape->run + tape->run_count; run-- > tape->run;) {
+    for (const jet_run *run = tape->runs + tape->run_count; run-- > tape->runs;) {
         if (jet_is_sum_of_products(run->op))
             jet_add_product_adjoints(tape, run, block, adjoint_block, order, top_order);
         else if (run->op == OP_LINEAR) jet_add_linear_adjoints(tape, run, adjoint_block + (size_t)order * stride);

@@ -1,5 +1,5 @@
-/* tape.c - Lowers a graph to a tape (docs/jets.md, section 2). lowering.c gives the nodes their slots; adjacent
- * equal operations become one run. The systems create their tapes here. */
+/* tape.c - Translates a graph to a tape (docs/jets.md, section 2). lowering.c gives the nodes their slots; adjacent
+ * equal operations become one run. src/system/ creates its tapes here. */
 #include "devices.h"
 #include "lowering.h"
 
@@ -13,7 +13,7 @@ static void append_tape_term(jet_tape *tape, double coefficient, int slot_a, int
 {
     tape->term_coefficient[tape->term_count] = coefficient;
     tape->term_slot[tape->term_count] = slot_a;
-    tape->term_operand_b[tape->term_count++] = slot_b;
+    tape->term_slot_b[tape->term_count++] = slot_b;
 }
 
 /* Makes a LINEAR run of one operation, and appends its constant term and its terms to the tape. A copy is a sum of
@@ -70,7 +70,7 @@ static bool join_product_run(jet_tape *tape, const jet_run *run, const jet_run *
          here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
             tape->term_slot[there] != tape->term_slot[here] + run->operation_count ||
-            tape->term_operand_b[there] != tape->term_operand_b[here] + run->operation_count)
+            tape->term_slot_b[there] != tape->term_slot_b[here] + run->operation_count)
             return false;
     tape->term_count = next->first_term;
     return true;
@@ -102,7 +102,7 @@ static bool can_join_rule_run(const jet_run *run, const jet_run *next)
 static bool join_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
 {
     if (tape->run_count == 0) return false;
-    jet_run *run = &tape->run[tape->run_count - 1];
+    jet_run *run = &tape->runs[tape->run_count - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
     const bool joins = next->op == OP_LINEAR              ? join_linear_run(run, next)
@@ -118,14 +118,14 @@ static void append_operation(const graph_lowering *lowering, jet_tape *tape, con
     const jet_run next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
                          : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
                                                          : make_rule_run(lowering, z);
-    if (!join_last_run(lowering, tape, &next)) tape->run[tape->run_count++] = next;
+    if (!join_last_run(lowering, tape, &next)) tape->runs[tape->run_count++] = next;
 }
 
 static void append_constant(jet_tape *tape, const tape_placement *z)
 {
     tape->constant_values[tape->constant_count++] = z->node->number;
     if (z->op == OP_PARAMETER)
-        tape->parameter[tape->parameter_count++] = (jet_tape_parameter){z->node->parameter_index, z->slot};
+        tape->parameters[tape->parameter_count++] = (jet_tape_parameter){z->node->parameter_index, z->slot};
 }
 
 static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
@@ -150,18 +150,18 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     lowering->nodes_by_level = calloc(nodes, sizeof(tape_placement *));
     lowering->nodes_by_slot = calloc(nodes + copies, sizeof(tape_placement *));
     lowering->operands = calloc(pairs + copies, sizeof *lowering->operands);
-    tape->run = calloc(nodes + copies, sizeof *tape->run);
+    tape->runs = calloc(nodes + copies, sizeof *tape->runs);
     tape->constant_values = calloc(nodes, sizeof *tape->constant_values);
-    tape->parameter = calloc(nodes, sizeof *tape->parameter);
+    tape->parameters = calloc(nodes, sizeof *tape->parameters);
     tape->constant_terms = calloc(nodes + copies, sizeof *tape->constant_terms);
     tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
-    tape->term_operand_b = calloc(pairs + copies, sizeof *tape->term_operand_b);
+    tape->term_slot_b = calloc(pairs + copies, sizeof *tape->term_slot_b);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output_slot = calloc((size_t)output_count + 1, sizeof *tape->output_slot);
     tape->recording_index = calloc(nodes + copies, sizeof *tape->recording_index);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
-           lowering->nodes_by_slot && lowering->operands && tape->run && tape->constant_values && tape->parameter &&
-           tape->constant_terms && tape->term_slot && tape->term_operand_b && tape->term_coefficient &&
+           lowering->nodes_by_slot && lowering->operands && tape->runs && tape->constant_values && tape->parameters &&
+           tape->constant_terms && tape->term_slot && tape->term_slot_b && tape->term_coefficient &&
            tape->output_slot && tape->recording_index;
 }
 
@@ -171,8 +171,8 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->derived_part_name = jet_graph_get_derived_part_name(lowering->graph, &tape->derived_part_start);
-    tape->derived_part_start += 1 - jet_graph_input_count(lowering->graph);
+    tape->derived_part_name = jet_graph_get_derived_part_name(lowering->graph, &tape->derived_part_first_index);
+    tape->derived_part_first_index += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     for (int i = 0; i < output_count; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);

@@ -20,21 +20,22 @@ typedef enum {
 } jet_tape_kind;
 
 /* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i, with partners w + i.
- * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own,
- * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term + i * term_count on.
- * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots
- * term_slot[k] + i and term_operand_b[k] + i, for `term_count` values k from first_term on. If operands are scattered,
- * on tapes of values alone, each operation has terms of its own, as for LINEAR. */
+ * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own:
+ * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term + i * term_count on. PRODUCTS,
+ * SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots term_slot[k] + i and
+ * term_slot_b[k] + i, for `term_count` values k from first_term on. If operands are scattered, which only happens on
+ * tapes of values, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
-    double exponent; /* Exponent of POW; all others have 0. */
+    double exponent; /* POW: the exponent. Otherwise 0. */
     /* LINEAR: 1 if some constant term is not 0. PRODUCTS and SQUARES: 1 if operands are scattered. Otherwise 0. */
     short has_constant_terms, is_scattered;
     int first_constant_term, term_count, first_term;
 } jet_run;
 
-/* Tells whether the operation is a sum of products, as which all products and squares are computed. */
+/* Tells whether the operation is a sum of products. On a tape every product and square is such a sum, of one term or
+ * more. */
 static inline bool jet_is_sum_of_products(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
 
 /* A constant that may be replaced: the parameter with this index. */
@@ -57,18 +58,18 @@ typedef struct {
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
     int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,
         output_count;
-    jet_run *run;
-    double *constant_values;         /* [constant_count] Values of the slots from input_count on. */
-    jet_tape_parameter *parameter;   /* [parameter_count] The constants that may be replaced. */
-    double *constant_terms;          /* [linear_operation_count] Constant terms of the LINEAR operations. */
-    int *term_slot, *term_operand_b; /* [term_count] Slots of the terms, or of the factors of products. */
-    double *term_coefficient;        /* [term_count] */
-    int *output_slot;                /* [output_count] Slots of the outputs. */
+    jet_run *runs;
+    double *constant_values;        /* [constant_count] Values of the constants, whose slots follow the inputs. */
+    jet_tape_parameter *parameters; /* [parameter_count] The constants that may be replaced. */
+    double *constant_terms;         /* [linear_operation_count] Constant terms of the LINEAR operations. */
+    int *term_slot, *term_slot_b;   /* [term_count] Slots of the terms, or of the factors of products. */
+    double *term_coefficient;       /* [term_count] Coefficients of the terms. */
+    int *output_slot;               /* [output_count] Slots of the outputs. */
     /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
     int *recording_index;
     /* Name of the operations that are not the user's own (jet_graph_begin_derived_part), or NULL. */
     const char *derived_part_name;
-    int derived_part_start; /* The recording_index of the first of these operations. */
+    int derived_part_first_index; /* recording_index of the first operation that is not the user's. */
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs

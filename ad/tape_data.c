@@ -19,12 +19,12 @@ static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
     const size_t terms = (size_t)tape->term_count;
     const tape_array all[TAPE_ARRAYS] = {
-        {tape->run, (size_t)tape->run_count * sizeof *tape->run},
+        {tape->runs, (size_t)tape->run_count * sizeof *tape->runs},
         {tape->constant_values, (size_t)tape->constant_count * sizeof *tape->constant_values},
-        {tape->parameter, (size_t)tape->parameter_count * sizeof *tape->parameter},
+        {tape->parameters, (size_t)tape->parameter_count * sizeof *tape->parameters},
         {tape->constant_terms, (size_t)tape->linear_operation_count * sizeof *tape->constant_terms},
         {tape->term_slot, terms * sizeof *tape->term_slot},
-        {tape->term_operand_b, terms * sizeof *tape->term_operand_b},
+        {tape->term_slot_b, terms * sizeof *tape->term_slot_b},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
         {tape->output_slot, (size_t)tape->output_count * sizeof *tape->output_slot},
         {tape->recording_index, 0},
@@ -45,7 +45,7 @@ void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count
 void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int parameter_count,
                              int values_per_parameter, const double value[])
 {
-    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameter_count; it++)
+    for (const jet_tape_parameter *it = tape->parameters; it < tape->parameters + tape->parameter_count; it++)
         for (int lane = 0; it->parameter_index < parameter_count && lane < lanes; lane++)
             block[it->slot * lanes + lane] =
                 value[it->parameter_index * values_per_parameter + lane % values_per_parameter];
@@ -53,7 +53,7 @@ void jet_tape_set_parameters(const jet_tape *tape, double *block, int lanes, int
 
 void jet_tape_read_parameters(const jet_tape *tape, const double *block, int lanes, int lane, double value[])
 {
-    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameter_count; it++)
+    for (const jet_tape_parameter *it = tape->parameters; it < tape->parameters + tape->parameter_count; it++)
         value[it->parameter_index] = block[it->slot * lanes + lane];
 }
 
@@ -61,7 +61,7 @@ bool jet_tape_is_slot_always_zero(const jet_tape *tape, int slot)
 {
     const int which = slot - tape->input_count;
     bool is_zero = which >= 0 && which < tape->constant_count && tape->constant_values[which] == 0;
-    for (int i = 0; i < tape->parameter_count; i++) is_zero = is_zero && tape->parameter[i].slot != slot;
+    for (int i = 0; i < tape->parameter_count; i++) is_zero = is_zero && tape->parameters[i].slot != slot;
     return is_zero;
 }
 

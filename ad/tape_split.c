@@ -21,38 +21,38 @@ static void append_split_terms(jet_tape *split, const jet_tape *tape, int first,
 {
     for (int term = first; term < first + count; term++, split->term_count++) {
         split->term_slot[split->term_count] = tape->term_slot[term] + slot_shift;
-        split->term_operand_b[split->term_count] = tape->term_operand_b[term] + slot_shift;
+        split->term_slot_b[split->term_count] = tape->term_slot_b[term] + slot_shift;
         split->term_coefficient[split->term_count] = tape->term_coefficient[term];
     }
 }
 
 /* Appends `count` operations of the run to the new tape, as one run. The first has the number first_operation in the
  * old run, counted from 0. */
-static void append_split_run(const run_splitting *s, const jet_run *run, int first_operation, int count)
+static void append_split_run(const run_splitting *splitting, const jet_run *run, int first_operation, int count)
 {
-    const jet_tape *tape = s->tape;
+    const jet_tape *tape = splitting->tape;
     jet_run part = *run;
     part.operation_count = count;
     part.z += first_operation;
-    part.first_term = s->split->term_count;
+    part.first_term = splitting->split->term_count;
     if (has_terms_per_operation(run))
-        append_split_terms(s->split, tape, run->first_term + first_operation * run->term_count, count * run->term_count,
-                           0);
-    else append_split_terms(s->split, tape, run->first_term, run->term_count, first_operation);
+        append_split_terms(splitting->split, tape, run->first_term + first_operation * run->term_count,
+                           count * run->term_count, 0);
+    else append_split_terms(splitting->split, tape, run->first_term, run->term_count, first_operation);
     if (run->term_count == 0) {
         part.a += first_operation;
         part.b += jet_rules[run->op]->operand_count == 2 ? first_operation : 0;
     }
     if (run->op == OP_LINEAR) part.first_constant_term += first_operation;
-    s->split->run[s->split->run_count++] = part;
+    splitting->split->runs[splitting->split->run_count++] = part;
 }
 
-static void split_runs_in_tape_order(const run_splitting *s, jet_split_mode mode)
+static void split_runs_in_tape_order(const run_splitting *splitting, jet_split_mode mode)
 {
-    for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->run_count; run++) {
+    for (const jet_run *run = splitting->tape->runs; run < splitting->tape->runs + splitting->tape->run_count; run++) {
         const bool is_apart = mode == JET_SPLIT_SUMS && has_terms_per_operation(run);
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
-            append_split_run(s, run, i, is_apart ? 1 : run->operation_count);
+            append_split_run(splitting, run, i, is_apart ? 1 : run->operation_count);
     }
 }
 
@@ -65,12 +65,12 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, 
     if (run->term_count == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
     const int term = run->first_term + which + (has_terms_per_operation(run) ? i * run->term_count : 0),
               slot_shift = has_terms_per_operation(run) ? 0 : i;
-    return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_operand_b[term]);
+    return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_slot_b[term]);
 }
 
 void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[])
 {
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) {
             bool *z = &is_dependent[run->z + i];
             *z = false;
@@ -78,72 +78,72 @@ void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[])
         }
 }
 
-/* Tells whether the operation of `slot` reads made_slot, the slot that was computed last, and all its operands are on
- * the new tape. */
-static bool is_operation_ready_after(const run_splitting *s, int slot, int made_slot)
+/* Tells whether the operation of `slot` reads newest_slot, whose operation was appended last, and all its operands are
+ * on the new tape. */
+static bool is_operation_ready_after(const run_splitting *splitting, int slot, int newest_slot)
 {
-    const jet_run *run = s->producing_run[slot];
+    const jet_run *run = splitting->producing_run[slot];
     bool reads = false;
-    for (int k = 0, a; (a = jet_operation_operand_slot(s->tape, run, slot - run->z, k)) >= 0; k++) {
-        if (s->producing_run[a]) return false;
-        reads |= a == made_slot;
+    for (int k = 0, a; (a = jet_operation_operand_slot(splitting->tape, run, slot - run->z, k)) >= 0; k++) {
+        if (splitting->producing_run[a]) return false;
+        reads |= a == newest_slot;
     }
     return reads;
 }
 
 /* Appends the operations that the slot reads, then the operation of the slot, and then those operations that waited
  * for this one alone. */
-static void append_operation_with_dependents(const run_splitting *s, int slot)
+static void append_operation_with_dependents(const run_splitting *splitting, int slot)
 {
-    const jet_run *run = s->producing_run[slot];
+    const jet_run *run = splitting->producing_run[slot];
     if (!run) return;
-    for (int k = 0, a; (a = jet_operation_operand_slot(s->tape, run, slot - run->z, k)) >= 0; k++)
-        append_operation_with_dependents(s, a);
-    if (!s->producing_run[slot]) return;
-    append_split_run(s, run, slot - run->z, 1);
-    s->producing_run[slot] = NULL;
-    for (int next = 0; next < s->tape->slot_count; next++)
-        if (s->producing_run[next] && is_operation_ready_after(s, next, slot))
-            append_operation_with_dependents(s, next);
+    for (int k = 0, a; (a = jet_operation_operand_slot(splitting->tape, run, slot - run->z, k)) >= 0; k++)
+        append_operation_with_dependents(splitting, a);
+    if (!splitting->producing_run[slot]) return;
+    append_split_run(splitting, run, slot - run->z, 1);
+    splitting->producing_run[slot] = NULL;
+    for (int next = 0; next < splitting->tape->slot_count; next++)
+        if (splitting->producing_run[next] && is_operation_ready_after(splitting, next, slot))
+            append_operation_with_dependents(splitting, next);
 }
 
-static void split_runs_in_dependence_order(const run_splitting *s)
+static void split_runs_in_dependence_order(const run_splitting *splitting)
 {
-    const jet_tape *tape = s->tape;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
-        for (int i = 0; i < run->operation_count; i++) s->producing_run[run->z + i] = run;
-    for (int i = 0; i < tape->output_count; i++) append_operation_with_dependents(s, tape->output_slot[i]);
-    for (int slot = 0; slot < tape->slot_count; slot++) append_operation_with_dependents(s, slot);
+    const jet_tape *tape = splitting->tape;
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+        for (int i = 0; i < run->operation_count; i++) splitting->producing_run[run->z + i] = run;
+    for (int i = 0; i < tape->output_count; i++) append_operation_with_dependents(splitting, tape->output_slot[i]);
+    for (int slot = 0; slot < tape->slot_count; slot++) append_operation_with_dependents(splitting, slot);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
 void jet_free_split_tape(jet_tape *split)
 {
-    free(split->run);
+    free(split->runs);
     free(split->term_slot);
-    free(split->term_operand_b);
+    free(split->term_slot_b);
     free(split->term_coefficient);
 }
 
 bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode mode)
 {
     size_t terms = 1;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         terms += (size_t)run->operation_count * (size_t)run->term_count;
     const size_t slots = (size_t)tape->slot_count + 1;
     *split = *tape;
     split->run_count = split->term_count = 0;
-    split->run = calloc(slots, sizeof *split->run);
+    split->runs = calloc(slots, sizeof *split->runs);
     split->term_slot = calloc(terms, sizeof *split->term_slot);
-    split->term_operand_b = calloc(terms, sizeof *split->term_operand_b);
+    split->term_slot_b = calloc(terms, sizeof *split->term_slot_b);
     split->term_coefficient = calloc(terms, sizeof *split->term_coefficient);
-    const run_splitting s = {tape, split, calloc(slots, sizeof(jet_run *))};
+    const run_splitting splitting = {tape, split, calloc(slots, sizeof(jet_run *))};
     const bool has_memory =
-        s.producing_run && split->run && split->term_slot && split->term_operand_b && split->term_coefficient;
+        splitting.producing_run && split->runs && split->term_slot && split->term_slot_b && split->term_coefficient;
     if (!has_memory) jet_free_split_tape(split);
-    else if (mode == JET_SPLIT_ALL) split_runs_in_dependence_order(&s);
-    else split_runs_in_tape_order(&s, mode);
-    free(s.producing_run);
+    else if (mode == JET_SPLIT_ALL) split_runs_in_dependence_order(&splitting);
+    else split_runs_in_tape_order(&splitting, mode);
+    free(splitting.producing_run);
     return has_memory;
 }

@@ -93,7 +93,8 @@ static double fit_parabola(const double y[], double coefficient[3])
 static int count_products(const jet_tape *tape)
 {
     int count = 0;
-    for (int i = 0; i < tape->run_count; i++) count += tape->run[i].op == OP_LINEAR ? 0 : tape->run[i].operation_count;
+    for (int i = 0; i < tape->run_count; i++)
+        count += tape->runs[i].op == OP_LINEAR ? 0 : tape->runs[i].operation_count;
     return count;
 }
 

@@ -39,16 +39,16 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
     tvi_tapes_of_steps used = {.series = {.name_prefix = "tvi_series",
                                           .lane_counts = {1},
                                           .top_order = highest_order,
-                                          .has_series = !is_whole},
+                                          .needs_series_sweep = !is_whole},
                                .loops_pointer_name = "curve",
                                .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
-    used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
-    if (used.series.has_adjoints) used.series.direction_counts[0] = 1;
+    used.series.needs_adjoint_sweep = jacobians == TVI_JACOBIAN_PRODUCTS;
+    if (used.series.needs_adjoint_sweep) used.series.direction_counts[0] = 1;
     else if (is_whole) used.series.direction_counts[0] = 0;
     else if (directions < CURVE_TANGENT_DIRECTIONS) used.series.direction_counts[0] = left;
     else used.series.direction_counts[0] = CURVE_TANGENT_DIRECTIONS, used.series.direction_counts[1] = left;
-    if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
+    if (is_whole) used.emit_loops = used.series.needs_adjoint_sweep ? tvi_curve_emit_products : tvi_curve_emit_matrices;
     if (system->form == TVI_HAMILTONIAN)
         used.series.lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */
     used.values = (jet_emission_request){.name_prefix = "tvi_values", .lane_counts = {points}};

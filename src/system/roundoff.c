@@ -43,7 +43,7 @@ static double compute_roundoff_scale(const jet_tape *tape, const jet_run *run, i
         const int k = run->first_term + term + (is_linear ? operation * run->term_count : 0),
                   at = is_linear ? 0 : operation;
         const double a = x[tape->term_slot[k] + at];
-        const double b = is_linear ? 1 : is_products ? x[tape->term_operand_b[k] + at] : a;
+        const double b = is_linear ? 1 : is_products ? x[tape->term_slot_b[k] + at] : a;
         sum += fabs(tape->term_coefficient[k] * a * b);
     }
     return sum;
@@ -70,11 +70,11 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
         jet_tape one_run = *tape;
         /* The interpreter sweeps the single jet_run of this tape, since generated code sweeps only whole tapes. */
         one_run.sweeps = tape->interpreter_sweeps;
-        one_run.run = tape->run + r;
+        one_run.runs = tape->runs + r;
         one_run.run_count = 1;
         jet_sweep_tangents(&one_run, x, dx, 0, SAMPLES);
-        for (int i = 0; i < one_run.run->operation_count; i++)
-            add_roundoff_unit(x, dx, one_run.run->z + i, compute_roundoff_scale(tape, one_run.run, i, x));
+        for (int i = 0; i < one_run.runs->operation_count; i++)
+            add_roundoff_unit(x, dx, one_run.runs->z + i, compute_roundoff_scale(tape, one_run.runs, i, x));
     }
 }
 

@@ -10,9 +10,9 @@ static void mark_nodes_dependent_on_inputs(const jet_graph *graph, int first_inp
     for (int i = 0; i < jet_graph_node_count(graph); i++) {
         struct jet_node *z = jet_graph_node_at(graph, i);
         bool depends = z->op == OP_INPUT && i >= first_input && i < first_input + n;
-        depends = depends || (z->a && z->a->mark) || (z->b && z->b->mark);
-        for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->mark;
-        z->mark = depends;
+        depends = depends || (z->a && z->a->scratch) || (z->b && z->b->scratch);
+        for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->scratch;
+        z->scratch = depends;
     }
 }
 
@@ -31,9 +31,9 @@ static bool find_velocity_coefficient(const jet_graph *graph, jet x, int velocit
         const struct jet_node *z = jet_graph_node_at(graph, i);
         if (node_factors[i] == 0) continue;
         if (i == velocity_input) *coefficient = node_factors[i];
-        else if (z->mark && z->op != OP_LINEAR) return false;
-        else if (!z->mark || z->number != 0) *has_other_terms = true;
-        for (int term = 0; term < z->count && z->mark; term++)
+        else if (z->scratch && z->op != OP_LINEAR) return false;
+        else if (!z->scratch || z->number != 0) *has_other_terms = true;
+        for (int term = 0; term < z->count && z->scratch; term++)
             node_factors[z->terms[term].node->index] += node_factors[i] * z->terms[term].coefficient;
     }
     return *coefficient > 0 && isfinite(1 / *coefficient);
@@ -51,7 +51,7 @@ tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradien
     for (int i = 0; i < n && system->has_masses; i++) {
         system->has_masses = find_velocity_coefficient(system->graph, velocity_gradient[i], n + i, node_factors,
                                                        &system->mass[i], &is_coupled);
-        is_coupled |= coordinate_gradient[i].node && coordinate_gradient[i].node->mark;
+        is_coupled |= coordinate_gradient[i].node && coordinate_gradient[i].node->scratch;
     }
     *is_separable = system->has_masses && !is_coupled;
     free(node_factors);

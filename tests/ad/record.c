@@ -136,7 +136,7 @@ bool run_values(const recording *r, int lanes, const double x[], double z[])
 static double size_of(const jet_tape *tape, int slot, int lanes, const double *lane)
 {
     double size = fabs(lane[slot * lanes]);
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int k = 0;
              run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->operation_count && k < run->term_count;
              k++) {
@@ -256,6 +256,6 @@ void check_series(const char *what, int degree, const double got[], const double
 int operations_of(const jet_tape *tape, jet_op op)
 {
     int count = 0;
-    for (int i = 0; i < tape->run_count; i++) count += tape->run[i].op == op ? tape->run[i].operation_count : 0;
+    for (int i = 0; i < tape->run_count; i++) count += tape->runs[i].op == op ? tape->runs[i].operation_count : 0;
     return count;
 }

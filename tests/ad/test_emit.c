@@ -36,8 +36,8 @@ static void emit_function(jet_text *text, int i)
                                             .lane_counts = {1},
                                             .direction_counts = {DIRECTIONS},
                                             .top_order = DEGREE,
-                                            .has_series = true,
-                                            .has_adjoints = true};
+                                            .needs_series_sweep = true,
+                                            .needs_adjoint_sweep = true};
     jet_emit_tape(text, series.tape, &of_series);
     jet_emit_tape(text, values.tape, &of_values);
     recording_free(&series);

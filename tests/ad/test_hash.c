@@ -41,7 +41,7 @@ START_TEST(arrays_are_hashed)
     for (int i = 0; i < tape->linear_operation_count; i++) EXPECT_SEEN(tape, tape->constant_terms[i]);
     for (int i = 0; i < tape->term_count; i++) {
         EXPECT_SEEN(tape, tape->term_slot[i]);
-        EXPECT_SEEN(tape, tape->term_operand_b[i]);
+        EXPECT_SEEN(tape, tape->term_slot_b[i]);
         EXPECT_SEEN(tape, tape->term_coefficient[i]);
     }
     for (int i = 0; i < tape->output_count; i++) EXPECT_SEEN(tape, tape->output_slot[i]);
@@ -56,7 +56,7 @@ START_TEST(runs_are_hashed)
     recording r = record_all_kinds();
     ck_assert_int_gt(r.tape->run_count, 5);
     for (int i = 0; i < r.tape->run_count; i++) {
-        jet_run *run = &r.tape->run[i];
+        jet_run *run = &r.tape->runs[i];
         EXPECT_SEEN(r.tape, run->op);
         EXPECT_SEEN(r.tape, run->operation_count);
         EXPECT_SEEN(r.tape, run->z);

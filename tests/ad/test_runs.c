@@ -22,7 +22,7 @@ static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || ru
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
 {
     int slot = tape->input_count + tape->constant_count, row = 0, term = 0;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++) {
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         const jet_rule *rule = jet_rules[run->op];
         if (run->z != slot) { /* a vector begins (tape_pad.c) */
             ck_assert_int_eq(kind, JET_TAPE_SERIES);
@@ -47,7 +47,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
                       read = run->is_scattered ? 1 : run->operation_count;
             for (int i = 0; i < rows * run->term_count; i++, term++) {
                 ck_assert_int_le(tape->term_slot[term] + read, run->z);
-                ck_assert_int_le(tape->term_operand_b[term] + read, run->z);
+                ck_assert_int_le(tape->term_slot_b[term] + read, run->z);
             }
             continue;
         }
@@ -79,7 +79,7 @@ END_TEST
 static int runs_of(const jet_tape *tape, jet_op op)
 {
     int runs = 0;
-    for (int i = 0; i < tape->run_count; i++) runs += tape->run[i].op == op;
+    for (int i = 0; i < tape->run_count; i++) runs += tape->runs[i].op == op;
     return runs;
 }
 
@@ -108,7 +108,7 @@ START_TEST(pairs_run_together)
         ck_assert_int_eq(runs_of(r.tape, expected[i].op), expected[i].runs);
     }
     for (int i = 0; i < r.tape->run_count && _i == JET_TAPE_SERIES; i++) {
-        const jet_run *run = &r.tape->run[i];
+        const jet_run *run = &r.tape->runs[i];
         if (run->op == OP_LINEAR) continue;
         ck_assert_int_eq(run->z % VECTOR, 0);
         ck_assert_int_eq(run->operation_count % VECTOR, 0);
@@ -151,7 +151,7 @@ START_TEST(copies_run_together)
         recording one = record_outputs(f, (jet_tape_kind)kind), many = record_copies(f, (jet_tape_kind)kind);
         if (stays_adjacent(f)) ck_assert_int_eq(many.tape->run_count, one.tape->run_count);
         for (int i = 0; i < one.tape->run_count && stays_adjacent(f); i++)
-            ck_assert_int_eq(many.tape->run[i].operation_count, COPIES * one.tape->run[i].operation_count);
+            ck_assert_int_eq(many.tape->runs[i].operation_count, COPIES * one.tape->runs[i].operation_count);
         ck_assert(run_values(&one, 1, f->centre, &want));
         ck_assert(run_values(&many, 1, x, z));
         for (int i = 0; i < COPIES; i++) ck_assert_double_eq(z[i], want);

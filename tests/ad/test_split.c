@@ -64,7 +64,7 @@ START_TEST(operations_are_made_once)
         jet_tape split;
         ck_assert(jet_split_tape_runs(&split, r.tape, ways[way]));
         memset(makers, 0, (size_t)r.tape->slot_count * sizeof *makers);
-        for (const jet_run *run = split.run; run < split.run + split.run_count; run++) {
+        for (const jet_run *run = split.runs; run < split.runs + split.run_count; run++) {
             ck_assert(run->operation_count == 1 || !is_cut(run, ways[way]));
             for (int slot = run->z; slot < run->z + run->operation_count; slot++) makers[slot]++;
         }
@@ -88,11 +88,11 @@ static const function *gravity(void)
 static int longest_way(const jet_tape *tape)
 {
     int *made = calloc((size_t)tape->slot_count, sizeof *made), longest = 0, count = 0;
-    for (const jet_run *run = tape->run; run < tape->run + tape->run_count; run++)
+    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++, count++) {
             made[run->z + i] = count;
             for (int term = run->first_term; term < run->first_term + run->term_count && run->op != OP_LINEAR; term++) {
-                const int first = made[tape->term_slot[term] + i], second = made[tape->term_operand_b[term] + i];
+                const int first = made[tape->term_slot[term] + i], second = made[tape->term_slot_b[term] + i];
                 longest = count - first > longest ? count - first : longest;
                 longest = count - second > longest ? count - second : longest;
             }
