@@ -55,7 +55,7 @@ tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve
     memcpy(action->gradient_by_v, v, panel);
     memcpy(action->node_momentum, p, panel);
     seeds_set_node_times(action, curve, action->field_block);
-    return seeds_compute_for_lagrangian(action, curve);
+    return seeds_compute_lagrange_action_terms(action, curve);
 }
 
 /* Computes the derivatives of the action's terms at truncated nodes. There q_i lacks the highest term of the curve, and
@@ -112,7 +112,7 @@ static tvi_status compute_possibly_nonfinite_seeds(tvi_action *action, tvi_curve
             (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;
     }
-    seeds_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
+    seeds_clear_and_evaluate_curve(action, curve, seed_Q, seed_U);
     const tvi_status status = compute_truncated_node_terms(action, curve);
     if (status == TVI_OK) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
     return status;

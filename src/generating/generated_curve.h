@@ -50,7 +50,7 @@ JET_APART tvi_status code_expand_with_tangents(tvi_curve *curve)
 {
     const curve_tangent_block block = {CURVE_LANES, tvi_curve_slot_count(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
-    curve_clear_tangent_block(curve, &block);
+    curve_prepare_tangent_block(curve, &block);
     FOR_ALL_ORDERS(EXPAND_WITH_TANGENTS) curve_store_jacobians_from_tangents(curve, &block);
     return status;
 }
@@ -66,7 +66,7 @@ static inline void code_compute_jacobians(tvi_curve *curve) { (void)code_expand_
 static inline void code_compute_tangent_block(tvi_curve *curve, int lanes, int first_direction)
 {
     const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first_direction};
-    curve_clear_tangent_block(curve, &block);
+    curve_prepare_tangent_block(curve, &block);
     FOR_ALL_ORDERS(DIFFERENTIATE) curve_store_jacobians_from_tangents(curve, &block);
 }
 #undef DIFFERENTIATE

@@ -121,9 +121,9 @@ static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, 
 }
 
 /* Sets the coefficient Q_k = tau V_{k-1} / k of the position, and V_k = 0, which is computed later. */
-#define ORDERS_ADVANCE_POSITION(V, S)                                                                                  \
+#define ORDERS_SET_POSITION(V, S)                                                                                      \
     {                                                                                                                  \
-        TVI_QUOTIENT(V, JET_AT(V, order, 0), tau *JET_OF(V, before, n), divisor)                                       \
+        TVI_QUOTIENT(V, JET_AT(V, order, 0), tau *JET_OF(V, previous, n), divisor)                                     \
         JET_AT(V, order, n) = (V){0};                                                                                  \
     }
 
@@ -131,21 +131,21 @@ static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, 
 #define ORDERS_SET_RIGHT_SIDE(V, S)                                                                                    \
     {                                                                                                                  \
         V part;                                                                                                        \
-        TVI_QUOTIENT(V, part, tau *JET_OF(V, before, force), divisor)                                                  \
+        TVI_QUOTIENT(V, part, tau *JET_OF(V, previous, force), divisor)                                                \
         JET_AT(V, right_side, 0) = part - JET_OF(V, order, momentum);                                                  \
     }
 
-static inline void orders_advance_position(const tvi_curve *curve, int k, int lanes, const double *before,
-                                           double *order)
+static inline void orders_set_position_coefficients(const tvi_curve *curve, int k, int lanes, const double *previous,
+                                                    double *order)
 {
     const int n = curve_dimension(curve);
     const double tau = curve->tau, divisor = k;
     const size_t stride = (size_t)lanes;
-    for (int i = 0; i < n; i++, before += lanes, order += lanes) JET_BLOCKS(lanes, ORDERS_ADVANCE_POSITION, );
+    for (int i = 0; i < n; i++, previous += lanes, order += lanes) JET_BLOCKS(lanes, ORDERS_SET_POSITION, );
 }
 
-static inline void orders_solve_velocity_order(const tvi_curve *curve, int k, int lanes, const double *before,
-                                               double *order)
+static inline void orders_compute_velocity_coefficients(const tvi_curve *curve, int k, int lanes,
+                                                        const double *previous, double *order)
 {
     const int n = curve_dimension(curve);
     const double tau = curve->tau, divisor = k;
@@ -167,9 +167,9 @@ static inline tvi_status orders_expand_lagrangian_order(tvi_curve *curve, int k)
     const size_t slots = tvi_curve_slot_count(curve);
     double *order = curve->series_block + (size_t)k * slots;
     if (k == 0) return ORDERS_SERIES(curve, 0) ? orders_factor_velocity_hessian(curve) : TVI_EDOMAIN;
-    orders_advance_position(curve, k, 1, order - slots, order);
+    orders_set_position_coefficients(curve, k, 1, order - slots, order);
     (void)ORDERS_SERIES(curve, k);
-    orders_solve_velocity_order(curve, k, 1, order - slots, order);
+    orders_compute_velocity_coefficients(curve, k, 1, order - slots, order);
     return TVI_OK;
 }
 
@@ -178,86 +178,86 @@ static inline void orders_compute_lagrangian_tangents(tvi_curve *curve, const cu
 {
     const int lanes = (int)block->lane_count;
     double *order = curve->tangent_block + (size_t)k * block->order_stride;
-    if (k > 0) orders_advance_position(curve, k, lanes, order - block->order_stride, order);
+    if (k > 0) orders_set_position_coefficients(curve, k, lanes, order - block->order_stride, order);
     ORDERS_TANGENTS(curve, curve->tangent_block, k, lanes);
-    if (k > 0) orders_solve_velocity_order(curve, k, lanes, order - block->order_stride, order);
+    if (k > 0) orders_compute_velocity_coefficients(curve, k, lanes, order - block->order_stride, order);
 }
 
 /* ---- The recurrence of separable systems and of Hamiltonians ----------------------------------------------------- */
 
 /* These macros store whole vectors, since the next orders load whole vectors: a load that covers several short stores
  * has to wait for the cache. */
-#define ORDERS_ADVANCE_SEPARABLE(V, S)                                                                                 \
+#define ORDERS_SET_SEPARABLE(V, S)                                                                                     \
     TVI_QUOTIENT(V, JET_AT(V, next, 0), JET_OF(V, kappa, 0) * JET_GATHER(V, field, output + here) * tau, divisor)
-#define ORDERS_ADVANCE_HAMILTONIAN(V, S)                                                                               \
+#define ORDERS_SET_HAMILTONIAN(V, S)                                                                                   \
     {                                                                                                                  \
         TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, output + n + here) * tau, divisor)                       \
         TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, output + here) * -tau, divisor)                          \
     }
 
 /* Advances component i of all members. */
-#define ORDERS_ADVANCE_COMPONENT_OF_MEMBERS(V, S)                                                                      \
+#define ORDERS_SET_COEFFICIENT_OF_MEMBERS(V, S)                                                                        \
     TVI_QUOTIENT(V, JET_AT(V, next, i), factor *JET_OF(V, field, slot) * tau, divisor)
-static inline void orders_advance_component_of_members(int width, double factor, double tau, double divisor,
-                                                       const double *field, int slot, double *next, int i)
+static inline void orders_compute_coefficient_of_members(int width, double factor, double tau, double divisor,
+                                                         const double *field, int slot, double *next, int i)
 {
     const size_t stride = (size_t)width;
-    JET_BLOCKS(width, ORDERS_ADVANCE_COMPONENT_OF_MEMBERS, );
+    JET_BLOCKS(width, ORDERS_SET_COEFFICIENT_OF_MEMBERS, );
 }
 
 /* The coefficients are divided by k, and not tau: tau / k would have the same roundoff in every step, and the energy
  * would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
-static inline void orders_advance_separable(const tvi_curve *curve, int k)
+static inline void orders_compute_separable_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
     const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_output_slots(curve);
     const double divisor = (k + 1) * (k + 2), tau = curve->tau, *kappa = curve->kappa,
                  *field = tvi_curve_inputs_of_order(curve, k);
     double *next = tvi_curve_inputs_of_order(curve, k + 2);
-    if (width == 1) JET_BLOCKS(n, ORDERS_ADVANCE_SEPARABLE, );
+    if (width == 1) JET_BLOCKS(n, ORDERS_SET_SEPARABLE, );
     for (int i = 0; width > 1 && i < n; i++)
-        orders_advance_component_of_members(width, kappa[i], tau, divisor, field, output[i], next, i);
+        orders_compute_coefficient_of_members(width, kappa[i], tau, divisor, field, output[i], next, i);
 }
 
-static inline void orders_advance_hamiltonian(const tvi_curve *curve, int k)
+static inline void orders_compute_hamiltonian_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
     const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_output_slots(curve);
     const double divisor = k + 1, tau = curve->tau, *field = tvi_curve_inputs_of_order(curve, k);
     double *q = tvi_curve_inputs_of_order(curve, k + 1), *p = q + n;
-    if (width == 1) JET_BLOCKS(n, ORDERS_ADVANCE_HAMILTONIAN, );
+    if (width == 1) JET_BLOCKS(n, ORDERS_SET_HAMILTONIAN, );
     for (int i = 0; width > 1 && i < n; i++) {
-        orders_advance_component_of_members(width, 1, tau, divisor, field, output[n + i], q, i);
-        orders_advance_component_of_members(width, 1, -tau, divisor, field, output[i], q, n + i);
+        orders_compute_coefficient_of_members(width, 1, tau, divisor, field, output[n + i], q, i);
+        orders_compute_coefficient_of_members(width, 1, -tau, divisor, field, output[i], q, n + i);
     }
 }
 
 /* Computes next = factor * field, of one component's tangents in `lanes` directions, in whole vectors, since the next
  * orders load vectors. Tangents only give small corrections, so that their factor may contain the rounded tau / k. */
-#define ORDERS_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
-static inline void orders_advance_tangent_row(int lanes, double factor, const double *field, double *next)
+#define ORDERS_SET_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
+static inline void orders_compute_tangent_row(int lanes, double factor, const double *field, double *next)
 {
     enum { stride = 0 };
-    JET_BLOCKS(lanes, ORDERS_ADVANCE_TANGENT, );
+    JET_BLOCKS(lanes, ORDERS_SET_TANGENT, );
 }
 
-static inline void orders_advance_separable_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
+static inline void orders_compute_separable_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
     const int lanes = (int)block->lane_count, *output = curve_output_slots(curve);
     const double factor = curve->tau / ((k + 1) * (k + 2)), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 2, 0);
     for (int i = 0; i < curve_dimension(curve); i++)
-        orders_advance_tangent_row(lanes, curve->kappa[i] * factor, field + output[i] * lanes, next + i * lanes);
+        orders_compute_tangent_row(lanes, curve->kappa[i] * factor, field + output[i] * lanes, next + i * lanes);
 }
 
-static inline void orders_advance_hamiltonian_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
+static inline void orders_compute_hamiltonian_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
     const int n = curve_dimension(curve), lanes = (int)block->lane_count, *output = curve_output_slots(curve);
     const double factor = curve->tau / (k + 1), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 1, 0);
     for (int i = 0; i < n; i++) {
-        orders_advance_tangent_row(lanes, factor, field + output[n + i] * lanes, next + i * lanes);
-        orders_advance_tangent_row(lanes, -factor, field + output[i] * lanes, next + (n + i) * lanes);
+        orders_compute_tangent_row(lanes, factor, field + output[n + i] * lanes, next + i * lanes);
+        orders_compute_tangent_row(lanes, -factor, field + output[i] * lanes, next + (n + i) * lanes);
     }
 }
 
@@ -277,8 +277,8 @@ static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *statu
         if (*status == TVI_OK) *status = orders_expand_lagrangian_order(curve, k);
     } else if (curve_needs_field_order(curve, k)) {
         if (!ORDERS_SERIES(curve, k)) *status = TVI_EDOMAIN;
-        if (curve_form(curve) == TVI_SEPARABLE) orders_advance_separable(curve, k);
-        else orders_advance_hamiltonian(curve, k);
+        if (curve_form(curve) == TVI_SEPARABLE) orders_compute_separable_coefficients(curve, k);
+        else orders_compute_hamiltonian_coefficients(curve, k);
     }
 }
 
@@ -298,8 +298,8 @@ static inline void curve_compute_tangents_of_order(tvi_curve *curve, const curve
         orders_compute_lagrangian_tangents(curve, block, k);
     } else if (curve_needs_field_order(curve, k)) {
         ORDERS_TANGENTS(curve, curve->tangent_block, k, (int)block->lane_count);
-        if (curve_form(curve) == TVI_SEPARABLE) orders_advance_separable_tangents(curve, block, k);
-        else orders_advance_hamiltonian_tangents(curve, block, k);
+        if (curve_form(curve) == TVI_SEPARABLE) orders_compute_separable_tangents(curve, block, k);
+        else orders_compute_hamiltonian_tangents(curve, block, k);
     }
 }
 
@@ -313,7 +313,7 @@ static inline void curve_compute_jacobians(tvi_curve *curve)
         const int left = directions - first, count = left < most ? left : most;
         const size_t lanes = (size_t)(width * count);
         const curve_tangent_block block = {lanes, tvi_curve_slot_count(curve) * (size_t)count, first};
-        curve_clear_tangent_block(curve, &block);
+        curve_prepare_tangent_block(curve, &block);
         for (int k = 0; k <= curve_highest_order(curve); k++) curve_compute_tangents_of_order(curve, &block, k);
         curve_store_jacobians_from_tangents(curve, &block);
     }

@@ -7,12 +7,12 @@
 
 static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
 {
-    const size_t width = (size_t)products_get_padded_length(closure);
+    const size_t width = (size_t)products_get_padded_row_count(closure);
     tvi_conjugate_residuals *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     const tvi_conjugate_residuals iteration = {
         .solution = tvi_arena_allocate_doubles(arena, width),
         .residual = tvi_arena_allocate_doubles(arena, width),
-        .direction = tvi_arena_allocate_doubles(arena, PRODUCTS_MAX_ITERATIONS * width),
+        .search_direction = tvi_arena_allocate_doubles(arena, PRODUCTS_MAX_ITERATIONS * width),
         .direction_image = tvi_arena_allocate_doubles(arena, PRODUCTS_MAX_ITERATIONS * width),
         .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),

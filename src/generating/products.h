@@ -120,7 +120,7 @@ typedef struct {
     double *solution; /* the solution x, which is the initial guess of the next pass */
     double *residual; /* the residual D_z - A^T x, in all 2n rows */
     /* [PRODUCTS_MAX_ITERATIONS][2n] the search directions, and the image of each, A^T times the direction */
-    double *direction, *direction_image;
+    double *search_direction, *direction_image;
     double squared_image_norm[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction_image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
     double *inverse_unknown_size;
@@ -134,7 +134,7 @@ static inline tvi_conjugate_residuals *products_get_conjugate_residuals(const tv
     return closure->solver_data;
 }
 
-static inline int products_get_padded_length(const tvi_closure *closure)
+static inline int products_get_padded_row_count(const tvi_closure *closure)
 {
     return (2 * curve_dimension(&closure->curve) + PRODUCTS_VECTOR - 1) / PRODUCTS_VECTOR * PRODUCTS_VECTOR;
 }
@@ -144,7 +144,7 @@ static inline void products_discard_guess(tvi_closure *closure)
     products_get_conjugate_residuals(closure)->has_initial_guess = false;
 }
 
-static inline int products_find_first_unknown(const tvi_closure *closure, const tvi_transposed_equations *equations)
+static inline int products_get_first_solved_row(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     return equations->second_combination || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
 }
@@ -157,7 +157,7 @@ static inline tvi_transposed_product_terms products_get_equation_matrix_terms(co
     return (tvi_transposed_product_terms){.factor = factor,
                                           .x_combination = equations->first_combination,
                                           .y_combination = equations->second_combination,
-                                          .x = vector + products_find_first_unknown(closure, equations),
+                                          .x = vector + products_get_first_solved_row(closure, equations),
                                           .y = vector + curve_dimension(&closure->curve)};
 }
 
@@ -172,11 +172,11 @@ static inline void products_multiply_by_equation_matrix(tvi_closure *closure, in
 
 /* Computes vector = P r with a diagonal preconditioner P, the reciprocals of the weights with which Q_0 and Q_1 enter
  * A. */
-static inline void products_solve_by_leading_weights(const tvi_closure *closure,
-                                                     const tvi_transposed_equations *equations, const double r[],
-                                                     double vector[])
+static inline void products_apply_diagonal_preconditioner(const tvi_closure *closure,
+                                                          const tvi_transposed_equations *equations, const double r[],
+                                                          double vector[])
 {
-    const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
+    const int n = curve_dimension(&closure->curve), place = products_get_first_solved_row(closure, equations);
     const double first = 1 / equations->first_combination->order_weight[place > 0],
                  second = equations->second_combination ? 1 / equations->second_combination->order_weight[1] : 0;
     for (int i = 0; i < n; i++) vector[place + i] = first * r[place + i];
@@ -191,15 +191,15 @@ static inline void products_apply_preconditioner(tvi_closure *closure, const tvi
 {
     double *twice = products_get_conjugate_residuals(closure)->scratch,
            *v = products_get_conjugate_residuals(closure)->product;
-    memset(s, 0, (size_t)products_get_padded_length(closure) * sizeof *s);
-    products_solve_by_leading_weights(closure, equations, r, s);
+    memset(s, 0, (size_t)products_get_padded_row_count(closure) * sizeof *s);
+    products_apply_diagonal_preconditioner(closure, equations, r, s);
     products_multiply_by_equation_matrix(closure,
                                          curve_highest_order(&closure->curve) < PRODUCTS_NEAR_ORDER
                                              ? curve_highest_order(&closure->curve)
                                              : PRODUCTS_NEAR_ORDER,
                                          equations, s, v);
     for (int i = 0; i < 2 * curve_dimension(&closure->curve); i++) twice[i] = 2 * r[i] - v[i];
-    products_solve_by_leading_weights(closure, equations, twice, s);
+    products_apply_diagonal_preconditioner(closure, equations, twice, s);
 }
 
 /* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
@@ -207,7 +207,7 @@ static inline double products_compute_scaled_maximum(const tvi_closure *closure,
 {
     const double *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     double most = 0;
-    for (int i = 0; i < products_get_padded_length(closure); i++) most = tvi_larger(fabs(vector[i]) * unit[i], most);
+    for (int i = 0; i < products_get_padded_row_count(closure); i++) most = tvi_larger(fabs(vector[i]) * unit[i], most);
     return most;
 }
 
@@ -217,7 +217,7 @@ static inline double products_compute_scaled_dot_product(const tvi_closure *clos
 {
     const double *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     double sum[PRODUCTS_VECTOR] = {0};
-    for (int here = 0; here < products_get_padded_length(closure); here += PRODUCTS_VECTOR)
+    for (int here = 0; here < products_get_padded_row_count(closure); here += PRODUCTS_VECTOR)
         for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
             sum[lane] += vector[here + lane] * unit[here + lane] * (y[here + lane] * unit[here + lane]);
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
@@ -226,28 +226,29 @@ static inline double products_compute_scaled_dot_product(const tvi_closure *clos
 static inline void products_add_multiple(const tvi_closure *closure, double factor, const double vector[],
                                          double *restrict y)
 {
-    for (int i = 0; i < products_get_padded_length(closure); i++) y[i] += factor * vector[i];
+    for (int i = 0; i < products_get_padded_row_count(closure); i++) y[i] += factor * vector[i];
 }
 
 /* Makes the search direction `step` and its image orthogonal to the earlier ones. Adds the multiple of it to the
  * solution that makes the residual least. */
 static inline void products_minimise_residual(tvi_closure *closure, int last_order,
-                                              const tvi_transposed_equations *equations, int step)
+                                              const tvi_transposed_equations *equations, int direction_index)
 {
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
-    double *s = iteration->direction + step * products_get_padded_length(closure),
-           *v = iteration->direction_image + step * products_get_padded_length(closure);
+    double *s = iteration->search_direction + direction_index * products_get_padded_row_count(closure),
+           *v = iteration->direction_image + direction_index * products_get_padded_row_count(closure);
     products_multiply_by_equation_matrix(closure, last_order, equations, s, v);
-    for (int i = 0; i < step; i++) {
-        const double *v_before = iteration->direction_image + i * products_get_padded_length(closure);
+    for (int i = 0; i < direction_index; i++) {
+        const double *v_before = iteration->direction_image + i * products_get_padded_row_count(closure);
         const double part = tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, v, v_before),
                                               iteration->squared_image_norm[i]);
         products_add_multiple(closure, -part, v_before, v);
-        products_add_multiple(closure, -part, iteration->direction + i * products_get_padded_length(closure), s);
+        products_add_multiple(closure, -part, iteration->search_direction + i * products_get_padded_row_count(closure),
+                              s);
     }
-    iteration->squared_image_norm[step] = products_compute_scaled_dot_product(closure, v, v);
+    iteration->squared_image_norm[direction_index] = products_compute_scaled_dot_product(closure, v, v);
     const double part = tvi_ratio_or_zero(products_compute_scaled_dot_product(closure, iteration->residual, v),
-                                          iteration->squared_image_norm[step]);
+                                          iteration->squared_image_norm[direction_index]);
     products_add_multiple(closure, part, s, iteration->solution);
     products_add_multiple(closure, -part, v, iteration->residual);
 }
@@ -273,18 +274,18 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
     if (!iteration->has_initial_guess)
-        memset(iteration->solution, 0, (size_t)products_get_padded_length(closure) * sizeof *iteration->solution);
+        memset(iteration->solution, 0, (size_t)products_get_padded_row_count(closure) * sizeof *iteration->solution);
     tvi_transposed_product_terms residual =
         products_get_equation_matrix_terms(closure, equations, -1, iteration->solution);
     residual.seed_Q = closure->seed_Q;
     products_multiply_by_transposed_jacobians(&closure->curve, curve_highest_order(&closure->curve), &residual,
                                               iteration->residual);
-    for (int step = 0; step < PRODUCTS_MAX_ITERATIONS; step++) {
-        double *s = iteration->direction + step * products_get_padded_length(closure);
+    for (int direction_index = 0; direction_index < PRODUCTS_MAX_ITERATIONS; direction_index++) {
+        double *s = iteration->search_direction + direction_index * products_get_padded_row_count(closure);
         products_apply_preconditioner(closure, equations, iteration->residual, s);
         const double size = products_compute_scaled_maximum(closure, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
-        if (step == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
+        if (direction_index == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
         const tvi_passes_rule rule = {.correction_goal = goal,
                                       .max_trusted_ratio = PASSES_MAX_CONTRACTION,
                                       .stall_ratio = PASSES_STALL_RATIO,
@@ -297,8 +298,9 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
         /* With a second combination all rows are solved for, and no residual is needed. */
         if (may_end && equations->second_combination) products_add_multiple(closure, 1, s, iteration->solution);
         else
-            products_minimise_residual(
-                closure, products_choose_order_for_accuracy(closure, goal < size ? goal / size : 1), equations, step);
+            products_minimise_residual(closure,
+                                       products_choose_order_for_accuracy(closure, goal < size ? goal / size : 1),
+                                       equations, direction_index);
         iteration->has_initial_guess = may_end;
         if (may_end) return TVI_OK;
     }
@@ -310,7 +312,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
 static inline tvi_status products_solve_equations(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
-    const int n = curve_dimension(&closure->curve), place = products_find_first_unknown(closure, equations);
+    const int n = curve_dimension(&closure->curve), place = products_get_first_solved_row(closure, equations);
     if (!equations->second_combination)
         memset(iteration->inverse_unknown_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_unknown_size);
     const tvi_status status = products_solve_by_conjugate_residuals(closure, equations);

@@ -30,7 +30,7 @@ static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi
 
 /* Computes gradient_by_q = tau L_q and gradient_by_v = L_v - p, from the positions in field_block, the velocities in
  * gradient_by_v and the momenta. */
-static inline tvi_status seeds_compute_for_lagrangian(tvi_action *action, tvi_curve *curve)
+static inline tvi_status seeds_compute_lagrange_action_terms(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve_dimension(curve), points = action->points;
     const size_t panel = (size_t)(n * points) * sizeof(double);
@@ -58,7 +58,7 @@ static inline tvi_status seeds_compute_for_lagrangian(tvi_action *action, tvi_cu
 }
 
 /* Computes the terms of Hamilton's action at on-curve nodes: gradient_by_q = -tau H_q, gradient_by_p = g. - tau H_p. */
-static inline tvi_status seeds_compute_for_hamiltonian(tvi_action *action, const tvi_curve *curve)
+static inline tvi_status seeds_compute_hamilton_action_terms(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
@@ -182,8 +182,8 @@ static inline void seeds_add_quadrature_error_terms(const tvi_action *action, co
 
 /* Evaluates the curve at the nodes, and sets the seeds that are not computed later to 0. seed_U is not used for a
  * separable system. */
-static inline void seeds_evaluate_curve_at_nodes(tvi_action *action, const tvi_curve *curve, double seed_Q[],
-                                                 double seed_U[])
+static inline void seeds_clear_and_evaluate_curve(tvi_action *action, const tvi_curve *curve, double seed_Q[],
+                                                  double seed_U[])
 {
     const int seeds = (curve_highest_order(curve) + 1) * curve_vector_length(curve);
     for (int i = (action->q_degree + 1) * curve_vector_length(curve); i < seeds; i++) seed_Q[i] = 0;
@@ -215,10 +215,10 @@ static inline bool seeds_need_no_second_derivatives(const tvi_action *action)
 static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *action, tvi_curve *curve, double seed_Q[],
                                                                   double seed_U[])
 {
-    seeds_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
+    seeds_clear_and_evaluate_curve(action, curve, seed_Q, seed_U);
     if (action->has_gradient_by_v) seeds_set_node_velocities(action, curve, action->gradient_by_v);
-    const tvi_status status = action->uses_hamilton_principle ? seeds_compute_for_hamiltonian(action, curve)
-                              : action->has_gradient_by_v     ? seeds_compute_for_lagrangian(action, curve)
+    const tvi_status status = action->uses_hamilton_principle ? seeds_compute_hamilton_action_terms(action, curve)
+                              : action->has_gradient_by_v     ? seeds_compute_lagrange_action_terms(action, curve)
                                                               : seeds_compute_force_terms(action, curve);
     if (status == TVI_OK || curve_width(curve) > 1) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
     return status;

@@ -37,7 +37,7 @@ typedef struct {
 
 /* Returns max_i of the absolute values of coefficient k of q, or of the scaled momentum kappa p, in which masses do not
  * show. */
-static inline double step_size_largest_component(const tvi_curve *curve, bool of_momentum, int k)
+static inline double step_size_find_largest_component(const tvi_curve *curve, bool of_momentum, int k)
 {
     double size = 0;
     for (int i = 0; i < curve_dimension(curve); i++)
@@ -55,7 +55,7 @@ static inline step_size_term step_size_find_nonzero_term(const tvi_curve *curve,
                                                          int end)
 {
     double size = 0;
-    while (step * (end - k) > 0 && (size = step_size_largest_component(curve, of_momentum, k)) < STEP_SIZE_LEAST)
+    while (step * (end - k) > 0 && (size = step_size_find_largest_component(curve, of_momentum, k)) < STEP_SIZE_LEAST)
         k += step;
     return (step_size_term){k, size < STEP_SIZE_LEAST ? -INFINITY : log(size)};
 }
@@ -127,8 +127,9 @@ static inline double step_size_log_from_last_terms(const tvi_curve *curve, const
 /* Returns |q_{k - STEP_SIZE_APART}| / |q_k|, or INFINITY if there is no such term or q_k is 0. */
 static inline double step_size_coefficient_ratio(const tvi_curve *curve, int k)
 {
-    const double last = k > STEP_SIZE_APART + 1 ? step_size_largest_component(curve, false, k) : 0;
-    return last > STEP_SIZE_LEAST ? step_size_largest_component(curve, false, k - STEP_SIZE_APART) / last : INFINITY;
+    const double last = k > STEP_SIZE_APART + 1 ? step_size_find_largest_component(curve, false, k) : 0;
+    return last > STEP_SIZE_LEAST ? step_size_find_largest_component(curve, false, k - STEP_SIZE_APART) / last
+                                  : INFINITY;
 }
 
 /* Returns the usable step, or STEP_SIZE_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius
@@ -161,10 +162,10 @@ static inline double curve_estimate_usable_step(const tvi_curve *curve, double l
 
 /* Multiplies the coefficients x_k of all orders by power[k], and sums those up to this degree. */
 static inline void step_size_rescale_rows(const tvi_curve *curve, int components, int degree, const double power[],
-                                          double *x, double *rise, double *size)
+                                          double *x, double *value_sum, double *size_sum)
 {
     const tvi_taylor_rows rows = {components, 1, degree, tvi_curve_slot_count(curve)};
-    const tvi_taylor_sums sums = {rise, size, NULL, NULL};
+    const tvi_taylor_sums sums = {value_sum, size_sum, NULL, NULL};
     for (int k = degree + 1; k <= curve_highest_order(curve); k++)
         for (int i = 0; i < components; i++) x[(size_t)k * rows.order_stride + (size_t)i] *= power[k];
     taylor_rescale_and_sum(&rows, power, x, &sums, false);

@@ -50,7 +50,7 @@ static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tange
 /* Prepares the block for a sweep: sets the tangents of the centre state to 0, and then to 1 in their own directions.
  * The tangents of the time and of constants are 0 in all orders; they are cleared when the number of lanes changes,
  * which moves them. */
-static inline void curve_clear_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
+static inline void curve_prepare_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
     const size_t inputs = (size_t)curve_input_count(curve) * block->lane_count * sizeof(double);
     const size_t others =

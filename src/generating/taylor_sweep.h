@@ -15,9 +15,9 @@ typedef struct {
     size_t order_stride;
 } tvi_taylor_rows;
 
-/* The sums over the rows, [component_count] each: value_sum = sum x_k and size_sum = sum k |x_k|. Rows with a slope
- * begin with k = 2, but x_1 enters these sums, too. For such rows there are also slope_sum = sum k x_k and
- * slope_size_sum = |x_1| + sum (k - 1) k |x_k|. */
+/* The sums over the rows, [component_count] each: value_sum = sum x_k and size_sum = sum k |x_k|. The rows of a
+ * separable system, whose momentum is the slope of q, begin with k = 2, but x_1 enters these sums, too. Such rows also
+ * have slope_sum = sum k x_k and slope_size_sum = |x_1| + sum (k - 1) k |x_k|; other rows have NULL there. */
 typedef struct {
     double *value_sum, *size_sum, *slope_sum, *slope_size_sum;
 } tvi_taylor_sums;
@@ -43,20 +43,21 @@ typedef struct {
 #define SWEPT(f) taylor_one_##f
 #include "generating/taylor_rows.h"
 
-/* Multiplies the rows x_k by power[k], and sums them, small terms first; has_slope is a constant. */
+/* Multiplies the rows x_k by power[k], and sums them, small terms first. has_slope_sums, a constant, says whether there
+ * are sums of the slope. */
 JET_INLINE void taylor_rescale_and_sum(const tvi_taylor_rows *rows, const double *power, double *x,
-                                       const tvi_taylor_sums *sums, bool has_slope)
+                                       const tvi_taylor_sums *sums, bool has_slope_sums)
 {
     const int components = rows->component_count;
     int here = 0;
 #ifdef JET_WIDE
-    for (; here + 8 <= components; here += 8) taylor_eight_rows(rows, power, x, sums, has_slope, here);
+    for (; here + 8 <= components; here += 8) taylor_eight_rows(rows, power, x, sums, has_slope_sums, here);
 #endif
 #ifdef __AVX__
-    for (; here + 4 <= components; here += 4) taylor_four_rows(rows, power, x, sums, has_slope, here);
+    for (; here + 4 <= components; here += 4) taylor_four_rows(rows, power, x, sums, has_slope_sums, here);
 #endif
-    for (; here + 2 <= components; here += 2) taylor_two_rows(rows, power, x, sums, has_slope, here);
-    for (; here < components; here++) taylor_one_rows(rows, power, x, sums, has_slope, here);
+    for (; here + 2 <= components; here += 2) taylor_two_rows(rows, power, x, sums, has_slope_sums, here);
+    for (; here < components; here++) taylor_one_rows(rows, power, x, sums, has_slope_sums, here);
 }
 
 #endif
