@@ -97,17 +97,16 @@ static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_cur
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_possibly_nonfinite_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[],
-                                                   double seed_U[])
+static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     if (seeds_need_no_second_derivatives(action)) {
         if (!curve->generated_code || !curve->generated_code->compute_seeds)
-            return tvi_choose_curve_variant(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
+            return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         const tvi_status status = curve->generated_code->compute_seeds(action, curve, seed_Q, seed_U);
         /* Generated code does not know the roundoff of momenta. If its iteration for the momenta is stuck, the library
          * solves for them again, and measures whether their last corrections are roundoff. */
         if (status == TVI_ENOCONV)
-            return tvi_choose_curve_variant(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
+            return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
             (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
         return status;
@@ -122,7 +121,7 @@ tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double
 {
     const int seeds = (curve->highest_order + 1) * curve->n;
     const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const tvi_status status = compute_possibly_nonfinite_seeds(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_unchecked_seeds(action, curve, seed_Q, seed_U);
     if (status != TVI_OK) return status;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }

@@ -12,7 +12,7 @@
 
 /* Returns an action of `width` members in which only the sizes are set. They are those of the method that the options,
  * all of which are resolved, choose; generated code has them as constants. */
-tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *options, int width);
+tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options, int width);
 /* Returns the tape that evaluates the field at the nodes. */
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,

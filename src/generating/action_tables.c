@@ -14,7 +14,7 @@ static int choose_padded_half_node_count(const tvi_system *system, int points, i
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
-tvi_action tvi_create_sized_action(const tvi_system *system, const tvi_options *options, int width)
+tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = definition->uses_highest_momentum_term ? degree : degree - 1;
@@ -57,7 +57,7 @@ static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const t
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                          int width)
 {
-    *action = tvi_create_sized_action(system, options, width);
+    *action = tvi_create_unallocated_action(system, options, width);
     const size_t orders = (size_t)action->orders, points = (size_t)action->points, n = (size_t)(system->n * width);
     action->field_tape = tvi_select_node_tape(system, action);
     action->node_scaled_time = tvi_arena_allocate_doubles(arena, points);
@@ -98,13 +98,13 @@ static double compute_quadrature_error(int order, int points, const long double 
     return (double)error;
 }
 
-static void set_power_tables(tvi_action *action, int node, long double s, bool at_end)
+static void set_tables_of_node(tvi_action *action, int node, long double s, bool is_end_of_step)
 {
     for (int k = 2; k < action->orders; k++)
         action->second_derivative_table.all_orders[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int place = k * action->points + node, weighted = node * action->orders + k;
-        const bool left_out = action->omits_highest_order_at_nodes && k == action->q_degree && !at_end;
+        const bool left_out = action->omits_highest_order_at_nodes && k == action->q_degree && !is_end_of_step;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
         action->power_table.all_orders[place] = power;
         action->slope_table.all_orders[place] = slope;
@@ -132,12 +132,13 @@ static void split_table_by_order_parity(const tvi_action *action, tvi_node_table
 
 /* Returns the node of the quadrature rule at which this point of the action lies, and sets *weight_fraction to the
  * point's fraction of the node's weight. */
-static int find_node_and_weight_fraction(const tvi_action *action, int rule_points, int point, double *weight_fraction)
+static int find_node_and_weight_fraction(const tvi_action *action, int rule_node_count, int point,
+                                         double *weight_fraction)
 {
     const int half = action->half_node_count, at = half > 0 ? point % half : point,
-              node = at < (rule_points + 1) / 2 || half == 0 ? at : 0;
-    *weight_fraction = node != at ? 0 : half > 0 && 2 * at + 1 == rule_points ? 0.5 : 1;
-    return half > 0 && point >= half ? rule_points - 1 - node : node;
+              node = at < (rule_node_count + 1) / 2 || half == 0 ? at : 0;
+    *weight_fraction = node != at ? 0 : half > 0 && 2 * at + 1 == rule_node_count ? 0.5 : 1;
+    return half > 0 && point >= half ? rule_node_count - 1 - node : node;
 }
 
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_scaled_span span)
@@ -148,12 +149,12 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     for (int point = 0; point < action->points; point++) {
         double weight_fraction;
         const int i = find_node_and_weight_fraction(action, count, point, &weight_fraction);
-        const bool at_end = s[i] == -1 || s[i] == 1;
+        const bool is_end_of_step = s[i] == -1 || s[i] == 1;
         /* Maps [-1, 1] to the span. */
         const long double place = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;
         action->node_scaled_time[point] = (double)place;
         action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.end_s - span.start_s) / 2);
-        set_power_tables(action, point, place, at_end);
+        set_tables_of_node(action, point, place, is_end_of_step);
     }
     for (int i = 0; i < count; i++) {
         s[i] = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;

@@ -75,7 +75,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     return workspace;
 }
 
-static void prepare_end_curve(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
+static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_s, k);
@@ -94,8 +94,8 @@ static void prepare_stepper(void *workspace)
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     tvi_newton_set_pass_rules(&w->newton, w->options, true);
-    prepare_end_curve(w, &w->start_curve, (tvi_scaled_span){0, 1, 1});
-    prepare_end_curve(w, &w->end_curve, (tvi_scaled_span){-1, 0, 1});
+    set_end_curve_tables(w, &w->start_curve, (tvi_scaled_span){0, 1, 1});
+    set_end_curve_tables(w, &w->end_curve, (tvi_scaled_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;

@@ -26,33 +26,34 @@ static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *
 }
 
 /* Adds one curve's part to the difference out = b - a at the nodes: it subtracts the terms of a, or adds those of b,
- * from order 1 on. `apart` is the difference a_0 - b_0 of the coefficients of order 0, which nearly cancel; the call
- * for either curve subtracts half of it. */
-static void add_curve_end_to_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
-                                        const double *coefficients, size_t stride, double apart, double out[])
+ * from order 1 on. `order_zero_difference` is a_0 - b_0, the difference of the coefficients of order 0, which nearly
+ * cancel; the call for either curve subtracts half of it. */
+static void add_curve_to_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
+                                    const double *coefficients, size_t stride, double order_zero_difference,
+                                    double out[])
 {
     evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++)
-        out[node] -= x->sign_in_difference * w->series_value_at_node[node] + apart / 2;
+        out[node] -= x->sign_in_difference * w->series_value_at_node[node] + order_zero_difference / 2;
 }
 
 /* Adds one curve's part to component i of the blended position y, velocity v (dy/ds), momentum pi and its derivative
  * dpi/ds at the nodes. */
-static void add_curve_at_nodes(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
+static void add_curve_to_blend(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slot_count;
     const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->momentum_coefficients + i;
     const double *power = x->action.power_table.all_orders, *slope = x->action.slope_table.all_orders;
-    const double q_apart = tvi_curve_position_coefficients(&w->start_curve.curve, 0)[i] -
-                           tvi_curve_position_coefficients(&w->end_curve.curve, 0)[i];
-    const double p_apart = w->start_curve.momentum_coefficients[i] - w->end_curve.momentum_coefficients[i];
+    const double Q0_difference = tvi_curve_position_coefficients(&w->start_curve.curve, 0)[i] -
+                                 tvi_curve_position_coefficients(&w->end_curve.curve, 0)[i];
+    const double P0_difference = w->start_curve.momentum_coefficients[i] - w->end_curve.momentum_coefficients[i];
     add_blended_series(w, x, w->degree, Q, stride, power, w->node_position + place);
     add_blended_series(w, x, w->degree, Q, stride, slope, w->node_velocity + place);
     if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_curve_end_to_difference(w, x, w->degree, Q, stride, q_apart, w->node_velocity + place);
+        add_curve_to_difference(w, x, w->degree, Q, stride, Q0_difference, w->node_velocity + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->node_momentum + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->node_force + place);
-    add_curve_end_to_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->node_force + place);
+    add_curve_to_difference(w, x, w->degree - 1, P, (size_t)w->n, P0_difference, w->node_force + place);
 }
 
 /* Computes the blended position y, velocity v, momentum pi and its derivative dpi/ds at the nodes. */
@@ -64,8 +65,8 @@ static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
     curve_compute_momentum_coefficients(&w->start_curve.curve, w->degree - 1, w->start_curve.momentum_coefficients);
     curve_compute_momentum_coefficients(&w->end_curve.curve, w->degree - 1, w->end_curve.momentum_coefficients);
     for (int i = 0; i < w->n; i++) {
-        add_curve_at_nodes(w, &w->start_curve, i);
-        add_curve_at_nodes(w, &w->end_curve, i);
+        add_curve_to_blend(w, &w->start_curve, i);
+        add_curve_to_blend(w, &w->end_curve, i);
     }
     for (int i = 0; i < w->n * w->points; i++) w->node_velocity[i] /= w->start_curve.curve.tau;
 }

@@ -4,19 +4,22 @@
 #include "generating/curve_stepper.h"
 #include "method/method.h"
 
-static const tvi_curve_variant *const variants[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_curve_variant_base,
+static const tvi_curve_isa_functions *const functions_of_isa[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_curve_isa_functions_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_curve_variant_avx2,
-    [jet_isa_avx512] = &tvi_curve_variant_avx512,
+    [jet_isa_avx2] = &tvi_curve_isa_functions_avx2,
+    [jet_isa_avx512] = &tvi_curve_isa_functions_avx512,
 #endif
 };
 
-const tvi_curve_variant *tvi_choose_curve_variant(const jet_tape *tape) { return variants[tape->sweeps->isa]; }
+const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *tape)
+{
+    return functions_of_isa[tape->sweeps->isa];
+}
 
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
-    const tvi_action action = tvi_create_sized_action(system, options, 1);
+    const tvi_action action = tvi_create_unallocated_action(system, options, 1);
     return tvi_find_method(options)->curve.correct_ends == tvi_correct_ends_by_mean &&
            options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action) &&
            2 * system->n <= LINEAR_OWN_MAX_ROWS && tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
@@ -25,7 +28,7 @@ bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options)
 {
     if (!tvi_has_quick_step(closure->system, options)) return NULL;
-    if (closure->curve.generated_code) return closure->curve.generated_code->step;
-    const tvi_curve_variant *variant = tvi_choose_curve_variant(closure->system->field_series);
-    return closure->curve.width > 1 ? variant->quick_step_of_members : variant->quick_step;
+    if (closure->curve.generated_code) return closure->curve.generated_code->quick_step;
+    const tvi_curve_isa_functions *functions = tvi_choose_curve_isa_functions(closure->system->field_series);
+    return closure->curve.width > 1 ? functions->quick_step_of_members : functions->quick_step;
 }

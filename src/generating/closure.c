@@ -13,8 +13,7 @@ static tvi_status correct_ends(tvi_closure *closure, const tvi_transposed_equati
 tvi_status tvi_correct_ends_by_mean(tvi_closure *closure)
 {
     return correct_ends(
-        closure,
-        &(tvi_transposed_equations){&closure->q_mean, closure_get_combination_of_second_equations(closure), TVI_FIRST});
+        closure, &(tvi_transposed_equations){&closure->q_mean, closure_get_second_combination(closure), TVI_FIRST});
 }
 
 tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination, tvi_half half)

@@ -74,7 +74,7 @@ typedef struct tvi_closure {
 
 /* Returns the combination whose Jacobian is J2 in the equations of tvi_correct_ends_by_mean: the mean of the ends'
  * scaled momenta, or the difference of their coordinates. */
-static inline const tvi_combination *closure_get_combination_of_second_equations(const tvi_closure *closure)
+static inline const tvi_combination *closure_get_second_combination(const tvi_closure *closure)
 {
     return closure->end_factors->uses_mean_momentum ? &closure->u_mean : &closure->q_increment;
 }

@@ -25,13 +25,13 @@ static const tvi_curve_code *find_generated_code(const tvi_system *system, int h
 }
 
 /* Allocates the arrays of derivatives along directions, and of the factored velocity Hessian. */
-static void allocate_derivatives(tvi_curve *curve, tvi_arena *arena)
+static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
 {
     const tvi_system *system = curve->system;
     const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n, numbers = n * (size_t)curve->width,
                  jacobian = orders * n * 2 * numbers,
                  slots = (size_t)system->field_series->slot_count * (size_t)curve->width,
-                 tangent_lanes = curve->width > 1 ? 1 : (size_t)tvi_choose_tangent_lanes(system);
+                 tangent_lanes = curve->width > 1 ? 1 : (size_t)tvi_choose_tangent_lane_count(system);
     if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) {
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
         curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
@@ -46,9 +46,9 @@ static void allocate_derivatives(tvi_curve *curve, tvi_arena *arena)
     }
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
-        curve->velocity_derivatives = tvi_arena_allocate_doubles(arena, slots * n);
+        curve->slot_derivatives_by_velocity = tvi_arena_allocate_doubles(arena, slots * n);
         curve->velocity_right_sides = tvi_arena_allocate_doubles(arena, n * tangent_lanes);
-        curve->column = tvi_arena_allocate_doubles(arena, n);
+        curve->right_side_column = tvi_arena_allocate_doubles(arena, n);
     }
 }
 
@@ -74,7 +74,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, width, 0);
-    allocate_derivatives(curve, arena);
+    allocate_tangents_and_hessian(curve, arena);
 }
 
 void tvi_curve_fill_constant_tables(tvi_curve *curve)
@@ -185,7 +185,7 @@ double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_toleran
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
 {
     if (has_generated_functions(curve)) curve->generated_code->rescale_and_sum(curve, factor, dq, du);
-    else tvi_choose_curve_variant(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
+    else tvi_choose_curve_isa_functions(curve->system->field_series)->rescale_and_sum(curve, factor, dq, du);
 }
 
 double tvi_curve_bound_energy_change(const tvi_curve *curve)

@@ -1,7 +1,7 @@
-/* curve_batch.c - makes one step of several members of an ensemble at once, each a curve in one vector lane.
- * Ensembles call it through tvi_curve_batch (method/stepper.h). It uses the quick step of curve_step.h: member m is
- * lane m of a sweep, and lane node * width + m at the nodes. A member for which the quick step fails, or that is
- * outside of the domain, makes its step alone. */
+/* curve_batch.c - makes one step of several members of an ensemble at once, each a curve in one vector lane. Ensembles
+ * call it through tvi_curve_batch (method/stepper.h). It uses the quick step of curve_step.h. Member m has lane m in
+ * sweeps of the series, and lane node * width + m in sweeps of the field at the quadrature nodes. A member for which
+ * the quick step fails, or that is outside of the domain, makes its step alone. */
 #include "generating/curve.h"
 #include "generating/curve_stepper.h"
 #include "method/method.h"
@@ -9,7 +9,7 @@
 
 typedef struct {
     tvi_member_stepper single_stepper;
-    tvi_curve_workspace *lane_work;
+    tvi_curve_workspace *work_of_members;
     long long *iterating_mask; /* [width] */
     double *dq, *dp;           /* [n][width] the increments of the step */
     double *tail, *residual;   /* [width] */
@@ -33,7 +33,7 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 {
     if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN : !can_batch_corrected_steps(system, options))
         return 1;
-    const int orders = tvi_create_sized_action(system, options, 1).orders,
+    const int orders = tvi_create_unallocated_action(system, options, 1).orders,
               blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slot_count * orders * (int)sizeof(double);
     int width = BATCH_MIN_WIDTH;
@@ -49,7 +49,7 @@ static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tv
     const tvi_stepper *stepper = tvi_find_method(options)->stepper;
     tvi_member_stepper_allocate(&members.single_stepper, arena, stepper, system, options, width,
                                 options->quadrature_points + 1);
-    members.lane_work = tvi_curve_workspace_allocate(arena, system, options, width);
+    members.work_of_members = tvi_curve_workspace_allocate(arena, system, options, width);
     members.iterating_mask = tvi_arena_allocate(arena, count * sizeof *members.iterating_mask);
     members.dq = tvi_arena_allocate_doubles(arena, numbers);
     members.dp = tvi_arena_allocate_doubles(arena, numbers);
@@ -58,7 +58,7 @@ static void *allocate_batch(tvi_arena *arena, const tvi_system *system, const tv
     members.pass_counts = tvi_arena_allocate(arena, count * sizeof *members.pass_counts);
     if (!allocated) return NULL;
     *allocated = members;
-    members.lane_work->single_stepper = &allocated->single_stepper;
+    members.work_of_members->single_stepper = &allocated->single_stepper;
     return allocated;
 }
 
@@ -66,37 +66,40 @@ static void prepare_batch(void *work)
 {
     batch *members = work;
     tvi_member_stepper_set_tables(&members->single_stepper);
-    tvi_curve_workspace_fill_tables(members->lane_work);
+    tvi_curve_workspace_fill_tables(members->work_of_members);
 }
 
-/* Returns the number that each member keeps from step to step, [width]: the measured contraction loss of its passes, or
- * the size of its last step to a tolerance, from which it continues in later runs. Plain Taylor steps of a given size
- * keep none. */
-static double *get_history(const tvi_curve_workspace *work)
+/* Returns the history of all members, [width]. The history of a member is one number: the measured contraction loss of
+ * its passes, or, for the plain Taylor method, the size of its last step to a tolerance, from which it continues in
+ * later runs. Plain Taylor steps of a given size do not use their history. */
+static double *get_history_of_members(const tvi_curve_workspace *work)
 {
     return work->has_corrections ? work->newton.measured_contraction_loss : work->last_adapted_step_size;
 }
 
-static void copy_lane_to_member(const void *work, int lane, void *member_work)
+static void copy_lane_history_to_member(const void *work, int lane, void *member_work)
 {
-    *get_history(member_work) = get_history(((const batch *)work)->lane_work)[lane];
+    *get_history_of_members(member_work) = get_history_of_members(((const batch *)work)->work_of_members)[lane];
 }
 
-static void copy_member_to_lane(void *work, int lane, const void *member_work)
+static void copy_member_history_to_lane(void *work, int lane, const void *member_work)
 {
-    get_history(((const batch *)work)->lane_work)[lane] = *get_history(member_work);
+    get_history_of_members(((const batch *)work)->work_of_members)[lane] = *get_history_of_members(member_work);
 }
 
-static void forget_lane_history(void *work, int lane) { get_history(((const batch *)work)->lane_work)[lane] = 0; }
+static void forget_lane_history(void *work, int lane)
+{
+    get_history_of_members(((const batch *)work)->work_of_members)[lane] = 0;
+}
 
 static void step_single_member(batch *members, double h, const tvi_batch_origin *origin,
                                const tvi_batch_results *results, int m, tvi_stats *stats)
 {
     const tvi_member_stepper *single = &members->single_stepper;
-    copy_lane_to_member(members, m, single->stepper_work);
-    if (tvi_step_member(single, single->system->field_series, members->lane_work->closure.curve.series_block, 1, h,
-                        origin, results, m, stats))
-        copy_member_to_lane(members, m, single->stepper_work);
+    copy_lane_history_to_member(members, m, single->stepper_work);
+    if (tvi_step_member(single, single->system->field_series, members->work_of_members->closure.curve.series_block, 1,
+                        h, origin, results, m, stats))
+        copy_member_history_to_lane(members, m, single->stepper_work);
 }
 
 static void step_batch(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
@@ -107,7 +110,7 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
     for (int m = 0; m < width; m++) members->iterating_mask[m] = results->status[m] == TVI_OK ? -1 : 0;
     const tvi_quick_step_results quick = {members->dq,       members->dp,          members->tail,
                                           members->residual, members->pass_counts, members->iterating_mask};
-    (void)members->lane_work->quick_step(members->lane_work, members->lane_work->closure.span.tau_over_h * h, origin,
+    (void)members->work_of_members->quick_step(members->work_of_members, members->work_of_members->closure.span.tau_over_h * h, origin,
                                          &quick, stats);
     for (int m = 0; m < width; m++) {
         if (results->status[m] != TVI_OK) continue;
@@ -129,6 +132,6 @@ const tvi_batch_stepper tvi_curve_batch = {.width = choose_batch_width,
                                            .allocate = allocate_batch,
                                            .set_tables = prepare_batch,
                                            .step = step_batch,
-                                           .copy_history_from_lane = copy_lane_to_member,
-                                           .copy_history_to_lane = copy_member_to_lane,
+                                           .copy_history_from_lane = copy_lane_history_to_member,
+                                           .copy_history_to_lane = copy_member_history_to_lane,
                                            .clear_history = forget_lane_history};

@@ -12,7 +12,7 @@
 #include "generating/matrices.h"
 
 /* Computes z, the state at the centre, as the value of the curve that was expanded at the start of the step. */
-static inline void step_move_state_to_centre(const tvi_curve_workspace *work, double z[])
+static inline void step_compute_state_at_centre(const tvi_curve_workspace *work, double z[])
 {
     const tvi_closure *closure = &work->closure;
     CURVE_CALL(sum_combination, &closure->curve, &work->q_at_centre_weights, z);
@@ -184,8 +184,7 @@ static inline void step_factor_jacobians(step_state *state, int due_count, const
     const bool uses_momenta = closure->end_factors->uses_mean_momentum;
     tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
     matrices_record_jacobian_state(closure, z);
-    matrices_stack_combination_jacobians(closure, &closure->q_mean,
-                                         closure_get_combination_of_second_equations(closure), full->lu);
+    matrices_stack_combination_jacobians(closure, &closure->q_mean, closure_get_second_combination(closure), full->lu);
     const int renewed = matrices_renew_corrector_jacobian(closure, state->iterating_mask, back->lu);
     linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
                             state->iterating_mask);
@@ -318,9 +317,9 @@ static inline bool step_set_centre_state_to_start(tvi_curve_workspace *work, con
 /* Makes the steps of the members whose passes converge as usual, for the generating functions that
  * tvi_correct_ends_by_mean serves. Returns whether any member's step was made; curve_stepper.c makes the other steps.
  * */
-static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
-                                        const tvi_batch_origin *origin, const tvi_quick_step_results *results,
-                                        tvi_stats *stats)
+static inline bool step_make_quick_steps(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
+                                         const tvi_batch_origin *origin, const tvi_quick_step_results *results,
+                                         tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
     step_state state = {work, functions, origin, results->iterating_mask, 0};
@@ -330,7 +329,7 @@ static inline bool step_by_quick_passes(tvi_curve_workspace *work, const step_cu
     if (!step_set_centre_state_to_start(work, origin, work->newton.x) ||
         !step_drop_failed_members(&state, functions->expand(curve), false))
         return false;
-    step_move_state_to_centre(work, work->newton.x);
+    step_compute_state_at_centre(work, work->newton.x);
     curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.start_s * tau);
     step_run_corrector_passes(&state, results);
     for (int m = 0; m < curve_width(curve); m++) {

@@ -39,7 +39,7 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
                                                          origin->q, origin->p, w->velocity_guess, w->predicted_state);
     if (status != TVI_OK || w->closure.span.start_s == 0) return status;
     status = expand_curve(attempt, w->predicted_state, origin->t + origin->t_low);
-    step_move_state_to_centre(w, w->predicted_state);
+    step_compute_state_at_centre(w, w->predicted_state);
     return status;
 }
 
@@ -167,7 +167,8 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
 
 /* Expands the curve with a time unit tau that is a power of 2 near the usable step, or near the largest step if that is
  * less. A good guess of it costs one expansion. *usable_step becomes the size of the step that meets the tolerance. */
-static tvi_status expand_within_domain(step_attempt *attempt, double guess, double largest_step, double *usable_step)
+static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double guess, double largest_step,
+                                                 double *usable_step)
 {
     const work *w = attempt->work;
     const tvi_curve *curve = &w->closure.curve;
@@ -210,7 +211,7 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
         w->tolerance = tolerance;
         w->log_tolerance = log(tolerance);
     }
-    const tvi_status status = expand_within_domain(&attempt, before != 0 ? before : *h, *h, &usable_step);
+    const tvi_status status = expand_with_suitable_time_unit(&attempt, before != 0 ? before : *h, *h, &usable_step);
     if (status != TVI_OK) { /* the curve could not be expanded with this tau */
         *h = attempt.tau;
         return status;
@@ -220,7 +221,7 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
     bool is_chosen = usable_step < fabs(*h);
     if (is_chosen) *h = copysign(usable_step, *h);
     compute_plain_taylor_increments(w, *h, increments);
-    while (must_check_end && !tvi_curve_satisfies_force_at_end(w, *h, origin, increments) &&
+    while (must_check_end && !tvi_curve_satisfies_equation_at_end(w, *h, origin, increments) &&
            origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
@@ -254,7 +255,7 @@ static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_op
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
-    const tvi_action shape = tvi_create_sized_action(system, options, 1);
+    const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
     return tvi_curve_find_used_tapes(system, options, shape.orders - 1, shape.points,
                                      has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }

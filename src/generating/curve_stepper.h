@@ -17,9 +17,10 @@ typedef struct {
     tvi_quick_step_fn *quick_step, *quick_step_of_members;
     tvi_quick_step_fn *taylor_step_of_members;
     const tvi_closure_solver *product_solver;
-} tvi_curve_variant;
-extern const tvi_curve_variant tvi_curve_variant_base, tvi_curve_variant_avx2, tvi_curve_variant_avx512;
-const tvi_curve_variant *tvi_choose_curve_variant(const jet_tape *tape);
+} tvi_curve_isa_functions;
+extern const tvi_curve_isa_functions tvi_curve_isa_functions_base, tvi_curve_isa_functions_avx2,
+    tvi_curve_isa_functions_avx512;
+const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *tape);
 
 typedef struct tvi_curve_workspace {
     tvi_closure closure;
@@ -61,7 +62,7 @@ bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options);
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options);
 /* Returns whether dp/ds = h F holds at the end of the curve, to the tolerance. The coefficients at the start do not
  * show a force that the body meets only within the step. */
-bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
-                                      const tvi_increments *increments);
+bool tvi_curve_satisfies_equation_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
+                                         const tvi_increments *increments);
 
 #endif

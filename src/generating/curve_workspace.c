@@ -12,7 +12,7 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
                              bool has_corrections, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action sizes = tvi_create_sized_action(system, options, 1);
+    const tvi_action sizes = tvi_create_unallocated_action(system, options, 1);
     const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
@@ -23,7 +23,7 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     c->end_factors = &definition->end_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_closure_solver *solver =
-        has_products ? tvi_choose_curve_variant(system->field_series)->product_solver : &tvi_solver_by_matrices;
+        has_products ? tvi_choose_curve_isa_functions(system->field_series)->product_solver : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, sizes.orders - 1, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_at_start,  &c->q_at_end,   &c->q_increment,
@@ -50,7 +50,7 @@ static void allocate_plain_taylor_step(work *w, tvi_arena *arena, int width)
     const tvi_curve *curve = &w->closure.curve;
     const tvi_system *system = curve->system;
     w->last_adapted_step_size = tvi_arena_allocate_in_copied_history(arena, (size_t)width * sizeof(double));
-    if (width > 1) w->quick_step = tvi_choose_curve_variant(system->field_series)->taylor_step_of_members;
+    if (width > 1) w->quick_step = tvi_choose_curve_isa_functions(system->field_series)->taylor_step_of_members;
     else tvi_allocate_increment_refinement(&w->refinement, arena, curve);
     if (width > 1 || system->form != TVI_SEPARABLE) return;
     w->end_field_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
@@ -96,7 +96,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
 /* Sets the combinations of position and velocity (or momentum) at the centre, and of the velocity at the end. */
-static void set_centre_weights(work *w)
+static void set_predictor_combinations(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
@@ -127,7 +127,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
                                               from);
     tvi_combination_set_power_weights(&c->momentum_size_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
-    set_centre_weights(w);
+    set_predictor_combinations(w);
     if (!w->has_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant: passes correct q and p alternately, and the first contraction is no measure. */

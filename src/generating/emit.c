@@ -13,12 +13,12 @@ static void emit_text_lines(jet_text *text, const char *const lines[])
     for (; *lines; lines++) jet_text_append(text, "%s", *lines);
 }
 
-/* Emits a table of the slots of the tape's outputs, and defines `macro` as that table. */
-static void emit_output_slot_table(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
+/* Emits a table of the slots of the tape's outputs, and defines `macro_name` as that table. */
+static void emit_output_slot_table(jet_text *text, const jet_tape *tape, const char *table_name, const char *macro_name)
 {
-    jet_text_append(text, "static const int %s[] = {", table);
+    jet_text_append(text, "static const int %s[] = {", table_name);
     for (int i = 0; i < tape->output_count; i++) jet_text_append(text, "%d, ", tape->output_slot[i]);
-    jet_text_append(text, "};\n#define %s %s\n", macro, table);
+    jet_text_append(text, "};\n#define %s %s\n", macro_name, table_name);
 }
 
 static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
@@ -53,10 +53,10 @@ static void emit_velocity_dependence_macro(jet_text *text, const tvi_system *sys
 /* Emits the macros by which the seeds evaluate the field and its tangents at the nodes; code without seeds gets macros
  * that do nothing. Only momenta that belong to given velocities need tangents, of H_p by p, which the tape of the
  * series computes. */
-static void emit_node_field_macros(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seed)
+static void emit_node_field_macros(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seeds)
 {
     const jet_tape *field = tvi_select_node_tape(system, action);
-    const bool has_velocities = has_seed && field == system->field_series;
+    const bool has_velocities = has_seeds && field == system->field_series;
     const int points = action->points;
     emit_output_slot_table(text, field, "code_values", "CURVE_VALUES_SLOT");
     if (has_velocities)
@@ -66,7 +66,7 @@ static void emit_node_field_macros(jet_text *text, const tvi_system *system, con
             "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), tvi_series_tangents_per_lane_%d(x, dx))\n",
             points, points);
     else jet_text_append(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");
-    if (has_seed)
+    if (has_seeds)
         jet_text_append(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s_values_%d(x))\n",
                         has_velocities ? "tvi_series" : "tvi_values", points);
     else jet_text_append(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
@@ -90,20 +90,20 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
                                  bool has_products)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const tvi_action action = tvi_create_sized_action(system, options, 1);
-    const bool has_seed =
+    const tvi_action action = tvi_create_unallocated_action(system, options, 1);
+    const bool has_seeds =
         definition->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action);
     const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
     emit_output_slot_table(text, system->field_series, "code_output", "CURVE_SLOT");
     if (system->form == TVI_LAGRANGIAN) emit_velocity_dependence_macro(text, system);
-    emit_node_field_macros(text, system, &action, has_seed);
+    emit_node_field_macros(text, system, &action, has_seeds);
     emit_action_sizes(text, &action);
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
                     "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_STEP_SIZE %d\n",
-                    lanes > 0, has_products, has_seed, has_step, !definition->correct_ends);
+                    lanes > 0, has_products, has_seeds, has_step, !definition->correct_ends);
     emit_text_lines(text, tvi_embedded_curve);
     if (has_products) emit_text_lines(text, tvi_embedded_products);
     emit_text_lines(text, tvi_embedded_generated_curve);
@@ -121,5 +121,5 @@ void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi
 
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
-    emit_curve_functions(text, system, options, tvi_choose_tangent_lanes(system), false);
+    emit_curve_functions(text, system, options, tvi_choose_tangent_lane_count(system), false);
 }

@@ -29,7 +29,7 @@ JET_APART tvi_status code_expand_series(tvi_curve *curve)
 }
 #undef EXPAND
 
-static inline tvi_status code_expand(tvi_curve *curve)
+static inline tvi_status code_expand_checked_series(tvi_curve *curve)
 {
     const tvi_status status = code_expand_series(curve);
     return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
@@ -48,7 +48,7 @@ static inline tvi_status code_expand(tvi_curve *curve)
  * the same time as the next order. */
 JET_APART tvi_status code_expand_with_tangents(tvi_curve *curve)
 {
-    const curve_tangent_block block = {CURVE_LANES, tvi_curve_slot_count(curve) * CURVE_LANES, 0};
+    const curve_tangent_block block = {CURVE_LANES, tvi_curve_order_stride(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
     curve_prepare_tangent_block(curve, &block);
     FOR_ALL_ORDERS(EXPAND_WITH_TANGENTS) curve_store_jacobians_from_tangents(curve, &block);
@@ -65,7 +65,7 @@ static inline void code_compute_jacobians(tvi_curve *curve) { (void)code_expand_
  * number of the first of them. */
 static inline void code_compute_tangent_block(tvi_curve *curve, int lanes, int first_direction)
 {
-    const curve_tangent_block block = {(size_t)lanes, tvi_curve_slot_count(curve) * (size_t)lanes, first_direction};
+    const curve_tangent_block block = {(size_t)lanes, tvi_curve_order_stride(curve) * (size_t)lanes, first_direction};
     curve_prepare_tangent_block(curve, &block);
     FOR_ALL_ORDERS(DIFFERENTIATE) curve_store_jacobians_from_tangents(curve, &block);
 }
@@ -112,7 +112,7 @@ static inline bool code_make_quick_step(tvi_curve_workspace *work, double tau, c
 {
     static const step_curve_functions functions = {code_expand_series, code_expand_with_tangents, code_compute_seeds,
                                                    NULL};
-    return step_by_quick_passes(work, &functions, tau, origin, results, stats);
+    return step_make_quick_steps(work, &functions, tau, origin, results, stats);
 }
 
 #endif
@@ -127,7 +127,7 @@ static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
 
 static const tvi_curve_code tvi_loops = {
     .highest_order = CURVE_TOP,
-    .expand = code_expand,
+    .expand = code_expand_checked_series,
     .sum_combination = curve_sum_combination,
     .centre_state_sizes = curve_compute_centre_state_sizes,
     .movement_sizes = curve_compute_movement_sizes,
@@ -147,7 +147,7 @@ static const tvi_curve_code tvi_loops = {
     .compute_seeds = code_compute_seeds,
 #endif
 #if CURVE_HAS_STEP
-    .step = code_make_quick_step,
+    .quick_step = code_make_quick_step,
 #endif
 #if CURVE_HAS_STEP_SIZE
     .usable_step = curve_estimate_usable_step,

@@ -25,7 +25,7 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_block_of_half_rows(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status factor_jacobian_block(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const size_t n = (size_t)closure->n, first = equations->half == TVI_FIRST ? 0 : n;
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
@@ -64,7 +64,7 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
     if (factors->jacobian_count_at_factorisation != factors->jacobian_count) {
         factors->jacobian_count_at_factorisation = factors->jacobian_count;
         const tvi_status status = equations->second_combination ? factor_full_matrix(closure, equations)
-                                                                : factor_block_of_half_rows(closure, equations);
+                                                                : factor_jacobian_block(closure, equations);
         if (status != TVI_OK) return status;
     }
     if (equations->second_combination) {

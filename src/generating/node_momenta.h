@@ -43,9 +43,9 @@ static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action
     const int n = curve_dimension(curve);
     const tvi_status status = CURVE_FACTOR(&curve->velocity_hessian);
     for (int j = 0; j < n && status == TVI_OK; j++) {
-        for (int i = 0; i < n; i++) curve->column[i] = i == j;
-        CURVE_SOLVE(&curve->velocity_hessian, curve->column);
-        for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->points + node] = curve->column[i];
+        for (int i = 0; i < n; i++) curve->right_side_column[i] = i == j;
+        CURVE_SOLVE(&curve->velocity_hessian, curve->right_side_column);
+        for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->points + node] = curve->right_side_column[i];
     }
     return status;
 }

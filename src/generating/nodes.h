@@ -123,7 +123,7 @@ static inline void seeds_set_node_positions(const tvi_action *action, const tvi_
     const int width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                       tvi_curve_slot_count(curve), &action->position_power_table,
+                                       tvi_curve_order_stride(curve), &action->position_power_table,
                                        x + i * seeds_count_lanes(action));
     seeds_set_node_times(action, curve, x);
 }
@@ -134,7 +134,7 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
     const int lanes = seeds_count_lanes(action), width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++) {
         seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                       tvi_curve_slot_count(curve), &action->slope_table, v + i * lanes);
+                                       tvi_curve_order_stride(curve), &action->slope_table, v + i * lanes);
         for (int at = i * lanes; at < (i + 1) * lanes; at++) v[at] /= curve->tau;
     }
 }
@@ -170,7 +170,7 @@ static inline void seeds_divide_row(int lanes, double divisor, double row[])
 static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
-    const size_t stride = tvi_curve_slot_count(curve);
+    const size_t stride = tvi_curve_order_stride(curve);
     double *force = action->node_force;
     for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
         if (curve_form(curve) == TVI_SEPARABLE) {

@@ -44,18 +44,18 @@ static inline int orders_first_computed_slot(const tvi_curve *curve)
 static inline void orders_differentiate_slots_by_velocity(tvi_curve *curve)
 {
     const int n = curve_dimension(curve);
-    memset(curve->velocity_derivatives, 0,
-           (size_t)(orders_first_computed_slot(curve) * n) * sizeof *curve->velocity_derivatives);
-    for (int i = 0; i < n; i++) curve->velocity_derivatives[(n + i) * n + i] = 1;
-    ORDERS_TANGENTS(curve, curve->velocity_derivatives, 0, n);
+    memset(curve->slot_derivatives_by_velocity, 0,
+           (size_t)(orders_first_computed_slot(curve) * n) * sizeof *curve->slot_derivatives_by_velocity);
+    for (int i = 0; i < n; i++) curve->slot_derivatives_by_velocity[(n + i) * n + i] = 1;
+    ORDERS_TANGENTS(curve, curve->slot_derivatives_by_velocity, 0, n);
 }
 
 static inline void orders_copy_velocity_hessian(const tvi_curve *curve)
 {
     const int n = curve_dimension(curve);
     for (int i = 0; i < n; i++)
-        memcpy(curve->velocity_hessian.lu + i * n, curve->velocity_derivatives + curve_output_slot(curve, n + i) * n,
-               (size_t)n * sizeof(double));
+        memcpy(curve->velocity_hessian.lu + i * n,
+               curve->slot_derivatives_by_velocity + curve_output_slot(curve, n + i) * n, (size_t)n * sizeof(double));
 }
 
 /* Inverts L_vv at the centre if it is small and needs no row exchanges, and factors it otherwise. */
@@ -91,7 +91,7 @@ static inline void orders_solve_with_velocity_hessian(const tvi_curve *curve, in
         return;
     }
     for (int lane = 0; lane < lanes; lane++) {
-        double *column = curve->column;
+        double *column = curve->right_side_column;
         for (int i = 0; i < n; i++) column[i] = right_side[i * lanes + lane];
         CURVE_SOLVE(&curve->velocity_hessian, column);
         for (int i = 0; i < n; i++) out[i * lanes + lane] = column[i];
@@ -109,12 +109,12 @@ static inline void orders_solve_with_velocity_hessian(const tvi_curve *curve, in
  * velocity. */
 static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, const double velocity[], double order[])
 {
-    const int n = curve_dimension(curve), slots = (int)tvi_curve_slot_count(curve);
+    const int n = curve_dimension(curve), slots = (int)tvi_curve_order_stride(curve);
     const size_t stride = (size_t)lanes;
     ORDERS_UNROLLED for (int slot = orders_first_computed_slot(curve); slot < slots; slot++)
     {
         if (!CURVE_FOLLOWS(slot)) continue;
-        const double *column = curve->velocity_derivatives + slot * n;
+        const double *column = curve->slot_derivatives_by_velocity + slot * n;
         double *row = order + slot * lanes;
         JET_BLOCKS(lanes, ORDERS_ADD_VELOCITY, );
     }
@@ -164,7 +164,7 @@ static inline void orders_compute_velocity_coefficients(const tvi_curve *curve, 
 /* Computes order k of a Lagrangian's curve. Order 0 may return TVI_EDOMAIN or TVI_ESINGULAR. */
 static inline tvi_status orders_expand_lagrangian_order(tvi_curve *curve, int k)
 {
-    const size_t slots = tvi_curve_slot_count(curve);
+    const size_t slots = tvi_curve_order_stride(curve);
     double *order = curve->series_block + (size_t)k * slots;
     if (k == 0) return ORDERS_SERIES(curve, 0) ? orders_factor_velocity_hessian(curve) : TVI_EDOMAIN;
     orders_set_position_coefficients(curve, k, 1, order - slots, order);
@@ -312,7 +312,7 @@ static inline void curve_compute_jacobians(tvi_curve *curve)
     for (int first = 0; first < directions; first += most) {
         const int left = directions - first, count = left < most ? left : most;
         const size_t lanes = (size_t)(width * count);
-        const curve_tangent_block block = {lanes, tvi_curve_slot_count(curve) * (size_t)count, first};
+        const curve_tangent_block block = {lanes, tvi_curve_order_stride(curve) * (size_t)count, first};
         curve_prepare_tangent_block(curve, &block);
         for (int k = 0; k <= curve_highest_order(curve); k++) curve_compute_tangents_of_order(curve, &block, k);
         curve_store_jacobians_from_tangents(curve, &block);

@@ -17,7 +17,7 @@
 static inline void products_compute_tangents(tvi_curve *curve, const double dz[])
 {
     enum { stride = 0 };
-    const size_t n = (size_t)curve_dimension(curve), order = tvi_curve_slot_count(curve);
+    const size_t n = (size_t)curve_dimension(curve), order = tvi_curve_order_stride(curve);
     const double *kappa = curve->kappa;
     const int *slot = curve_output_slots(curve);
     memcpy(curve->tangent_block, dz, n * sizeof *dz);
@@ -38,12 +38,12 @@ static inline void products_multiply_jacobian_by_direction(const tvi_curve *curv
     const size_t n = (size_t)curve_dimension(curve);
     memset(out, 0, n * sizeof *out);
     tvi_add_weighted_rows((size_t)curve_highest_order(curve) + 1, combination->order_weight,
-                          tvi_curve_slot_count(curve), n, curve->tangent_block, out);
+                          tvi_curve_order_stride(curve), n, curve->tangent_block, out);
 }
 
 static inline double *products_get_adjoint_of_Q(const tvi_curve *curve, int k)
 {
-    return curve->adjoint_block + (size_t)k * tvi_curve_slot_count(curve);
+    return curve->adjoint_block + (size_t)k * tvi_curve_order_stride(curve);
 }
 
 /* The vectors that a product with transposed Jacobians adds up: the seeds seed_Q [highest_order + 1][n] are multiplied
@@ -77,7 +77,7 @@ static inline void products_set_adjoint_seeds(tvi_curve *curve, int last_order,
     for (int k = 0; k <= last_order; k++) {
         double *bar = products_get_adjoint_of_Q(curve, k);
         JET_BLOCKS(n, PRODUCTS_SEED, );
-        if (k + 2 <= last_order) memset(bar + n, 0, (tvi_curve_slot_count(curve) - (size_t)n) * sizeof *bar);
+        if (k + 2 <= last_order) memset(bar + n, 0, (tvi_curve_order_stride(curve) - (size_t)n) * sizeof *bar);
     }
 }
 

@@ -10,10 +10,10 @@ static bool make_quick_step(tvi_curve_workspace *work, double tau, const tvi_bat
 {
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
                                                    seeds_compute_without_second_derivatives, NULL};
-    return step_by_quick_passes(work, &functions, tau, origin, results, stats);
+    return step_make_quick_steps(work, &functions, tau, origin, results, stats);
 }
 
-const tvi_curve_variant JET_FOR_ISA(tvi_curve_variant) = {
+const tvi_curve_isa_functions JET_FOR_ISA(tvi_curve_isa_functions) = {
     .rescale_and_sum = curve_rescale_and_sum,
     .compute_seeds = seeds_compute_without_second_derivatives,
     .quick_step = make_quick_step,

@@ -24,7 +24,7 @@ bool JET_FOR_ISA(tvi_quick_step_of_members)(tvi_curve_workspace *work, double ta
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
                                                    seeds_compute_without_second_derivatives,
                                                    drop_members_outside_domain};
-    return step_by_quick_passes(work, &functions, tau, origin, results, stats);
+    return step_make_quick_steps(work, &functions, tau, origin, results, stats);
 }
 
 bool JET_FOR_ISA(tvi_taylor_step_of_members)(tvi_curve_workspace *work, double h, const tvi_batch_origin *origin,

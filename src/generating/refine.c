@@ -76,7 +76,7 @@ static const long double *sum_coefficients(const refinement_step *step, int sum_
     const int highest_order = curve->highest_order < LOW ? curve->highest_order : LOW;
     memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
     tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)sum_index * orders,
-                          tvi_curve_slot_count(curve), inputs, curve->series_block, refinement->high_order_sum);
+                          tvi_curve_order_stride(curve), inputs, curve->series_block, refinement->high_order_sum);
     for (size_t i = 0; i < inputs; i++) {
         refinement->coefficient_sum[i] = refinement->high_order_sum[i];
         for (int k = highest_order; k >= refinement->lowest_order; k--)
@@ -101,7 +101,7 @@ static void set_low_order_terms(const refinement_step *step)
 
 /* Returns the derivative of input i in s that the last values of the field give: the second derivative h^2 M^-1 F for a
  * separable system, otherwise h times the derivative in time. */
-static long double compute_scaled_rate(const refinement_step *step, int i)
+static long double compute_derivative_from_field(const refinement_step *step, int i)
 {
     const int n = step->system->n, *output = step->system->field_values->output_slot;
     const long double *y = step->refinement->field_slots, h = step->h;
@@ -122,7 +122,7 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
     jet_sweep_long_double_values(step->system->field_values, refinement->field_constants_block,
                                  refinement->field_slots);
     sum = sum_coefficients(step, RATE + j);
-    for (int i = 0; i < inputs; i++) refinement->ode_residual[i] = compute_scaled_rate(step, i) - sum[i];
+    for (int i = 0; i < inputs; i++) refinement->ode_residual[i] = compute_derivative_from_field(step, i) - sum[i];
 }
 
 static void integrate_ode_residual(const refinement_step *step)

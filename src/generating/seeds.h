@@ -238,7 +238,7 @@ typedef struct {
     int *pass_counts;
     long long *iterating_mask;
 } tvi_quick_step_results;
-/* The type of the variants of step_by_quick_passes (curve_step.h): in generated code, and compiled for one instruction
+/* The type of the variants of step_make_quick_steps (curve_step.h): in generated code, and compiled for one instruction
  * set. */
 typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                const tvi_quick_step_results *results, tvi_stats *stats);
@@ -266,7 +266,7 @@ typedef struct tvi_curve_code {
      * */
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Makes a quick step; NULL: the method has none. */
-    tvi_quick_step_fn *step;
+    tvi_quick_step_fn *quick_step;
 } tvi_curve_code;
 
 #endif

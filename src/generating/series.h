@@ -53,9 +53,10 @@ typedef struct {
     double *tail_share, *tail_ratio;       /* [n] scratch for the tails (tail.h) */
     tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
     bool is_velocity_hessian_inverted;     /* whether velocity_hessian.lu contains the inverse */
-    double *velocity_derivatives; /* [slots][n] the derivatives of all slots by the second input at the centre */
+    double
+        *slot_derivatives_by_velocity; /* [slots][n] the derivatives of all slots by the second input at the centre */
     /* Scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n]. */
-    double *velocity_right_sides, *column;
+    double *velocity_right_sides, *right_side_column;
 } tvi_curve;
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
@@ -112,7 +113,7 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, cons
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
 /* Returns the length of one order of the series' block. */
-static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
+static inline size_t tvi_curve_order_stride(const tvi_curve *curve)
 {
     return (size_t)CURVE_SIZE(tvi_series.slot_count, curve->system->field_series->slot_count) *
            (size_t)curve_width(curve);
@@ -120,7 +121,7 @@ static inline size_t tvi_curve_slot_count(const tvi_curve *curve)
 
 /* Returns the number of tangent directions of one sweep. Generated code of small systems has all directions in one
  * sweep, since a partly filled vector costs less than a second sweep. */
-static inline int tvi_choose_tangent_lanes(const tvi_system *system)
+static inline int tvi_choose_tangent_lane_count(const tvi_system *system)
 {
     const int directions = 2 * system->n;
     const bool is_small =
@@ -131,7 +132,7 @@ static inline int tvi_choose_tangent_lanes(const tvi_system *system)
 /* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */
 static inline double *tvi_curve_inputs_of_order(const tvi_curve *curve, int k)
 {
-    return curve->series_block + (size_t)k * tvi_curve_slot_count(curve);
+    return curve->series_block + (size_t)k * tvi_curve_order_stride(curve);
 }
 
 /* Returns output i of the field at order k. */
@@ -203,7 +204,7 @@ static inline const double *tvi_curve_position_coefficients(const tvi_curve *cur
 
 static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
 {
-    return tvi_rows_are_finite(curve_highest_order(curve) + 1, tvi_curve_slot_count(curve), curve_input_count(curve),
+    return tvi_rows_are_finite(curve_highest_order(curve) + 1, tvi_curve_order_stride(curve), curve_input_count(curve),
                                curve->series_block);
 }
 
@@ -240,7 +241,7 @@ static inline void curve_sum_combination_with_adder(curve_row_adder *add, const 
 {
     const int n = curve_dimension(curve), numbers = curve_vector_length(curve);
     memset(out, 0, (size_t)numbers * sizeof *out);
-    const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_slot_count(curve);
+    const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_order_stride(curve);
     if (curve_sums_momentum_coefficients(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
         for (int i = 0; i < n; i++)
             add(orders, combination->order_weight, stride, 1, curve->series_block + curve_output_slot(curve, n + i),

@@ -164,7 +164,7 @@ static inline double curve_estimate_usable_step(const tvi_curve *curve, double l
 static inline void step_size_rescale_rows(const tvi_curve *curve, int components, int degree, const double power[],
                                           double *x, double *value_sum, double *size_sum)
 {
-    const tvi_taylor_rows rows = {components, 1, degree, tvi_curve_slot_count(curve)};
+    const tvi_taylor_rows rows = {components, 1, degree, tvi_curve_order_stride(curve)};
     const tvi_taylor_sums sums = {value_sum, size_sum, NULL, NULL};
     for (int k = degree + 1; k <= curve_highest_order(curve); k++)
         for (int i = 0; i < components; i++) x[(size_t)k * rows.order_stride + (size_t)i] *= power[k];
@@ -176,7 +176,7 @@ static inline void step_size_rescale_rows(const tvi_curve *curve, int components
 static inline void step_size_rescale_separable(const tvi_curve *curve, const double power[], double dq[], double du[])
 {
     const tvi_taylor_rows rows = {curve_vector_length(curve), 2, curve_highest_order(curve),
-                                  tvi_curve_slot_count(curve)};
+                                  tvi_curve_order_stride(curve)};
     const tvi_taylor_sums sums = {dq, curve->movement_size, du, curve->momentum_size};
     taylor_rescale_and_sum(&rows, power, curve->series_block, &sums, true);
     for (int i = 0; i < curve_dimension(curve); i++) curve->kappa[i] *= power[1];

@@ -117,7 +117,7 @@ static inline size_t curve_get_jacobian_order_stride(const tvi_curve *curve)
 {
     const size_t n = (size_t)curve_dimension(curve);
     return 2 * n *
-           (curve_is_jacobian_in_tangent_block() ? tvi_curve_slot_count(curve) : n * (size_t)curve_width(curve));
+           (curve_is_jacobian_in_tangent_block() ? tvi_curve_order_stride(curve) : n * (size_t)curve_width(curve));
 }
 
 static inline void curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination,

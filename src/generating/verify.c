@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-bool tvi_curve_satisfies_force_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
-                                      const tvi_increments *increments)
+bool tvi_curve_satisfies_equation_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
+                                         const tvi_increments *increments)
 {
     const tvi_curve *curve = &work->closure.curve;
     const tvi_system *system = work->closure.system;
