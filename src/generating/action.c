@@ -1,7 +1,8 @@
 /* action.c - computes the gradient of the discrete action as seeds: vectors that multiply the transposed Jacobians of
- * the curve's coefficients. The terms with first derivatives are computed by seeds.h, those with second derivatives
- * here. If passes no longer converge, it also estimates the roundoff of the ends of a step from that of the field at
- * the nodes (docs/method.md section 5). curve_stepper.c, both_ends.c and both_ends_nodes.c call it. */
+ * the curve's coefficients. seeds.h computes the terms with first derivatives of the Lagrangian or the Hamiltonian, and
+ * this file those with second derivatives. For passes that no longer converge, this file also estimates the roundoff of
+ * the ends of a step from that of the field at the nodes (docs/method.md section 5). curve_stepper.c, both_ends.c and
+ * both_ends_nodes.c call it. */
 #include "generating/curve_stepper.h"
 #include "algebra/sizes.h"
 

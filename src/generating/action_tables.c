@@ -1,11 +1,12 @@
-/* action_tables.c - allocates a discrete action, and computes its tables of powers, which depend on the quadrature
- * and the step's span in scaled time only. Steppers call it when an integrator is made. */
+/* action_tables.c - allocates a discrete action, and computes its tables: the powers of the quadrature's nodes, and the
+ * derivatives of these powers. The tables depend only on the quadrature and on the ends of the step in scaled time.
+ * Steppers call it when an integrator is made. */
 #include "generating/action.h"
 #include "algebra/quadrature.h"
 #include "method/method.h"
 
-/* Returns the number of nodes in a mirrored half, padded to whole vectors, unless the tape would then process more
- * vectors. */
+/* Returns the number of nodes in a mirrored half. It is padded to whole vectors if the tape processes as many vectors
+ * with the padding as without; otherwise, and for several members, it is not padded. */
 static int choose_padded_half_node_count(const tvi_system *system, int points, int width)
 {
     if (width > 1) return (points + 1) / 2;
@@ -150,7 +151,7 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
         double weight_fraction;
         const int i = find_node_and_weight_fraction(action, count, point, &weight_fraction);
         const bool is_end_of_step = s[i] == -1 || s[i] == 1;
-        /* Maps [-1, 1] to the span. */
+        /* Maps the node s[i] from [-1, 1] to the span. */
         const long double place = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;
         action->node_scaled_time[point] = (double)place;
         action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.end_s - span.start_s) / 2);

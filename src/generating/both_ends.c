@@ -1,7 +1,8 @@
 /* both_ends.c - makes steps of type I with a Taylor curve from each end of the step: the symmetric Taylor variational
  * integrator (docs/method.md section 4). The integrator calls it through tvi_type1_both_ends. The curve a(s) starts at
- * (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r, and each ends where the other
- * starts, a(1) = q1 and b(-1) = q0, with multipliers l, m. With w = 1 - s and a dot for d/ds
+ * (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1). Both have degree r. Each ends where the other starts,
+ * a(1) = q1 and b(-1) = q0; l and m are the Lagrange multipliers of these two conditions. With w = 1 - s and a dot for
+ * d/ds
  *     y = w a + (1-w) b,     v = w a. + (1-w) b. (truncated)   or   v = y. = w a. + (1-w) b. - (a - b) (on-curve).
  * Let p_a and p_b be the momenta of the curves, pi = w p_a + (1-w) p_b, w_i the quadrature weight of node i, tau = h,
  * and dy_i, dv_i, da, db the Jacobians of y_i, v_i, a and b by (q0, v0, q1, v1). The gradient of the action in defect
@@ -22,8 +23,8 @@
 static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                double sign)
 {
-    /* The nodes of each curve's action are always on the curve, since y blends whole curves; the node rule only decides
-     * which v is used. */
+    /* The nodes of the action of one curve are on that curve with either node rule, since y blends whole curves. The
+     * node rule only decides which of the two formulas gives v. */
     tvi_options plain = *options;
     plain.nodes = TVI_NODES_ON_CURVE;
     const int r = options->degree;
@@ -146,7 +147,8 @@ static tvi_status compute_momentum_corrections(tvi_both_ends_workspace *w, tvi_s
     return TVI_OK;
 }
 
-/* The step that is being made; tvi_equations.self points to it, so that the functions of the residual know it. */
+/* The step that the stepper tries to make. tvi_equations.self points to this structure, which the functions of the
+ * residual read. */
 typedef struct {
     tvi_both_ends_workspace *work;
     const tvi_step_origin *origin;
@@ -170,8 +172,8 @@ static void compute_unknown_scales(void *self, double scale[])
     memcpy(scale, scale + n, (size_t)n * sizeof *scale);
     tvi_curve_compute_centre_state_sizes(&w->end_curve.curve, scale + n);
     if (w->degree > 1) return;
-    /* A curve of degree 1 from a state of rest has size 0; then the corrections of the momenta are the only other
-     * measure of an unknown. */
+    /* The velocity of a curve of degree 1 from a state of rest has size 0. The corrections of the momenta are added,
+     * since nothing else shows the size of such an unknown. */
     for (int i = 0; i < n; i++) {
         const double change =
             fabs(w->start_curve.curve.kappa[i]) * (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));

@@ -24,7 +24,7 @@ static const tvi_curve_code *find_generated_code(const tvi_system *system, int h
     return code && code->highest_order == highest_order ? code : NULL;
 }
 
-/* Allocates the arrays of derivatives along directions, and of the factored velocity Hessian. */
+/* Allocates the blocks of tangents and adjoints, the Jacobians, and the velocity Hessian with its scratch. */
 static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
 {
     const tvi_system *system = curve->system;

@@ -1,8 +1,8 @@
-/* curve_stepper.c - makes the steps of every method that expands one Taylor curve: it predicts the state at the
- * curve's centre, runs the passes of the corrector and computes the increments. The integrator calls it through
+/* curve_stepper.c - makes the steps of every method that expands one Taylor curve: it predicts the state at the curve's
+ * centre, runs the passes of the corrector and computes the increments. The integrator calls it through
  * tvi_stepper_curve and tvi_stepper_taylor. A method's descriptor (method/descriptor.h) says where the curve is
- * expanded and how its ends are corrected. Without passes there are no corrections; a curve expanded at the start is
- * then the plain Taylor method. */
+ * expanded and how its ends are corrected. A method without passes has no corrections. If such a method expands its
+ * curve at the start, it is the plain Taylor method. */
 #include "generating/curve_step.h"
 #include "method/method.h"
 
@@ -11,7 +11,7 @@
 
 typedef tvi_curve_workspace work;
 
-/* The step that is being made; tvi_equations.self points to it. */
+/* The step that the stepper tries to make. tvi_equations.self points to this structure. */
 typedef struct {
     work *work;
     const tvi_step_origin *origin;
@@ -101,7 +101,8 @@ static void apply_inverse_jacobian(void *self, double correction[])
 static tvi_status run_corrector(step_attempt *attempt)
 {
     work *w = attempt->work;
-    /* At s = 0 (q-, kappa p-) is z, and its Jacobian the identity; but a Lagrangian's z has v in place of p. */
+    /* If the step starts at s = 0, (q-, kappa p-) is z, and its Jacobian is the identity. A Lagrangian is an exception:
+     * its z has v in place of p. */
     const bool is_identity = w->closure.span.start_s == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     const tvi_closure_solver *solver = w->closure.solver;
     const tvi_equations equations = {.self = attempt,
@@ -117,8 +118,7 @@ static tvi_status run_corrector(step_attempt *attempt)
     return status;
 }
 
-/* Tries to make the step without measuring roundoff or renewing a Jacobian that failed. Returns whether the passes
- * converged. */
+/* Tries to make the quick step of the method (curve_step.h). Returns whether there is one and its passes converged. */
 static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[])
 {
     work *w = attempt->work;
@@ -138,7 +138,8 @@ static void compute_plain_taylor_increments(work *w, double h, const tvi_increme
     for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->kappa[i];
 }
 
-/* Returns whether the step is the curve itself: it begins at the start, and all of its orders are summed. */
+/* Returns whether the step is that of the plain Taylor method: the curve is expanded at the start of the step, all of
+ * its orders are summed, and its ends are not corrected. */
 static bool is_step_plain_taylor_curve(const work *w)
 {
     return !w->has_corrections && w->closure.span.start_s == 0 && w->q_degree > 1 &&
@@ -166,14 +167,16 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
 /* ---- Steps of adapted size --------------------------------------------------------------------------------------- */
 
 /* Expands the curve with a time unit tau that is a power of 2 near the usable step, or near the largest step if that is
- * less. A good guess of it costs one expansion. *usable_step becomes the size of the step that meets the tolerance. */
+ * less. *usable_step becomes the size of the step that meets the tolerance. If `guess` is near that size, one expansion
+ * is enough. */
 static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double guess, double largest_step,
                                                  double *usable_step)
 {
     const work *w = attempt->work;
     const tvi_curve *curve = &w->closure.curve;
     int exponent, highest;
-    /* Too large a tau shows terms that underflow for smaller ones: this is the least usable step that they allowed. */
+    /* The least usable step that expansions with a too large tau have shown. A large tau shows terms that underflow
+     * with a smaller one, so that the last expansion may not show them. */
     double least_usable_step = INFINITY;
     (void)frexp(guess, &exponent);
     (void)frexp(largest_step, &highest);

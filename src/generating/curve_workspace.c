@@ -1,4 +1,4 @@
-/* curve_workspace.c - lays out the memory with which steps by one Taylor curve are made, for one member or several, and
+/* curve_workspace.c - allocates the workspace of a method that expands one Taylor curve, for one member or several, and
  * fills the tables of weights that depend on the method alone (docs/method.md section 3). curve_stepper.c and
  * curve_batch.c call it. */
 #include "generating/curve_step.h"
@@ -95,7 +95,8 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
-/* Sets the combinations of position and velocity (or momentum) at the centre, and of the velocity at the end. */
+/* Sets the combinations that predict a state from a curve: position and velocity (or momentum) at the centre, and a
+ * Lagrangian's velocity at the end of the step. */
 static void set_predictor_combinations(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
@@ -130,6 +131,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
     set_predictor_combinations(w);
     if (!w->has_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
-    /* A curve of degree 0 is constant: passes correct q and p alternately, and the first contraction is no measure. */
+    /* A curve of degree 0 is constant, so that passes correct q and p alternately. The contraction of the first pass
+     * then does not show that of the later ones. */
     tvi_newton_set_pass_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
 }

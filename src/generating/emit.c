@@ -1,5 +1,6 @@
-/* emit.c - emits the functions of a curve and of its seeds, for one system and degree, into generated code: the whole
- * series and all tangents are one function each, and every size in them is a constant. */
+/* emit.c - emits the functions of a curve and of its seeds into generated code, for one system and degree. The emitted
+ * code expands the whole series in one function, and all tangents in one; every size in it is a constant. The generator
+ * of code calls this file through tvi_tapes_of_steps.emit_loops (curve.h). */
 #include "generating/curve_stepper.h"
 #include "method/method.h"
 #include "split.h"
@@ -51,8 +52,8 @@ static void emit_velocity_dependence_macro(jet_text *text, const tvi_system *sys
 }
 
 /* Emits the macros by which the seeds evaluate the field and its tangents at the nodes; code without seeds gets macros
- * that do nothing. Only momenta that belong to given velocities need tangents, of H_p by p, which the tape of the
- * series computes. */
+ * that do nothing. Tangents are needed only to find the momenta of given velocities. They are the derivatives of H_p by
+ * p, and the tape of the series computes them. */
 static void emit_node_field_macros(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seeds)
 {
     const jet_tape *field = tvi_select_node_tape(system, action);

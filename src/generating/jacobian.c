@@ -1,6 +1,6 @@
-/* jacobian.c - computes the Jacobians of a Taylor curve with respect to its centre state as matrices, from tangents
- * in all directions. It sums them, and multiplies vectors by them or by the matrix-free products of products.h.
- * Steppers and solvers call it through curve.h. */
+/* jacobian.c - computes the Jacobians of a Taylor curve with respect to its centre state as matrices, from tangents in
+ * all directions. It also computes the Jacobians of sums of coefficients, and multiplies Jacobians by vectors, with the
+ * matrices or without them (products.h). Steppers and solvers call it through curve.h. */
 #include "generating/curve.h"
 #include "generating/orders.h"
 #include "generating/products.h"

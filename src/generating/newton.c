@@ -15,9 +15,9 @@ static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
                                            .max_trusted_ratio = 1,
                                            .stall_ratio = PASSES_STALL_RATIO,
                                            .stall_comparison_lag = 1};
-/* The rule for the largest correction of a group, relative to the largest scale of the group. Without a Jacobian passes
- * are not stuck as long as these corrections shrink: in each pass corrections spread from a body to its neighbours
- * only, and those of bodies that had none before shrink last. */
+/* The rule for the largest correction of a group, relative to the largest scale of the group. Passes without a Jacobian
+ * are not stuck as long as these corrections shrink. In each pass corrections spread from a body to its neighbours
+ * only; the corrections of the bodies that are reached last also shrink last. */
 static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
@@ -133,7 +133,8 @@ static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equat
     for (int i = 0; i < newton->unknown_count; i++) newton->correction[i] = -newton->correction[i];
     if (by_differences || (!newton->is_by_differences && equations->jacobian)) {
         status = factor_jacobian(newton, equations, by_differences, stats);
-        /* Differences have evaluated the equations at other points; this evaluates them at x again. */
+        /* The differences have evaluated the equations at other points. A last evaluation makes x the point of the last
+         * residual again. */
         if (status == TVI_OK && by_differences)
             status = equations->residual(equations->self, newton->x, newton->trial_residual);
         if (status != TVI_OK) return status;

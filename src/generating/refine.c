@@ -3,9 +3,10 @@
  * tolerances (docs/method.md section 6):
  *     separable      d = h^2 M^-1 F(Q) - Q'',      dq = Q(1) - q + int (1 - s) d,   h M^-1 dp = Q'(1) - Q'(0) + int d,
  *     Hamiltonian    d = h (H_p, -H_q)(X) - X',    (dq, dp) = X(1) - X(0) + int d,
- * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of step_size.h coefficient k is
- * e^(-2 k) of the state, and its roundoff is the same part of the state's. High coefficients are therefore summed in
- * double precision, and d is nearly a polynomial of low degree, for which Gauss' two nodes suffice. */
+ * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. In a step of the size that step_size.h
+ * chooses, coefficient k is e^(-2 k) times the state, and its roundoff is e^(-2 k) times that of the state. High
+ * coefficients are therefore summed in double precision, and d is nearly a polynomial of low degree, for which Gauss'
+ * two nodes suffice. */
 #include "generating/refine.h"
 #include "algebra/weigh.h"
 
@@ -99,8 +100,8 @@ static void set_low_order_terms(const refinement_step *step)
     }
 }
 
-/* Returns the derivative of input i in s that the last values of the field give: the second derivative h^2 M^-1 F for a
- * separable system, otherwise h times the derivative in time. */
+/* Returns the derivative of input i by s that the equations of motion give, with the last values of the field: the
+ * second derivative h^2 M^-1 F for a separable system, otherwise h times the derivative by time. */
 static long double compute_derivative_from_field(const refinement_step *step, int i)
 {
     const int n = step->system->n, *output = step->system->field_values->output_slot;

@@ -1,5 +1,5 @@
-/* verify.c - compares a Taylor curve with the force at its end, for steps whose size was chosen by the coefficients.
- * curve_stepper.c calls it. */
+/* verify.c - checks whether a Taylor curve satisfies dp/ds = h F at its end, for steps whose size was chosen from the
+ * coefficients. curve_stepper.c calls it. */
 #include "generating/curve_stepper.h"
 #include "generating/curve.h"
 #include "method/origin.h"
