@@ -10,8 +10,8 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Returns an action of `width` members in which only the sizes are set. They are those of the method that the options,
- * all of which are resolved, choose; generated code has them as constants. */
+/* Returns an action of `width` members that has no memory yet: only its sizes and switches are set. They follow from
+ * the method that the resolved options choose; generated code has them as constants. */
 tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_options *options, int width);
 /* Returns the tape that evaluates the field at the nodes. */
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action);
@@ -31,9 +31,9 @@ TVI_NODISCARD tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve 
 TVI_NODISCARD tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[],
                                                           const double v[], const double p[]);
 
-/* Estimates the roundoff of q and p at the ends of a step of size h from (q, p), [n] each: the roundoff of the field,
- * as last evaluated at the nodes, and that of p itself. All of it is 0 if the increments of the step are larger than q
- * and p. Returns the number of force evaluations that it made. */
+/* Estimates q_roundoff and p_roundoff, [n] each: the roundoff of q and p at the ends of a step of size h from (q, p).
+ * The roundoff stems from the field, as last evaluated at the nodes, and from p itself. Both roundoffs are 0 if the
+ * increments of the step are larger than q and p. Returns the number of force evaluations that it made. */
 int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
                               double q_roundoff[], double p_roundoff[]);
 

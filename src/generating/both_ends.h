@@ -22,7 +22,8 @@ typedef struct {
     double *node_blend_weight;        /* [points] the weight of this curve in the blend at each node: w or 1 - w */
     double *seed;                     /* [degree + 1][n] the derivatives of the action by the coefficients Q_k */
     double *action_gradient;          /* [2n] the derivative of the action by z, in defect form (action.h) */
-    /* [n][2n] the Jacobian of q_increment; the Jacobian of the other end is this plus the identity. */
+    /* [n][2n] The Jacobian of q_increment by z. With the identity added to its first n columns it is the Jacobian of q
+     * at the other end. */
     double *other_end_jacobian;
     double *multiplier;   /* [n] the multiplier of the condition that the curve ends where the other one starts */
     double *unapplied_dz; /* [2n] the correction of z that is applied to first order after the passes */
@@ -38,7 +39,8 @@ typedef struct {
     tvi_end_curve start_curve, end_curve;
     tvi_newton newton; /* the corrector; its unknowns are v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;
-    /* These predict the centre state of the end curve: q and tau v, or p, at the end of the start curve. */
+    /* The combinations of the start curve's coefficients that predict the centre state of the end curve: q and tau v
+     * (of a Hamiltonian p) at the end of the step. */
     tvi_combination q_at_end, velocity_at_end;
     /* [n][points] Position y, velocity v, momentum pi and dpi/ds of the blend of both curves at the nodes. */
     double *node_position, *node_velocity, *node_momentum, *node_force;

@@ -6,8 +6,8 @@
  *     p0 = p- + start_correction_p,   p1 - p0 = (p+ - p-) + increment_correction_p,
  * with the states (q0, p0) and (q1, p1) at the ends of the step, and the states (q-, p-) and (q+, p+) at the curve's
  * ends. The equations of a generating function determine these corrections of the ends from D_z, the gradient of the
- * discrete action in defect form (action.h), and from the Jacobians of the curve's ends by its centre state z.
- * Everything else is the same for all generating functions (curve_stepper.c). This file is part of the text of
+ * discrete action in defect form (action.h), and from the Jacobians of the curve's ends by its centre state z. All
+ * other parts of a step are the same for all generating functions (curve_stepper.c). This file is part of the text of
  * generated code. */
 #ifndef TVI_SRC_GENERATING_CLOSURE_H
 #define TVI_SRC_GENERATING_CLOSURE_H
@@ -23,18 +23,18 @@ typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 typedef struct {
     /* The combinations whose Jacobians are in A; second_combination is NULL if A is a block. */
     const tvi_combination *first_combination, *second_combination;
-    tvi_half half; /* the columns of the block, if A is one */
+    tvi_half half; /* the half of z whose columns are A, if A is a block */
 } tvi_transposed_equations;
 
-/* A solver of such equations, by matrices (matrices.c) or by products (products.c). The generating functions do not
- * know which of them is used. */
+/* A solver of the equations A^T x = D_z, by matrices (matrices.c) or by products (products.c). The functions
+ * tvi_correct_ends_fn of the generating functions are the same for both solvers. */
 typedef struct tvi_closure_solver {
     /* Allocates the memory of the solver, closure->solver_data. */
     void (*allocate)(struct tvi_closure *closure, tvi_arena *arena);
     /* Begins a step: it discards the factors and guesses of the step before. */
     void (*begin)(struct tvi_closure *closure);
-    /* Computes the corrections that the equations of the generating function add to the ends of the Taylor curve. The
-     * curve is that of the unknowns z; scale [2n] has the natural sizes of z. */
+    /* Computes the corrections that the equations of the generating function add to the ends of the Taylor curve.
+     * closure->curve was expanded from the unknowns z; scale [2n] has the natural sizes of z. */
     tvi_status (*compute_corrections)(struct tvi_closure *closure, const double z[], const double scale[],
                                       tvi_stats *stats);
     /* Solves the equations. In gradient_then_solution [2n] it replaces the rows of the unknowns by the solution x, and

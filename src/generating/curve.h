@@ -31,8 +31,8 @@ void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_c
  * TVI_ENONFINITE, or TVI_ESINGULAR if L_vv is singular. */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
 
-/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. Returns
- * TVI_ESINGULAR. */
+/* Factors L_vv or H_pp at the centre of the curve last expanded. A Lagrangian does not need this call, since
+ * tvi_curve_expand factors L_vv. Returns TVI_ESINGULAR. */
 TVI_NODISCARD tvi_status tvi_curve_factor_velocity_hessian(tvi_curve *curve);
 
 /* Computes the Jacobian matrices, by the centre state, of the coefficients of the curve last expanded. */
@@ -42,8 +42,8 @@ void tvi_curve_compute_jacobians(tvi_curve *curve);
  * others. */
 tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 
-/* Returns the sweeps of the tapes that a stepper needs if its curves have these Jacobians and its action has `points`
- * nodes. */
+/* Returns the sweeps of the tapes that a stepper needs if its curves are expanded to highest_order and use their
+ * Jacobians in the way `jacobians`, and its action has `points` nodes. */
 tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
                                              int points, tvi_jacobians jacobians);
 
@@ -60,8 +60,8 @@ void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
  * the centre state; small terms are added first. */
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
-/* Sets the direction dz for the calls of the next function. That one computes out[n], the Jacobian of the combination's
- * sum by the centre state, times dz. */
+/* Sets the direction dz for tvi_curve_multiply_jacobian_by_direction, which computes out[n], the Jacobian of the
+ * combination's sum by the centre state, times dz. */
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[]);
 void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 
@@ -71,15 +71,15 @@ void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_
 void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                       double out[]);
 
-/* tvi_curve_set_tail_degrees is called once, with the degrees to which Q and P are summed.
- * tvi_curve_compute_movement_sizes computes movement_size and momentum_size of each component. From these
- * tvi_curve_compute_tail computes tvi_stats.tail of a single member (tail.h); it is 0 if p' has one term only. */
+/* tvi_curve_set_tail_degrees sets, once, the degrees to which Q and P are summed. tvi_curve_compute_movement_sizes
+ * computes movement_size and momentum_size of each component. tvi_curve_compute_tail computes from these sizes
+ * tvi_stats.tail of a single member (tail.h); the tail is 0 if p' has one term only. */
 void tvi_curve_set_tail_degrees(tvi_curve *curve, int q_degree, int p_degree);
 void tvi_curve_compute_movement_sizes(const tvi_curve *curve);
 double tvi_curve_compute_tail(const tvi_curve *curve);
 
-/* Returns an upper bound of the energy change by the terms after the last one, for a plain Taylor step whose tail was
- * computed; INFINITY if the curve has too few terms for it. */
+/* Returns an upper bound of the energy change by the terms that a plain Taylor step omits, or INFINITY if the curve has
+ * too few terms for a bound. The tail of the step was computed before. */
 double tvi_curve_bound_energy_change(const tvi_curve *curve);
 
 /* ---- Steps of adapted size (step_size.h) ------------------------------------------------------------------------- */

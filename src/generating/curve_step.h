@@ -1,8 +1,8 @@
-/* curve_step.h - makes the parts of a step of a method that expands one Taylor curve, and the quick step: the common
- * case of a whole step, whose passes converge as usual. It has no fallbacks, such as row exchanges or Jacobians by
- * differences; if one is needed, it reports failure, and curve_stepper.c makes the step. curve_stepper.c, quick.c,
- * quick_members.c and generated code (generated_curve.h) call this file; generated code has every size as a constant.
- */
+/* curve_step.h - makes the quick step of a method that expands one Taylor curve, and computes the parts of all other
+ * steps of such a method. The quick step is the common case of a whole step, whose passes converge as usual. It has no
+ * fallbacks, such as row exchanges or Jacobians by differences. If a step needs a fallback, the quick step reports
+ * failure, and curve_stepper.c makes the step. curve_stepper.c, quick.c, quick_members.c and generated code
+ * (generated_curve.h) call this file; generated code has every size as a constant. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 
@@ -21,8 +21,8 @@ static inline void step_compute_state_at_centre(const tvi_curve_workspace *work,
 }
 
 /* Computes the natural sizes of the unknowns, by which their corrections are measured. A curve of degree 0 or 1 from a
- * state of rest has size 0; the corrections of the ends of the last step are added there. They are in the unit of the
- * unknowns, except for a Lagrangian. */
+ * state of rest has size 0. For these degrees the sizes of the last corrections of the ends are added. The sizes of a
+ * Lagrangian's unknowns stay unchanged, since these corrections have another unit. */
 static inline void step_compute_unknown_scales(const tvi_closure *closure, double scale[])
 {
     const tvi_curve *curve = &closure->curve;
@@ -56,7 +56,8 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
     }
 }
 
-/* Returns whether the method corrects the ends of the curve; all generated steps do. */
+/* Returns whether the method corrects the ends of the curve. Generated code has quick steps only of methods that do,
+ * and returns true. */
 static inline bool step_corrects_curve_ends(const tvi_curve_workspace *work)
 {
     return CURVE_SIZE(true, work->has_corrections);
@@ -107,7 +108,7 @@ static inline void step_compute_tails(const tvi_curve *curve, double tail[])
     else curve_compute_tails(curve, tail);
 }
 
-/* Computes the increments that the step returns from the curve, and the tails of the members. */
+/* Computes the increments of the step and the tails of the members, and stores a Lagrangian's velocity at the end. */
 static inline void step_compute_increments_and_tails(const tvi_curve_workspace *work, double dq[], double dp[],
                                                      double tail[])
 {
@@ -125,8 +126,8 @@ static inline void step_compute_increments_and_tails(const tvi_curve_workspace *
 typedef struct {
     tvi_status (*expand)(tvi_curve *curve), (*expand_with_tangents)(tvi_curve *curve);
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* of several members: clears iterating_mask of those for which a tape has no values, in the block of the series or
-     * of the nodes */
+    /* For several members, clears iterating_mask of each member for which the tape of the nodes (at_nodes is true) or
+     * of the series has no values. */
     void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long iterating_mask[]);
 } step_curve_functions;
 
@@ -148,8 +149,9 @@ static inline int step_count_iterating_members(const step_state *state)
     return count;
 }
 
-/* Handles the status of an evaluation: the step of a single member fails; of several members, the passes end for those
- * outside of the domain. Returns whether the step continues. */
+/* Ends the passes of members for which an evaluation, at the nodes or of the series, failed with this status. Returns
+ * false if the failed step is of a single member. If it is of several members, only those outside of the domain are
+ * dropped, and the step continues. */
 static inline bool step_drop_failed_members(const step_state *state, tvi_status status, bool at_nodes)
 {
     if (status == TVI_OK) return true;
@@ -173,9 +175,9 @@ static inline int step_find_members_with_due_jacobians(const step_state *state, 
 }
 
 /* Factors new Jacobians: those of the generating function's equations, and that of the corrector if it was renewed.
- * Rows of one unit are scaled together; the rows of the second half have another unit for a Hamiltonian whose second
- * equations are of coordinates, and in the corrector for a Lagrangian. The passes of members whose factors need row
- * exchanges end. */
+ * Rows of one unit are scaled together. In two cases the rows of the second half have another unit than those of the
+ * first: in a Hamiltonian's equations, if the second equations are of coordinates, and in a Lagrangian's corrector. The
+ * passes of a member end if its factors need row exchanges. */
 static inline void step_factor_jacobians(step_state *state, int due_count, const double z[])
 {
     const tvi_closure *closure = &state->work->closure;
@@ -193,7 +195,7 @@ static inline void step_factor_jacobians(step_state *state, int due_count, const
     state->factorisations += due_count + renewed;
 }
 
-/* Makes one pass up to the corrections of the unknowns. Returns false if no member continues. */
+/* Computes the corrections of the unknowns in one pass, but does not add them. Returns false if no member continues. */
 static inline bool step_run_corrector_pass(step_state *state, bool is_first)
 {
     tvi_curve_workspace *work = state->work;

@@ -25,7 +25,7 @@ const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *ta
 typedef struct tvi_curve_workspace {
     tvi_closure closure;
     bool has_corrections;
-    bool needs_extra_pass; /* of each solution of the corrector (newton.h) */
+    bool needs_extra_pass; /* whether each step makes one pass more than seems needed (newton.h) */
     const tvi_options *options;
     int q_degree;
     tvi_action action;
@@ -42,7 +42,7 @@ typedef struct tvi_curve_workspace {
     double *velocity_guess;
     double *last_adapted_step_size; /* [width] the size of each member's last adapted step, or 0; part of the history */
     double *end_field_block;        /* of separable systems: the block of the field at the end of an adapted step */
-    tvi_roundoff_estimator end_field_roundoff; /* the roundoff of the field there */
+    tvi_roundoff_estimator end_field_roundoff; /* the roundoff of the field at the end of an adapted step */
     double tolerance, log_tolerance;           /* the tolerance of the last adapted step, and its logarithm */
     double *scratch;                           /* [n] */
     tvi_increment_refinement refinement;
@@ -50,9 +50,9 @@ typedef struct tvi_curve_workspace {
     const struct tvi_member_stepper *single_stepper; /* only in batches: makes the step of a single member */
 } tvi_curve_workspace;
 
-/* tvi_curve_workspace_allocate allocates the workspace of `width` members; the other function fills its tables, once.
- * */
+/* Allocates the workspace of `width` members. */
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
+/* Fills the tables of the workspace; it is called once. */
 void tvi_curve_workspace_fill_tables(void *work);
 
 /* Returns whether the method has a quick step (curve_step.h): its ends are corrected by tvi_correct_ends_by_mean, its

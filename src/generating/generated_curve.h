@@ -1,7 +1,7 @@
-/* generated_curve.h - defines the functions of tvi_curve_code for one system and degree. Only generated code
- * includes it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h;
- * CURVE_LANES, the number of directions in one block of tangents; CURVE_REST, the number of directions left for a
- * last block; the action's sizes CURVE_ACTION; and the switches CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS,
+/* generated_curve.h - defines the functions of tvi_curve_code for one system and degree. Only generated code includes
+ * it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h; CURVE_LANES,
+ * the number of directions in one block of tangents; CURVE_REST, the number of directions in a smaller last block, or
+ * 0; and CURVE_ACTION, the sizes of the action. It also defines the switches CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS,
  * CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_STEP_SIZE, which say which functions are defined. */
 #ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
 #define TVI_SRC_GENERATING_GENERATED_CURVE_H
@@ -15,7 +15,7 @@
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-/* Order 0 is apart, since it is computed by other functions. */
+/* Order 0 is written separately, because other functions compute it. */
 #define FOR_ALL_ORDERS(ORDER)                                                                                          \
     ORDER(0) for (int k = 1; k <= CURVE_TOP; k++) { ORDER(k) }
 

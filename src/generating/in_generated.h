@@ -1,6 +1,7 @@
-/* in_generated.h - defines, for generated code, the macros by which the texts on curves get their sizes and call one
- * another. Generated code (emit.c) includes it in place of in_library.h. Sizes are constants, and called functions
- * are inlined. The generated text before it defines the sizes CURVE_N and so on, SEEDS_VALUES and SEEDS_TANGENTS. */
+/* in_generated.h - defines, for generated code, the macros by which the headers of curves (series.h and its includers)
+ * get their sizes and call one another. Generated code (emit.c) includes this file in place of in_library.h. Sizes are
+ * constants, and called functions are inlined. The generated text before this file defines the sizes, such as CURVE_N,
+ * and the macros SEEDS_VALUES and SEEDS_TANGENTS. */
 #ifndef TVI_SRC_GENERATING_IN_GENERATED_H
 #define TVI_SRC_GENERATING_IN_GENERATED_H
 
@@ -24,7 +25,8 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define PRODUCTS_TANGENTS tvi_series_tangents
 #define PRODUCTS_ADJOINTS tvi_series_adjoints
 
-/* Generated code returns 0: the library repeats an iteration that is stuck, and measures its roundoff. */
+/* MOMENTA_ROUNDOFF is 0, because generated code does not measure the roundoff of the momenta. If the iteration for the
+ * momenta is stuck, the library repeats it and measures the roundoff. */
 #define MOMENTA_ROUNDOFF(action, curve) 0
 
 #endif

@@ -1,4 +1,4 @@
-/* in_library.h - defines, for the library, the macros by which the texts on curves (series.h and its includers) get
+/* in_library.h - defines, for the library, the macros by which the headers of curves (series.h and its includers) get
  * their sizes and call one another, for any system. Generated code includes in_generated.h in place of this file. */
 #ifndef TVI_SRC_GENERATING_IN_LIBRARY_H
 #define TVI_SRC_GENERATING_IN_LIBRARY_H
@@ -28,8 +28,8 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
 #endif
 
-/* CURVE_COMBINE computes out[width] = sum_{j < count} c_j table[j][width], with c_j = c[j * c_stride], by the vectors
- * of the tape or of the instruction set. */
+/* CURVE_COMBINE computes out[width] = sum_{j < count} c_j table[j][width], with c_j = c[j * c_stride], with the vector
+ * instructions of the tape's sweeps, or of the instruction set for which the file is compiled. */
 #ifdef CURVE_MEMBERS
 #define CURVE_COMBINE(tape, count, c, c_stride, width, table, out)                                                     \
     ((void)(tape), members_combine_rows(count, c, c_stride, width, (size_t)(width), table, out))
@@ -38,8 +38,8 @@ enum { CURVE_MOST_WIDTH = 1 };
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif
-/* CURVE_COMBINE_APART computes the same sum from rows that are `apart` numbers apart. The rows of the library are
- * contiguous. */
+/* CURVE_COMBINE_APART computes the sum of CURVE_COMBINE from rows that begin `apart` numbers apart. In the library the
+ * rows are contiguous, and `apart` is ignored. */
 #define CURVE_COMBINE_APART(tape, count, c, c_stride, width, apart, table, out)                                        \
     ((void)(apart), CURVE_COMBINE(tape, count, c, c_stride, width, table, out))
 
@@ -62,7 +62,7 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
 #define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_per_lane(tape, x, dx, 0, lanes)
 
-/* Returns the roundoff of the momenta at the nodes. */
+/* MOMENTA_ROUNDOFF is the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_estimate_node_momenta_roundoff(action, curve)
 
 #endif

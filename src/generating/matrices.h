@@ -71,8 +71,8 @@ static inline void matrices_merge_member_jacobian(const tvi_closure *closure, in
 }
 
 /* Computes, for the corrector, the Jacobian matrix of the end at s- (q-, u-) by the unknowns z. Returns the number of
- * members, among those that iterate, whose Jacobians it renewed. It computes nothing if all of these can reuse
- * theirs. */
+ * members, among those that iterate, whose Jacobians it renewed. Nothing is computed if all of these members can reuse
+ * their Jacobians. */
 static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long iterating_mask[],
                                                     double matrix[])
 {
@@ -119,9 +119,10 @@ static inline void matrices_raise_largest_relative_size(const tvi_curve *curve, 
     }
 }
 
-/* Computes for each member a bound of the relative error of the state by old Jacobians, divided by the distance to the
- * point where these were computed. The error of an old Jacobian is about the relative distance. It multiplies the
- * corrections of the ends, and the seeds, which may be much larger than the D_z that they add up to. */
+/* Computes for each member a bound of the relative error that old Jacobians cause in the state, divided by the relative
+ * distance of z from the point where they were computed. The relative error of an old Jacobian is about this distance.
+ * The error multiplies the corrections of the ends and the seeds; the seeds may be much larger than the D_z that they
+ * add up to. */
 static inline void matrices_bound_stale_jacobian_error(const tvi_closure *closure, const double scale[],
                                                        double error_per_distance[])
 {

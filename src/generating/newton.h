@@ -34,16 +34,18 @@ typedef struct {
     double largest_relative_correction[CURVE_MOST_WIDTH], relative_group_correction[CURVE_MOST_WIDTH];
 } tvi_correction_sizes;
 
-/* The rules by which passes end: by largest_relative_correction, and by relative_group_correction. */
+/* The rules by which passes end: by_unknown judges largest_relative_correction, and by_group judges
+ * relative_group_correction. */
 typedef struct {
     tvi_passes_rule by_unknown, by_group;
 } tvi_newton_rules;
-/* The passes so far, by largest_relative_correction and by relative_group_correction. */
+/* The passes of a solution so far: by_unknown records largest_relative_correction, and by_group records
+ * relative_group_correction. */
 typedef struct {
     tvi_passes by_unknown, by_group;
-    /* contraction_loss: the factor by which a pass may contract worse than the one before it, which the expected next
-     * correction allows for; unconfirmed_loss: a greater one, which the last correction suggests but the next one has
-     * not confirmed. */
+    /* contraction_loss is the factor by which a pass may contract worse than the pass before it; the expected size of
+     * the next correction allows for this factor. unconfirmed_loss is a greater factor that the last correction
+     * suggests and that no later correction has confirmed yet. */
     double contraction_loss, unconfirmed_loss;
     bool must_confirm_convergence; /* whether one more pass must confirm the expected convergence */
 } tvi_newton_passes;
@@ -102,25 +104,26 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 }
 
 typedef struct {
-    bool has_jacobian_memory,
-        is_by_differences; /* there is memory for a Jacobian; the Jacobian in it was computed by differences */
+    bool has_jacobian_memory; /* there is memory for a Jacobian */
+    bool is_by_differences;   /* the Jacobian in that memory was computed by differences */
     bool needs_extra_pass;
     tvi_newton_rules rules;
-    int unknown_count, group_size;    /* the numbers of unknowns, and of unknowns in a group, which have one unit */
+    int unknown_count;                /* the number of unknowns of one member */
+    int group_size;                   /* the number of unknowns in one group; all unknowns of a group have one unit */
     int width;                        /* the number of members; the member is the fastest index */
     const tvi_subsystems *subsystems; /* the subsystems of the components */
-    double *x, *correction, *scale;   /* [unknown_count][width] */
-    double *roundoff_scale;           /* the scale, enlarged by the effect of the residual's roundoff */
-    double *trial_unknowns,
-        *trial_residual; /* the unknowns, one of them shifted, and their residual, for differences */
+    double *x, *correction, *scale; /* [unknown_count][width] the unknowns, their last corrections and natural sizes */
+    double *roundoff_scale;         /* the scale, enlarged by the effect of the residual's roundoff */
+    /* Scratch for the Jacobian by differences: the unknowns with one of them shifted, and the residual there. */
+    double *trial_unknowns, *trial_residual;
     tvi_lu_factor factor;
     /* [width] The largest ratio of the contraction factors of two successive passes in earlier solutions, or 0 if there
      * was none; part of the history. */
     double *measured_contraction_loss;
 } tvi_newton;
 
-/* These return the number of unknowns, and the number of unknowns of one group; both are constants in generated code,
- * as in series.h. */
+/* The next two functions return the number of unknowns, and the number of unknowns of one group. Both numbers are
+ * constants in generated code. */
 static inline int newton_count_unknowns(const tvi_newton *newton)
 {
     return CURVE_SIZE(2 * CURVE_N, newton->unknown_count);

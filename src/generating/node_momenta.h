@@ -97,8 +97,8 @@ static inline bool momenta_are_corrections_roundoff(const tvi_action *action, in
     return true;
 }
 
-/* Finds momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method. They are left in
- * the second input, and the field is evaluated with them. */
+/* Finds momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method. The momenta are
+ * left in the second input of field_block, and the field is evaluated with them. */
 static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *curve)
 {
     const int count = curve_dimension(curve) * action->points;

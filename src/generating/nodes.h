@@ -26,10 +26,12 @@ typedef struct tvi_action {
     bool omits_highest_order_at_nodes; /* the positions at the nodes omit the highest order */
     /* The tape of the field at the nodes; it also has tangents if momenta must be found from velocities. */
     const jet_tape *field_tape;
-    bool has_gradient_by_v;                 /* gradient_by_v = L_v - p is not 0 by construction */
-    bool has_gradient_by_p;                 /* gradient_by_p = dg/ds - tau H_p is not 0 by construction */
-    int q_degree, p_degree, points, orders; /* orders: highest_order + 1 */
-    int width;                              /* the number of members; rows of nodes are [points][width] */
+    bool has_gradient_by_v; /* gradient_by_v = L_v - p can differ from 0 */
+    bool has_gradient_by_p; /* gradient_by_p = dg/ds - tau H_p can differ from 0 */
+    int q_degree, p_degree; /* the degrees to which position and momentum are summed */
+    int points;             /* the number of nodes, with those that pad a half */
+    int orders;             /* highest_order + 1 */
+    int width;              /* the number of members; rows of nodes are [points][width] */
     /* [points] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
     double *node_scaled_time, *node_weight;
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
@@ -73,7 +75,7 @@ typedef struct tvi_action {
 enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF * CURVE_MOST_WIDTH };
 static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
-/* Returns the length of a row of nodes, of all members. */
+/* Returns the length of a row: the number of nodes times the number of members. */
 static inline int seeds_count_lanes(const tvi_action *action) { return action->points * CURVE_WIDTH(action); }
 
 /* Computes out[o] = sum_{j < count} c_j table[j][o] for o < out_count, with c_j = coefficient[j * stride], for each
@@ -117,7 +119,7 @@ static inline void seeds_set_node_times(const tvi_action *action, const tvi_curv
             *t++ = JET_FUSED(jet_v1, curve->tau, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
 }
 
-/* Writes q at the nodes, and the time, into the inputs of a block. */
+/* Writes the positions and the times of the nodes into the inputs of the block x. */
 static inline void seeds_set_node_positions(const tvi_action *action, const tvi_curve *curve, double *x)
 {
     const int width = curve_width(curve);
@@ -139,7 +141,8 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
     }
 }
 
-/* Computes the momentum of the curve at the nodes, if it is needed. */
+/* Computes the coefficients of the curve's momentum, and its values at the nodes if Hamilton's action or gradient_by_v
+ * needs them. For a separable system that needs neither and has no quadrature error, nothing is computed. */
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
@@ -153,8 +156,8 @@ static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curv
                                        action->node_momentum + i * lanes);
 }
 
-/* Divides the row. It multiplies by the reciprocal and corrects the result by the remainder, which is faster than many
- * divisions. */
+/* Divides the row by `divisor`: each number is multiplied by the reciprocal, and the quotient is corrected by the
+ * remainder. Many divisions would be slower. */
 static inline void seeds_divide_row(int lanes, double divisor, double row[])
 {
     const double inverse = 1 / divisor;

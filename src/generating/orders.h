@@ -1,18 +1,19 @@
-/* orders.h - computes one order of a curve and of its tangents. It is part of the text of generated code, where every
- * size is a constant.
+/* orders.h - computes the coefficients of one order of a curve and of its tangents. curve.c, jacobian.c and the quick
+ * steps call it. Generated code includes this text (emit.c) with every size as a constant.
  *
- * An order k of a Lagrangian's field is first computed with V_k = 0, which omits the term L_vv V_k of [s^k] L_v. Then
- * the equations are solved for V_k. Last, each slot of the order gets its missing term: its derivatives by the velocity
- * at the centre, which are the same for all orders, times V_k. */
+ * A Lagrangian's order k needs three computations, with V_k the coefficient k of the velocity. First the field is
+ * computed with V_k = 0, which omits the term L_vv V_k of [s^k] L_v. Then the equations are solved for V_k. Last, each
+ * slot of the order gets its missing term: its derivatives by the velocity at the centre, which are the same for all
+ * orders, times V_k. */
 #ifndef TVI_SRC_GENERATING_ORDERS_H
 #define TVI_SRC_GENERATING_ORDERS_H
 
 #include "fused.h"
 #include "generating/tangents.h"
 
-/* Computes out = x / divisor, by a multiplication with the reciprocal of the divisor. The reciprocal is kept in two
- * parts, and is known before x is; thus the following orders wait for x only. Rounding is that of a division, except
- * for ties. It needs a fused multiply-add. */
+/* Computes out = x / divisor by a multiplication with the reciprocal of the divisor, which is kept in two parts. The
+ * reciprocal is known before x is, so that the following orders wait for x only. The quotient is rounded as by a
+ * division, unless it is halfway between two numbers. Without a fused multiply-add the macro divides. */
 #ifdef __FMA__
 #define TVI_QUOTIENT(V, out, x, divisor)                                                                               \
     {                                                                                                                  \
@@ -120,7 +121,7 @@ static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, 
     }
 }
 
-/* Sets the coefficient Q_k = tau V_{k-1} / k of the position, and V_k = 0, which is computed later. */
+/* Sets the coefficient Q_k = tau V_{k-1} / k of the position. V_k is set to 0, and computed later. */
 #define ORDERS_SET_POSITION(V, S)                                                                                      \
     {                                                                                                                  \
         TVI_QUOTIENT(V, JET_AT(V, order, 0), tau *JET_OF(V, previous, n), divisor)                                     \
@@ -185,8 +186,8 @@ static inline void orders_compute_lagrangian_tangents(tvi_curve *curve, const cu
 
 /* ---- The recurrence of separable systems and of Hamiltonians ----------------------------------------------------- */
 
-/* These macros store whole vectors, since the next orders load whole vectors: a load that covers several short stores
- * has to wait for the cache. */
+/* ORDERS_SET_SEPARABLE sets Q_{k+2}, and ORDERS_SET_HAMILTONIAN sets Q_{k+1} and P_{k+1}. Both store whole vectors,
+ * since the next orders load whole vectors: a load that covers several short stores has to wait for the cache. */
 #define ORDERS_SET_SEPARABLE(V, S)                                                                                     \
     TVI_QUOTIENT(V, JET_AT(V, next, 0), JET_OF(V, kappa, 0) * JET_GATHER(V, field, output + here) * tau, divisor)
 #define ORDERS_SET_HAMILTONIAN(V, S)                                                                                   \
@@ -195,7 +196,7 @@ static inline void orders_compute_lagrangian_tangents(tvi_curve *curve, const cu
         TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, output + here) * -tau, divisor)                          \
     }
 
-/* Advances component i of all members. */
+/* Sets a coefficient of component i, next[i], of all members from the field's slot `slot`. */
 #define ORDERS_SET_COEFFICIENT_OF_MEMBERS(V, S)                                                                        \
     TVI_QUOTIENT(V, JET_AT(V, next, i), factor *JET_OF(V, field, slot) * tau, divisor)
 static inline void orders_compute_coefficient_of_members(int width, double factor, double tau, double divisor,

@@ -68,7 +68,8 @@ typedef struct {
     }
 
 /* Sets the adjoints of Q_k to the seeds, and all other adjoints to 0, since operations of an order may add to the
- * adjoints of all lower orders. The last two orders of Q do not depend on orders of the field. */
+ * adjoints of all lower orders. The sweep does not use other adjoints of the last two orders, since no Q_k follows from
+ * these orders of the field. */
 static inline void products_set_adjoint_seeds(tvi_curve *curve, int last_order,
                                               const tvi_transposed_product_terms *terms)
 {
@@ -229,8 +230,8 @@ static inline void products_add_multiple(const tvi_closure *closure, double fact
     for (int i = 0; i < products_get_padded_row_count(closure); i++) y[i] += factor * vector[i];
 }
 
-/* Makes the search direction `step` and its image orthogonal to the earlier ones. Adds the multiple of it to the
- * solution that makes the residual least. */
+/* Makes the image of search direction direction_index orthogonal to the earlier images, and changes the direction with
+ * it. Adds to the solution the multiple of the direction that makes the residual least. */
 static inline void products_minimise_residual(tvi_closure *closure, int last_order,
                                               const tvi_transposed_equations *equations, int direction_index)
 {
@@ -253,8 +254,8 @@ static inline void products_minimise_residual(tvi_closure *closure, int last_ord
     products_add_multiple(closure, -part, v, iteration->residual);
 }
 
-/* Returns the order to which a product may sum the curve if only `relative_accuracy` of it is needed: the first order
- * from which on |Q_k| is below relative_accuracy / PRODUCTS_TRUNCATION_SAFETY |Q_0|, or the highest order. */
+/* Returns the highest order of the curve that a product with a relative error of `relative_accuracy` needs: the first
+ * order from which on |Q_k| is below relative_accuracy / PRODUCTS_TRUNCATION_SAFETY |Q_0|, or the highest order. */
 static inline int products_choose_order_for_accuracy(const tvi_closure *closure, double relative_accuracy)
 {
     const double *largest = products_get_conjugate_residuals(closure)->largest_position_coefficient,
@@ -351,9 +352,9 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 /* Sets the size by which each unknown of a subsystem is measured, for the components `component[first .. end - 1]`. The
- * unknowns are momenta, or u / kappa, and their size is momentum_size. A much smaller size, as of a displacement, or 0,
- * is replaced by one in proportion to the largest momentum. If all momenta are 0, as at rest with degree 1, the sizes
- * are those of the positions, and if these are 0, the sizes are 1. */
+ * unknowns have the unit of momenta, and their size is momentum_size. A size of 0 is replaced by the largest scaled
+ * momentum over |kappa|, and a much smaller size is raised to NEWTON_MIN_SCALE times that quotient. If all momenta are
+ * 0, as at rest with degree 1, the sizes are those of the positions, and if these are 0, the sizes are 1. */
 static inline void products_set_subsystem_unknown_sizes(const tvi_closure *closure, const int *component, int first,
                                                         int end)
 {

@@ -5,9 +5,9 @@
 
 #include "generating/curve.h"
 
-/* Sums over the coefficients weight orders up to TVI_REFINE_LOW in long double, higher ones in double. There are
- * TVI_REFINE_SUMS sums: the state X and its derivative (X', or Q'' of a separable system) at each of two nodes, and the
- * increments of position and of momentum. */
+/* A sum over the coefficients adds the orders up to TVI_REFINE_LOW in long double, and the higher orders in double.
+ * There are TVI_REFINE_SUMS sums: the state X and its derivative (X', or Q'' of a separable system) at each of two
+ * nodes, and the increments of position and of momentum. */
 enum { TVI_REFINE_LOW = 4, TVI_REFINE_SUMS = 6 };
 
 typedef struct {

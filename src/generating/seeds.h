@@ -180,8 +180,8 @@ static inline void seeds_add_quadrature_error_terms(const tvi_action *action, co
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* Evaluates the curve at the nodes, and sets the seeds that are not computed later to 0. seed_U is not used for a
- * separable system. */
+/* Sets to 0 the seeds seed_Q of the orders above q_degree, and seed_U, which a separable system does not use. Evaluates
+ * the curve at the nodes: its momentum, the derivative of its momentum, and its position. */
 static inline void seeds_clear_and_evaluate_curve(tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                   double seed_U[])
 {
@@ -226,20 +226,21 @@ static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *ac
 
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
 
-/* The structures to which these functions take pointers are declared in files that include this one. */
+/* The functions below take pointers to these two structures, which the includers of this file declare. */
 struct tvi_curve_workspace;
 struct tvi_closure_solver;
 /* The results of a quick step: the increments dq and dp [n][width]; and for each member the tail (tail.h), the
  * residual, which is the size of the last correction, and the number of passes, or TVI_NOT_MADE if its step was not
- * made. The step is made for the members whose iterating_mask is set; it is cleared when their passes end. */
+ * made. A step is made for each member whose iterating_mask is set; the mask of a member is cleared when its passes
+ * end. */
 enum { TVI_NOT_MADE = -1 };
 typedef struct {
     double *dq, *dp, *tail, *residual;
     int *pass_counts;
     long long *iterating_mask;
 } tvi_quick_step_results;
-/* The type of the variants of step_make_quick_steps (curve_step.h): in generated code, and compiled for one instruction
- * set. */
+/* The type of the functions that make quick steps by step_make_quick_steps (curve_step.h). One of them is in generated
+ * code; each of the others is compiled for one instruction set. */
 typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                const tvi_quick_step_results *results, tvi_stats *stats);
 typedef struct tvi_curve_code {
@@ -251,7 +252,8 @@ typedef struct tvi_curve_code {
     void (*sum_combination)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*movement_sizes)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
-    /* The next three are for steps of adapted size; NULL: the library has its own. */
+    /* usable_step, rescale_and_sum and energy_change_bound are for steps of adapted size. NULL: the library's functions
+     * are used. */
     double (*usable_step)(const tvi_curve *curve, double log_tolerance);
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     double (*energy_change_bound)(const tvi_curve *curve);
@@ -261,9 +263,9 @@ typedef struct tvi_curve_code {
     void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                    double out[]);
     const struct tvi_closure_solver
-        *solver; /* the solver by products, except for `allocate`; NULL: the library has its own */
-    /* Computes the seeds of actions that need only the field, which may be not finite; NULL: the library has its own.
-     * */
+        *solver; /* The solver by products, without its function `allocate`. NULL: the library's solver is used. */
+    /* Computes the seeds of an action that needs only the field. The seeds are not checked to be finite. NULL: the
+     * library's function is used. */
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Makes a quick step; NULL: the method has none. */
     tvi_quick_step_fn *quick_step;

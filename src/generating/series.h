@@ -1,5 +1,6 @@
-/* series.h - holds the coefficients of a curve, and sums them. It is part of the text of generated code (emit.c), where
- * every size is a constant. Other files call the functions of curve.h. */
+/* series.h - holds the coefficients of a curve, and sums them. The other headers of generated code call its inline
+ * functions; steppers and solvers mostly call the functions of curve.h. Generated code includes this text (emit.c) with
+ * every size as a constant. */
 #ifndef TVI_SRC_GENERATING_SERIES_H
 #define TVI_SRC_GENERATING_SERIES_H
 
@@ -19,7 +20,7 @@ typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } 
  * combinations once. */
 typedef struct {
     bool is_of_momentum;  /* the U_k of the momentum are combined, and not the Q_k of the position */
-    double *order_weight; /* [highest_order + 1] */
+    double *order_weight; /* [highest_order + 1] the weight of the coefficient of each order */
 } tvi_combination;
 
 struct tvi_curve_code;
@@ -34,13 +35,13 @@ typedef struct {
     double tau;           /* the time unit: t = time of the centre + tau s */
     double *kappa;        /* [n] the scale of the momentum, U_k = kappa P_k */
     double *series_block; /* block of the series of the field, orders 0 .. highest_order */
-    /* The derivatives of all slots along directions of the centre state: in CURVE_TANGENT_DIRECTIONS directions at a
-     * time; in one direction for products, and for several members. */
+    /* The derivatives of all slots along directions of the centre state. A sweep computes at most
+     * tvi_choose_tangent_lane_count directions, and one direction for products or for several members. */
     double *tangent_block;
     size_t tangent_block_lane_count; /* the number of lanes with which tangent_block was last cleared; 0: never */
     bool keeps_old_jacobians;        /* of several members: a new Jacobian is stored only for the members in due_mask */
     long long *due_mask;             /* [width] the mask of the members whose Jacobians are computed anew */
-    double *adjoint_block;           /* of products: the adjoints of the slots */
+    double *adjoint_block;           /* the adjoints of all slots in all orders; only for products */
     /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU is NULL for a separable system. */
     double *dQ, *dU;
     double *product_direction;                /* [2n] the direction set by tvi_curve_set_product_direction */
@@ -50,8 +51,8 @@ typedef struct {
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;
     double *movement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
-    double *tail_share, *tail_ratio;       /* [n] scratch for the tails (tail.h) */
-    tvi_lu_factor velocity_hessian;        /* not separable: L_vv or H_pp at the centre */
+    double *tail_share, *tail_ratio;       /* [n] scratch: share and ratio of the components (tail.h) */
+    tvi_lu_factor velocity_hessian;        /* L_vv or H_pp at the centre; unused if separable */
     bool is_velocity_hessian_inverted;     /* whether velocity_hessian.lu contains the inverse */
     double
         *slot_derivatives_by_velocity; /* [slots][n] the derivatives of all slots by the second input at the centre */
@@ -61,8 +62,8 @@ typedef struct {
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
-/* The next functions return sizes, which are constants in generated code. There CURVE_SLOT is the array of the slots of
- * the field's outputs. */
+/* The functions of this section return sizes, which are constants in generated code. CURVE_SLOT in generated code is
+ * the array of the slots of the field's outputs. */
 
 static inline int curve_dimension(const tvi_curve *curve) { return CURVE_SIZE(CURVE_N, curve->n); }
 
@@ -73,7 +74,7 @@ static inline int curve_vector_length(const tvi_curve *curve) { return curve_dim
 
 static inline int curve_highest_order(const tvi_curve *curve) { return CURVE_SIZE(CURVE_TOP, curve->highest_order); }
 
-/* These return the degrees to which Q and P are summed. */
+/* curve_q_degree and curve_p_degree return the degrees to which Q and P are summed. */
 static inline int curve_q_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_Q_DEGREE, curve->q_degree); }
 
 static inline int curve_p_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree); }
@@ -112,7 +113,7 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, cons
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
-/* Returns the length of one order of the series' block. */
+/* Returns the distance, in numbers, from one order of the series' block to the next: its slots times the members. */
 static inline size_t tvi_curve_order_stride(const tvi_curve *curve)
 {
     return (size_t)CURVE_SIZE(tvi_series.slot_count, curve->system->field_series->slot_count) *
@@ -301,9 +302,9 @@ static inline double curve_compute_tail(const tvi_curve *curve)
     return tail;
 }
 
-/* Returns a bound of the energy change |q'| |dp| + |p'| |dq| by the omitted terms dq and dp: a multiple of that by the
- * last two terms, since one of these may be small by chance. If each term is at most three quarters of the one before
- * it, all omitted terms add up to three times the last. */
+/* Returns a bound of the energy change |q'| |dp| + |p'| |dq| by the omitted terms dq and dp. The bound is a multiple of
+ * the energy change by the last two terms, since one of the two may be small by chance. If each term is at most three
+ * quarters of the one before it, all omitted terms add up to three times the last. */
 static inline double curve_bound_energy_change(const tvi_curve *curve)
 {
     double sum = 0;

@@ -1,10 +1,10 @@
 /* step_size.h - estimates the largest step for which a Taylor curve meets a tolerance, from its last coefficients, and
  * rescales the curve to it. The estimate is that of Jorba and Zou (A software package for the numerical integration of
- * ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005), section 3): the step whose last term,
- * of degree M, is a part tolerance / e^5 of the state. With M = 1 - ln(tolerance) / 2 this is their step, the radius of
- * convergence over e^2, times e^(-3/M). Their state is one vector, their tolerance is absolute if that is below 1, and
- * they use the last two coefficients. Here q and p are measured separately, each by its size or by its movement in the
- * step, so that units have no effect and a body may start at rest or at 0.
+ * ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005), section 3): the step at which the
+ * last term, of degree M, is tolerance / e^5 times the state. With M = 1 - ln(tolerance) / 2 it is e^(-3/M) times their
+ * step, which is the radius of convergence over e^2. They take the state as one vector, use an absolute tolerance if
+ * the state's size is below 1, and use the last two coefficients. Here q and p are measured separately, each by its
+ * size or by its movement in the step, so that units have no effect and a body may start at rest or at 0.
  *
  * This file is part of the text of generated code (emit.c), where every size is a constant. Other files call the
  * functions of curve.h. */
@@ -18,9 +18,10 @@
  * to be small, with its first STEP_SIZE_SIZED_BY nonzero ones, which show its size. STEP_SIZE_FIRST of the first
  * coefficients of q are found, since those of p in a separable system, p_k = (k + 1) q_{k+1}, follow from them. */
 enum { STEP_SIZE_SIZED_BY = 2, STEP_SIZE_FIRST = STEP_SIZE_SIZED_BY + 1, STEP_SIZE_LAST = 3 };
-/* The ratios of the last coefficients show the radius of convergence: each to the one STEP_SIZE_APART orders before it,
- * which has the same phase if a pair of singularities makes the coefficients swing. Beside a state that is large the
- * coefficients may be so small that they would allow any step. */
+/* The ratios of the last coefficients show the radius of convergence. Each coefficient is compared with the one
+ * STEP_SIZE_APART orders before it, which has the same phase if a pair of singularities makes the coefficients swing.
+ * The radius also limits the step if the state is so large that its coefficients, relative to it, would allow any step.
+ */
 enum { STEP_SIZE_APART = 4 };
 
 /* A term of a series: its order k, and log_size = log max_i |x_k| over the components i, which is -INFINITY if there is
@@ -47,7 +48,7 @@ static inline double step_size_find_largest_component(const tvi_curve *curve, bo
     return size;
 }
 
-/* A coefficient below this has lost digits to underflow, and counts as 0. */
+/* A coefficient below STEP_SIZE_LEAST has lost digits to underflow, and counts as 0. */
 static const double STEP_SIZE_LEAST = 1e-280;
 
 /* Returns the first nonzero term among the orders k, k + step, ... before the order `end`. */

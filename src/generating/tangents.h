@@ -13,8 +13,8 @@ typedef struct {
     int first_direction;
 } curve_tangent_block;
 
-/* Returns how many lanes of the block are directions, since the last block may be wider than the number of directions
- * left. The lanes of several members contain one direction. */
+/* Returns how many directions the block contains. They are fewer than its lanes if the last block is wider than the
+ * number of directions left. With several members all lanes belong to one direction. */
 static inline int curve_count_directions(const tvi_curve *curve, const curve_tangent_block *block)
 {
     if (curve_width(curve) > 1) return 1;
@@ -161,7 +161,7 @@ static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve, 
         JET_AT(V, out, 0) = sum + odd;                                                                                 \
     }
 
-/* Computes this sum for each member, adding in the order of CURVE_COMBINE. */
+/* Computes the sum of CURVE_MULTIPLY_SEEDS for each member, adding in the order of CURVE_COMBINE. */
 #define CURVE_MULTIPLY_SEEDS_OF_MEMBERS(V, S)                                                                          \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
