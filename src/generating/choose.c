@@ -1,6 +1,6 @@
-/* choose.c - selects the functions of curves that are compiled for the instruction set of a system's tapes, and the
- * quick step (curve_step.h), which makes a whole step in the common case. curve_stepper.c calls it when an integrator
- * is made; action.c and curve.c call it in steps. */
+/* choose.c - selects the functions of curves that are compiled for the instruction set of a system's tapes. It also
+ * selects the quick step of a method (curve_step.h), which makes a whole step in the common case. curve_stepper.c calls
+ * it when an integrator is made; action.c and curve.c call it in steps. */
 #include "generating/curve_stepper.h"
 #include "method/method.h"
 

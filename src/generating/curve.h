@@ -4,8 +4,8 @@
  * Time is scaled: t = centre + tau s, and
  *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
  * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all coefficients are
- * in the unit of q (kappa has the sign of tau); for the others kappa = 1. The centre state z (2n numbers) consists of
- * the coordinates q at the centre, and of tau v for a Lagrangian, otherwise of kappa p. */
+ * in the unit of q (kappa has the sign of tau); for other systems kappa = 1. The centre state z (2n numbers) consists
+ * of the coordinates q at the centre, and of tau v for a Lagrangian, otherwise of kappa p. */
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 

@@ -238,7 +238,8 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
     return TVI_OK;
 }
 
-/* Evaluates the curve at the fraction theta of the step, with this fraction of the corrections. */
+/* Computes the increments from the start of the step to its fraction theta, with the fraction theta of the corrections.
+ */
 static void compute_dense_output(void *workspace, double theta, double dq[], double dp[])
 {
     work *w = workspace;

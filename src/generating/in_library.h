@@ -9,7 +9,7 @@
 #define CURVE_SIZE(constant, variable) (variable)
 
 /* CURVE_WIDTH is the number of members. It is 1, unless the file defines CURVE_MEMBERS to handle several members. The
- * mask tells the compiler that a width is a multiple of the least width. */
+ * mask -BATCH_MIN_WIDTH tells the compiler that a width is a multiple of the least width. */
 #ifdef CURVE_MEMBERS
 enum { CURVE_MOST_WIDTH = BATCH_MAX_WIDTH };
 #define CURVE_WIDTH(work)  ((work)->width & -BATCH_MIN_WIDTH)

@@ -104,11 +104,13 @@ void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, b
     *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
     newton->needs_extra_pass = needs_extra_pass;
     if (newton->has_jacobian_memory) rules->by_group = (tvi_passes_rule){.stall_comparison_lag = 1};
-    /* Two passes are compared, since corrections of q follow from those of p, and those of p from those of q. */
+    /* A correction is compared with the two before it, since corrections of q follow from those of p, and those of p
+     * from those of q. */
     if (!newton->has_jacobian_memory || needs_extra_pass) rules->by_unknown.stall_comparison_lag = 2;
 }
 
-/* Returns whether the last correction, which did not shrink, is roundoff by the roundoff of the residual. */
+/* Returns whether the last correction, which did not shrink, is as small as the corrections that the residual's
+ * roundoff causes. */
 static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
 {
     memcpy(newton->roundoff_scale, newton->scale, (size_t)newton->unknown_count * sizeof *newton->roundoff_scale);

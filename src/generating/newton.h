@@ -13,18 +13,18 @@ typedef struct {
     void *self;
     /* Computes the residual r(x); x and r have as many numbers as there are unknowns. */
     tvi_status (*residual)(void *self, const double x[], double r[]);
-    /* Computes the natural size of each unknown. A correction below the roundoff of this size counts as 0. It is called
-     * once, after the residual of the predictor. */
+    /* Computes the natural size of each unknown. A correction below the roundoff of this size counts as 0. The function
+     * is called once, after the residual of the predictor. */
     void (*scale)(void *self, double scale[]);
     /* Computes an approximate dr/dx at the x of the last residual; NULL: the Jacobian is the identity, or `solve` is
-     * used. It returns false, and leaves `matrix` alone, if the matrix of the last call can be reused. */
+     * used. The function returns false, and leaves `matrix` alone, if the matrix of the last call can be reused. */
     bool (*jacobian)(void *self, double matrix[]);
     /* Computes correction <- (dr/dx)^-1 correction, approximately, without a matrix; NULL: `jacobian` is used, or the
      * Jacobian is the identity. */
     void (*solve)(void *self, double correction[]);
     /* Estimates an upper bound of the roundoff of each component of the last residual: a unit of roundoff times the
-     * size of the numbers from which it was computed, which may be larger than the unknowns. It is called if passes no
-     * longer contract. */
+     * size of the numbers from which it was computed, which may be larger than the unknowns. The function is called if
+     * passes no longer contract. */
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 

@@ -8,7 +8,7 @@
 #include "generating/nodes.h"
 
 /* Estimates the roundoff of the momenta's corrections at the nodes from the roundoff of the last H_p (action.c).
- * Generated code does not call it: the library repeats an iteration that is stuck. */
+ * Generated code does not call this function: if an iteration is stuck, the library repeats it. */
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
 enum { MOMENTA_MOST_NODES = 2 * SEEDS_HALF };

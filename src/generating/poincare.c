@@ -1,5 +1,6 @@
-/* poincare.c - describes the method of the Poincare generating function, which depends on the mean of the step's ends,
- * to the list of methods (docs/method.md section 4). Its corrections solve
+/* poincare.c - defines the descriptor of the Poincare method for the list of methods (method/list.h). The generating
+ * function depends on the mean of the states at the step's ends (docs/method.md section 4). The corrections of the ends
+ * are b in the coordinates and a in the momenta, with
  *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),
  * with the states z0 and z1 at the ends of the step, the ends (q-, p-) and (q+, p+) of the curve and their mean zbar,
  * and the gradient D_z of the action in defect form (action.h). With the scaled momenta in zbar the solution is (a, b /

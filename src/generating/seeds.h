@@ -113,10 +113,10 @@ static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double
     return seed + k * curve_vector_length(curve) + i * curve_width(curve);
 }
 
-/* Sets the seeds of the sum over the nodes of dq_i^T gradient_by_q - dg_i^T dp/ds, with dq_i and dg_i the changes of
- * the node's position and of the curve there. The two vectors are first subtracted at the nodes, where they nearly
- * cancel. A truncated node does not contain the term of the highest order N, but the curve does; the last sum subtracts
- * it from the seed of order N. */
+/* Sets the seeds of the sum over the nodes of dq_i^T gradient_by_q - dg_i^T dp/ds, with dq_i the change of the node's
+ * position, and dg_i that of the curve at the node. The vectors gradient_by_q and dp/ds are first subtracted at the
+ * nodes, where they nearly cancel. A truncated node does not contain the term of the highest order N, but the curve
+ * does; the last sum subtracts it from the seed of order N. */
 static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);

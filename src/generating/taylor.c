@@ -1,6 +1,6 @@
-/* taylor.c - describes the plain Taylor method to the list of methods (method/list.h): the step is the Taylor curve
- * from the start to the end of the step, of order N - 1 in p, without corrections. The method is explicit and not
- * symplectic. */
+/* taylor.c - defines the descriptor of the plain Taylor method for the list of methods (method/list.h). A step is the
+ * Taylor curve from the start to the end of the step, without corrections; the curve of p has degree N - 1. The method
+ * is explicit and not symplectic. */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,9 +1,9 @@
-/* type1_midpoint.c - describes the type I method, Ld(q0, q1), with the Taylor curve expanded at the midpoint, to the
- * list of methods (docs/method.md section 4):
+/* type1_midpoint.c - defines the descriptor of the type I method, Ld(q0, q1), with the Taylor curve expanded at the
+ * midpoint of the step, for the list of methods (method/list.h). Its equations are (docs/method.md section 4)
  *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
  * (q-, p-) and (q+, p+) are the ends of the curve, G- and G+ the Jacobians of q- and q+ by its centre state z, D_z is
- * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections.
- * With the mean M of G- and G+, and R = G+ - G-, the matrix is I + O(h):
+ * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections. With the mean M of G- and
+ * G+, and R = G+ - G-, the matrix is I + O(h):
  *     M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
 #include "generating/closure.h"
 #include "method/list.h"

@@ -1,5 +1,5 @@
-/* type1_start.c - describes the type I method, Ld(q0, q1), with the Taylor curve expanded at the start, to the list of
- * methods (docs/method.md section 4):
+/* type1_start.c - defines the descriptor of the type I method, Ld(q0, q1), with the Taylor curve expanded at the start
+ * of the step, for the list of methods (method/list.h). Its equations are (docs/method.md section 4)
  *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
  * (q-, p-) and (q+, p+) are the ends of the curve, G- and G+ the Jacobians of q- and q+ by its centre state z, D_z is
  * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections. */
