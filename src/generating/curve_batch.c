@@ -110,8 +110,8 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
     for (int m = 0; m < width; m++) members->iterating_mask[m] = results->status[m] == TVI_OK ? -1 : 0;
     const tvi_quick_step_results quick = {members->dq,       members->dp,          members->tail,
                                           members->residual, members->pass_counts, members->iterating_mask};
-    (void)members->work_of_members->quick_step(members->work_of_members, members->work_of_members->closure.span.tau_over_h * h, origin,
-                                         &quick, stats);
+    (void)members->work_of_members->quick_step(
+        members->work_of_members, members->work_of_members->closure.span.tau_over_h * h, origin, &quick, stats);
     for (int m = 0; m < width; m++) {
         if (results->status[m] != TVI_OK) continue;
         if (members->pass_counts[m] == TVI_NOT_MADE) {
