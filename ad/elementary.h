@@ -138,9 +138,10 @@ JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scala
     }
 }
 
-/* Computes the function for numbers that are all in the range near 0. */
-JET_INLINE void jet_apply_to_numbers_near_zero(jet_vector_function *function, jet_magnitude_range near_zero,
-                                               double exponent, int count, const double *argument, double *result)
+/* Computes the function for `count` numbers, of which the caller knows that all are in the range near 0. The vector
+ * function is used for all of them. */
+JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function, jet_magnitude_range near_zero,
+                                                  double exponent, int count, const double *argument, double *result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
@@ -174,7 +175,7 @@ JET_INLINE void jet_apply_to_numbers_near_zero(jet_vector_function *function, je
     JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result))        \
     {                                                                                                                  \
         if (jet_are_all_in_range(near_zero, count, argument))                                                          \
-            jet_apply_to_numbers_near_zero(jet_vector_##name, near_zero, 0, count, argument, result);                  \
+            jet_apply_given_all_are_near_zero(jet_vector_##name, near_zero, 0, count, argument, result);               \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
@@ -197,7 +198,7 @@ JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
 {
     const jet_magnitude_range near_zero = jet_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
-        jet_apply_to_numbers_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
+        jet_apply_given_all_are_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

@@ -15,9 +15,10 @@
 #define VALUES_RULE(T, i, name)                                                                                        \
     inside &= evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,       \
                               x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);
-#define VALUES_PRODUCTS(T, i, are_squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, are_squares, terms);
+#define VALUES_PRODUCTS(T, i, are_squares, terms)                                                                      \
+    sum_products_at_adjacent_slots(&T, &T##_run[i], x, lanes, are_squares, terms);
 #define VALUES_SCATTERED(T, i, are_squares, terms)                                                                     \
-    compute_scattered_product_values(&T, &T##_run[i], x, lanes, are_squares, terms);
+    sum_products_at_scattered_slots(&T, &T##_run[i], x, lanes, are_squares, terms);
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_sums_without_constants(&T, &T##_run[i], x, lanes, terms);                                                  \
     add_constant_terms(&T, &T##_run[i], x, lanes);

@@ -153,12 +153,13 @@
 /* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
  * numbers from which the residual is computed. */
 #define NEWTON_STALLED_CORRECTION (256 * DBL_EPSILON)
-/* [1] Larger corrections are no roundoff, and show the loss of contraction of the passes after the first one. */
-#define NEWTON_LOSS_MIN_CORRECTION 1e-13
+/* [1] Larger corrections are no roundoff. They show by which factor the contraction ratio, that of a correction to the
+ * one before it, grows from pass to pass. */
+#define NEWTON_GROWTH_MIN_CORRECTION 1e-13
 /* [1] An extra pass confirms that the unknowns were converged if its correction is at most this. */
 #define NEWTON_CHECK_MAX_CORRECTION (8 * DBL_EPSILON)
-/* [1] The expected size of a correction allows for a loss of contraction up to this factor. */
-#define NEWTON_MAX_LOSS 1e6
+/* [1] The expected size of a correction allows for growth of the contraction ratio by at most this factor. */
+#define NEWTON_MAX_RATIO_GROWTH 1e6
 /* [1] Old Jacobians, or the last correction by products, leave at most this relative error in the state. The roundoff
  * of a step is much larger. */
 #define CURVE_NEGLIGIBLE_ERROR (DBL_EPSILON / 16)
@@ -312,11 +313,12 @@
  * the distance from the corrected theta to the nearer end of the bracket. */
 #define EVENT_SHORT_CORRECTION      1e-6 /* [h] */
 #define EVENT_SHORT_CORRECTION_PART 1e-3 /* [1] */
-/* An estimated root on a line lies in a small bracket. The ends of the bracket move outwards until g changes its
+/* Near an event the solution is replaced by a straight line through one of its states, the origin of the line
+ * (finder.h). An estimated root of g on the line lies in a small bracket, whose ends move outwards until g changes its
  * sign. */
-#define EVENT_SURE_DISTANCE  0x1p-50    /* [h] The distance of the first ends from the estimate. */
-#define EVENT_BRACKET_GROWTH 16.0       /* [1] The quotient of two movements of an end that follow each other. */
-#define EVENT_BRACKET_MAX    (1.0 / 16) /* [h] The largest distance of an end from the origin of the line. */
+#define EVENT_SURE_DISTANCE        0x1p-50    /* [h] The distance of the first ends from the estimate. */
+#define EVENT_BRACKET_GROWTH       16.0       /* [1] The quotient of two movements of an end that follow each other. */
+#define EVENT_BRACKET_MAX_DISTANCE (1.0 / 16) /* [h] No end is farther from the state through which the line goes. */
 
 /* ---- The suggested step (tvi_suggest_step): make suggest. A constant without a unit is [1] ----------------------- */
 
@@ -378,8 +380,10 @@
 #define DOUBLING_MIN_SPEED             (1.0 / 30) /* Lags are measured above this part of the largest speed. */
 #define DOUBLING_START_DISTANCE        1e-7       /* The companion orbit's first distance from the scout's orbit. */
 #define SCOUT_MAX_STEPS                24         /* [steps] The scout tries at most this many. */
-#define SCOUT_RESOLVING_TAIL           0.003      /* The tail of a step that just resolves the orbit. */
-#define SCOUT_MAX_TAIL                 0.03       /* A step with a larger tail is undone and repeated. */
+/* A step just resolves the orbit if its tail (tvi_stats.tail) is this. The tail is the last term of the polynomial of
+ * the forces, divided by the momentum. */
+#define SCOUT_RESOLVING_TAIL 0.003
+#define SCOUT_MAX_TAIL       0.03 /* A step with a larger tail is undone and repeated. */
 /* The size of the scout's next step, divided by that of the last one. */
 #define SCOUT_FIRST_FAILED_FACTOR  0.125 /* After a first step that fails. */
 #define SCOUT_FAILED_FACTOR        0.6   /* After a later step that fails. */

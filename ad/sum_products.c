@@ -62,8 +62,11 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                       bool are_squares, int term_count)
+/* The next two functions compute the operations of a run in a sweep of values. Each operation is a sum of term_count
+ * products. The factors of successive operations are in adjacent slots for the first function, and in any slots for the
+ * second. */
+JET_INLINE void sum_products_at_adjacent_slots(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                               bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
     const size_t stride = (size_t)lanes;
@@ -73,13 +76,13 @@ JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run,
     if (lanes == 8) JET_BLOCKS_OF_8(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
-TABLE(values_eight, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block,
-      8)
-TABLE(values_any, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape,
-      run, block, lanes)
+TABLE(values_eight, sum_products_at_adjacent_slots, (const jet_tape *tape, const jet_run *run, double *block), tape,
+      run, block, 8)
+TABLE(values_any, sum_products_at_adjacent_slots, (const jet_tape *tape, const jet_run *run, double *block, int lanes),
+      tape, run, block, lanes)
 
-JET_INLINE void compute_scattered_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                                 bool are_squares, int term_count)
+JET_INLINE void sum_products_at_scattered_slots(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                                bool are_squares, int term_count)
 {
     const size_t stride = (size_t)lanes;
     const double *c = tape->term_coefficient + run->first_term;
@@ -90,9 +93,9 @@ JET_INLINE void compute_scattered_product_values(const jet_tape *tape, const jet
         JET_BLOCKS(lanes, VALUES, JET_OF);
     }
 }
-TABLE(scattered_eight, compute_scattered_product_values, (const jet_tape *tape, const jet_run *run, double *block),
-      tape, run, block, 8)
-TABLE(scattered_any, compute_scattered_product_values,
+TABLE(scattered_eight, sum_products_at_scattered_slots, (const jet_tape *tape, const jet_run *run, double *block), tape,
+      run, block, 8)
+TABLE(scattered_any, sum_products_at_scattered_slots,
       (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run, block, lanes)
 
 void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)

@@ -14,9 +14,9 @@ typedef struct {
     /* The size of the last correction; if roundoff hides it, an estimate of the size without roundoff. */
     REAL size_without_roundoff;
     REAL expected_next_size; /* The size that the next correction is expected to have. */
-    /* The factor by which a pass may contract worse than the pass before it. expected_next_size contains this factor.
-     * It is more than 1 only for Newton's method (generating/newton.h). */
-    REAL contraction_loss;
+    /* The factor by which `ratio` may grow from this pass to the next. expected_next_size contains this factor. It is
+     * more than 1 only for Newton's method (generating/newton.h). */
+    REAL contraction_ratio_growth;
     REAL roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
 } JUDGED(passes);
 
@@ -53,8 +53,8 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
     passes->ratio = IF(shows_ratio, ratio, ratio_before);
     passes->slowest_ratio = slowest_ratio;
     passes->size_without_roundoff = without_roundoff;
-    passes->expected_next_size =
-        IF(is_significant & is_first, correction_size, passes->contraction_loss * expected_ratio * without_roundoff);
+    passes->expected_next_size = IF(is_significant & is_first, correction_size,
+                                    passes->contraction_ratio_growth * expected_ratio * without_roundoff);
     const TRUTH is_cycle = SAME(correction_size, before) & SAME(correction_size, earlier) & NOT(is_significant);
     const TRUTH is_at_goal = AT_MOST(passes->expected_next_size, rule->correction_goal - none),
                 is_roundoff = AT_MOST(correction_size, passes->roundoff);

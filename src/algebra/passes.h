@@ -59,7 +59,7 @@ static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
     passes->count = 0;
     passes->size = passes->previous_size = passes->size_two_passes_before = INFINITY;
     passes->ratio = passes->size_without_roundoff = passes->expected_next_size = passes->roundoff = 0;
-    passes->contraction_loss = 1;
+    passes->contraction_ratio_growth = 1;
     passes->slowest_ratio = slowest_ratio;
 }
 

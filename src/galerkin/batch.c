@@ -13,7 +13,7 @@ typedef struct {
     /* the stepper of a single curve in member_stepper, which owns all tables of coefficients */
     galerkin_stepper *single_stepper;
     galerkin_nodes nodes;
-    galerkin_tail_inputs tail_inputs;
+    galerkin_rate_tail_data tail_inputs;
     galerkin_step_data step_data;
     galerkin_batch_iteration iteration;
     /* [member_count] All bits of stepped_together_mask are set if the member takes this step together with others. All
@@ -79,7 +79,7 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     allocate_node_arrays(&stepper.nodes, arena, system, options->degree, member_count);
     const size_t count = (size_t)member_count, n = (size_t)system->n * count,
                  unknowns = (size_t)system->input_count * count;
-    galerkin_impulse_sums *sums = &stepper.tail_inputs.impulse_sums;
+    galerkin_impulse_sums *sums = &stepper.tail_inputs.impulse_sums_over_nodes;
     double **const row_arrays[] = {&sums->single_integral,   &sums->double_integral,      &sums->last_term,
                                    &sums->end_impulse_size,  &sums->single_integral_low,  &sums->double_integral_low,
                                    &stepper.step_data.drift, &stepper.step_data.drift_low};
@@ -118,9 +118,9 @@ static void prepare_batch_stepper(void *work)
     nodes->impulse_scale = member_nodes->impulse_scale;
     nodes->momentum_per_unit_drift = member_nodes->momentum_per_unit_drift;
     nodes->subsystems = member_nodes->subsystems;
-    const galerkin_tail_inputs arrays = stepper->tail_inputs;
+    const galerkin_rate_tail_data arrays = stepper->tail_inputs;
     stepper->tail_inputs = single_stepper->tail_inputs;
-    stepper->tail_inputs.impulse_sums = arrays.impulse_sums;
+    stepper->tail_inputs.impulse_sums_over_nodes = arrays.impulse_sums_over_nodes;
     stepper->tail_inputs.component_share = arrays.component_share;
     stepper->tail_inputs.component_ratio = arrays.component_ratio;
     stepper->step_data = single_stepper->step_data;

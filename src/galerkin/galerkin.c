@@ -98,10 +98,10 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     field->rate_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
 }
 
-static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system,
+static void allocate_tail_inputs(galerkin_rate_tail_data *inputs, tvi_arena *arena, const tvi_system *system,
                                  double *impulse_scale)
 {
-    galerkin_impulse_sums *sums = &inputs->impulse_sums;
+    galerkin_impulse_sums *sums = &inputs->impulse_sums_over_nodes;
     double **const vectors[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
                                 &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->input_count + 7);
@@ -323,7 +323,7 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
                                    const tvi_increments *increments, tvi_stats *stats)
 {
     galerkin_stepper *stepper = work;
-    const tvi_run_request run = {.h = h, .max_steps = 1, .time_index = -1, .increments = *increments};
+    const tvi_run_request run = {.h = h, .max_steps = 1, .index_of_time_in_q = -1, .increments = *increments};
     const bool iterates = stepper->passes_rule.max_passes > 0;
     galerkin_steps_outcome outcome = {.step_count = 0};
     if (stepper->generated_code)

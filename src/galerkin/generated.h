@@ -18,9 +18,9 @@ JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin
     return sized;
 }
 
-JET_INLINE galerkin_tail_inputs galerkin_copy_tail_inputs_with_constant_sizes(const galerkin_tail_inputs *tail_inputs)
+JET_INLINE galerkin_rate_tail_data galerkin_copy_tail_inputs_with_constant_sizes(const galerkin_rate_tail_data *inputs)
 {
-    galerkin_tail_inputs sized = *tail_inputs;
+    galerkin_rate_tail_data sized = *inputs;
     sized.n = GALERKIN_N;
     sized.is_separable = GALERKIN_IS_SEPARABLE;
     sized.subsystems.count = GALERKIN_TAIL_SUBSYSTEMS;

@@ -32,7 +32,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     galerkin_block_copies own;
     _Alignas(64) float packed[IS_PACKED ? PACKED : 1], change[ALL], total[ALL], impulse[ALL], all[ALL];
     double size[ROWS], per_size[ROWS];
-    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
+    const galerkin_rate_tail_data inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
     galerkin_step_data local_data = *step_data;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
     hamiltonian_passes passes = *(const hamiltonian_passes *)step_data->form_work;

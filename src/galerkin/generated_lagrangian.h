@@ -26,7 +26,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     galerkin_block_copies own;
     _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], movement[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], x[ALL];
-    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
+    const galerkin_rate_tail_data inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
     galerkin_step_data local_data = *step_data;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
     lagrangian_passes passes = *(const lagrangian_passes *)step_data->form_work;

@@ -71,7 +71,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_steps_outcome *outcome)
 {
-    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
+    const galerkin_rate_tail_data inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
     galerkin_step_data local_data = *step_data;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
     local_data.tail_inputs = &inputs;

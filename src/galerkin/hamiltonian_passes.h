@@ -14,8 +14,10 @@
 typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    /* nodes whose unknowns are the rates V and F, which the kernel `predict` extrapolates; their values at the start
-     * are 0, and their impulse_scale is 1/h */
+    /* The nodes with other unknowns: the rates V and F, which are the velocities and the forces at the nodes. With them
+     * the kernel `predict` extrapolates the rates from the impulses of earlier steps. An impulse is the step size h
+     * times a quadrature weight times a rate. To turn sums of impulses into rates, impulse_scale is 1/h, and the drift
+     * values, to which `predict` adds these sums, are 0. */
     galerkin_nodes rate_nodes;
     /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
     const double *impulse_matrix;

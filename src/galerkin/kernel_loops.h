@@ -77,10 +77,10 @@ KERNEL_FUNCTION void NAME(compute_increments)(const galerkin_nodes *nodes, const
 
 /* Implements the kernel compute_tails. is_separable is a constant in each call, so that the loop over the components
  * has no branches. */
-JET_INLINE void NAME(compute_tails_of_form)(const galerkin_tail_inputs *tail_inputs, bool is_separable, int width,
+JET_INLINE void NAME(compute_tails_of_form)(const galerkin_rate_tail_data *tail_inputs, bool is_separable, int width,
                                             double tail[])
 {
-    galerkin_tail_inputs inputs = *tail_inputs;
+    galerkin_rate_tail_data inputs = *tail_inputs;
     double *restrict share = inputs.component_share, *restrict ratio = inputs.component_ratio;
     inputs.is_separable = is_separable;
     for (int i = 0; i < inputs.n; i++)
@@ -93,7 +93,7 @@ JET_INLINE void NAME(compute_tails_of_form)(const galerkin_tail_inputs *tail_inp
     tvi_tail_compute_for_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
 
-KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[])
+KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, int member_count, double tail[])
 {
     const int width = MEMBERS ? member_count : 1;
     if (inputs->is_separable) NAME(compute_tails_of_form)(inputs, true, width, tail);
@@ -127,7 +127,7 @@ KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, cons
                                  .ratio = *(V *)(iteration->contraction_ratio + m),
                                  .slowest_ratio = slowest,
                                  .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
-                                 .contraction_loss = 1 - (V){0},
+                                 .contraction_ratio_growth = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
         const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, movement, &is_stuck),

@@ -1,6 +1,10 @@
-/* lanes.h - Defines how a loop over a constant number of lanes is made of vectors. For a single member with any number
- * of lanes it also defines how impulses are set, how the curve is evaluated, and the limits of the inner iterations.
- * Files that are compiled once for each instruction set (ad/vector.h) and generated code include it. */
+/* lanes.h - Defines what the loops over lanes in the kernels of a Galerkin step share (loops.h). In the step of a
+ * single integrator a lane is a node of the quadrature. The macro ALL_LANES divides a constant number of lanes into the
+ * widest vectors that fit. For a single integrator with any number of lanes, two functions follow. One sets the
+ * impulses, which are step size times quadrature weight times rate for each node; the other evaluates the curve of the
+ * step at given points. The last section defines the types and the unit in which the inner iterations of a pass
+ * (kernel_inner.h) store changes of the unknowns in single precision. Files that are compiled once for each instruction
+ * set (ad/vector.h) and generated code include this file. */
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 

@@ -60,16 +60,18 @@ typedef struct {
     const long long *last_step_only_mask;
 } galerkin_extrapolation;
 
-/* The weights of the impulses in the sums from which the increments and the tail of a step are computed, [lanes] each:
- * one_minus_abscissa is 1 - c_j, and last_term_weight gives the last term of the rate's Legendre series. */
+/* The weights of the impulses in the sums over the nodes of a step (galerkin_impulse_sums), [lanes] each:
+ * one_minus_abscissa is 1 - c_j, with the abscissa c_j of node j, and last_term_weight gives the last term of the
+ * rate's Legendre series. */
 typedef struct {
     double *one_minus_abscissa, *last_term_weight;
 } galerkin_impulse_sum_weights;
 
-/* The sums of a step's impulses L_j, [unknowns][member_count] each. Each array has room for seven more numbers, so
- * that a vector can be stored at the last element. single_integral = sum_j L_j; double_integral = sum_j (1 - c_j)
- * L_j; last_term is the magnitude of the last term of the rate's Legendre series; end_impulse_size is |L_j| of the
- * first node plus that of the last node. */
+/* The sums of a step's impulses over its nodes, [unknowns][member_count] each. The impulse of node j is L_j = h b_j
+ * F_j, with the step size h, the quadrature weight b_j and the rate F_j of the unknown. Each array has room for seven
+ * more numbers, so that a vector can be stored at the last element. single_integral = sum_j L_j; double_integral =
+ * sum_j (1 - c_j) L_j, with the abscissa c_j of the node; last_term is the magnitude of the last term of the rate's
+ * Legendre series; end_impulse_size is |L_j| of the first node plus that of the last node. */
 typedef struct {
     double *single_integral, *double_integral, *last_term, *end_impulse_size, *single_integral_low,
         *double_integral_low;
@@ -83,7 +85,7 @@ typedef struct {
      * movement alone, without its momentum (tvi_system.has_tail_shares_without_momenta). */
     bool is_separable, has_masses;
     tvi_subsystems subsystems;
-    galerkin_impulse_sums impulse_sums;
+    galerkin_impulse_sums impulse_sums_over_nodes;
     /* The reciprocal of the quadrature weight b_j of the first and the last node. */
     double inverse_outermost_weight;
     /* [n] galerkin_nodes.impulse_scale, and the reciprocals of the magnitudes of these factors. */
@@ -93,14 +95,15 @@ typedef struct {
     /* [n][member_count] Scratch space: tvi_tail_component_share and tvi_tail_component_ratio of each component
      * (tail.h). */
     double *component_share, *component_ratio;
-} galerkin_tail_inputs;
+} galerkin_rate_tail_data;
 
 /* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
  * of its coordinate and its momentum in the arrays. */
-static inline tvi_tail_component galerkin_make_tail_component(const galerkin_tail_inputs *inputs, int i,
+static inline tvi_tail_component galerkin_make_tail_component(const galerkin_rate_tail_data *inputs, int i,
                                                               size_t coordinate_index, size_t momentum_index)
 {
-    const double *last = inputs->impulse_sums.last_term, *end_size = inputs->impulse_sums.end_impulse_size;
+    const double *last = inputs->impulse_sums_over_nodes.last_term,
+                 *end_size = inputs->impulse_sums_over_nodes.end_impulse_size;
     tvi_tail_component component = {.momentum_size = fabs(inputs->start_p[coordinate_index]) +
                                                      (fabs(inputs->momentum_increment[coordinate_index]) +
                                                       end_size[momentum_index] * inputs->inverse_outermost_weight),
@@ -260,7 +263,7 @@ typedef struct galerkin_kernels {
     void (*compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
                                const tvi_increments *increments);
     /* Computes the tail of each member, [member_count]. */
-    void (*compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
+    void (*compute_tails)(const galerkin_rate_tail_data *inputs, int member_count, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
      * members have converged in pass number `count`, and updates their masks. Returns the number of members that still

@@ -115,7 +115,7 @@ typedef struct {
     galerkin_node_polynomials node_polynomials;
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
     double *increment_factor;
-    galerkin_tail_inputs tail_inputs;
+    galerkin_rate_tail_data tail_inputs;
     galerkin_step_data step_data; /* pointers to the data of this stepper, for the functions of steps.h */
     /* The system's generated code, or NULL if there is none. */
     const galerkin_code *generated_code;

@@ -14,7 +14,7 @@
 typedef struct galerkin_step_data {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    const galerkin_tail_inputs *tail_inputs;
+    const galerkin_rate_tail_data *tail_inputs;
     const galerkin_impulse_sum_weights *impulse_sum_weights;
     const tvi_passes_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
@@ -173,15 +173,18 @@ JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data,
                                             const tvi_step_origin *origin, const tvi_increments *increments,
                                             double tail[])
 {
-    galerkin_tail_inputs inputs = *step_data->tail_inputs;
+    galerkin_rate_tail_data inputs = *step_data->tail_inputs;
     inputs.start_q = origin->q;
     inputs.start_p = origin->p;
     inputs.momentum_increment = increments->dp;
-    GALERKIN_KERNEL(step_data->kernels, sum_impulses, nodes, step_data->impulse_sum_weights, &inputs.impulse_sums);
+    GALERKIN_KERNEL(step_data->kernels, sum_impulses, nodes, step_data->impulse_sum_weights,
+                    &inputs.impulse_sums_over_nodes);
     if (inputs.is_separable)
-        GALERKIN_KERNEL(step_data->kernels, compute_drifting_increments, nodes, &inputs.impulse_sums, step_data->drift,
-                        step_data->drift_low, increments);
-    else GALERKIN_KERNEL(step_data->kernels, compute_increments, nodes, &inputs.impulse_sums, inputs.n, increments);
+        GALERKIN_KERNEL(step_data->kernels, compute_drifting_increments, nodes, &inputs.impulse_sums_over_nodes,
+                        step_data->drift, step_data->drift_low, increments);
+    else
+        GALERKIN_KERNEL(step_data->kernels, compute_increments, nodes, &inputs.impulse_sums_over_nodes, inputs.n,
+                        increments);
     for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
     if (nodes->node_count > 1) GALERKIN_KERNEL(step_data->kernels, compute_tails, &inputs, nodes->member_count, tail);
 }

@@ -245,7 +245,10 @@ static bool compute_jacobian(void *self, double matrix[])
     return true;
 }
 
-/* Computes the roundoff of (a(1), b(-1), kappa p_a(0)) from that of the field at the nodes. */
+/* Estimates r [3n], the roundoff of the corrector's residual, from that of the field at the nodes. Its three parts of n
+ * numbers are the roundoff of the position a(1) at the end of the start curve, that of the position b(-1) where the end
+ * curve meets the start of the step, and that of kappa p_a(0), the momentum of the start curve at its start, multiplied
+ * by the factor kappa that scales momenta. */
 static void estimate_residual_roundoff(void *self, double r[])
 {
     const step_attempt *attempt = self;

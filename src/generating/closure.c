@@ -12,11 +12,12 @@ static tvi_status correct_ends(tvi_closure *closure, const tvi_transposed_equati
 
 tvi_status tvi_correct_ends_by_mean(tvi_closure *closure)
 {
-    return correct_ends(
-        closure, &(tvi_transposed_equations){&closure->q_mean, closure_get_second_combination(closure), TVI_FIRST});
+    return correct_ends(closure, &(tvi_transposed_equations){&closure->q_mean, closure_get_second_combination(closure),
+                                                             TVI_FIRST_COLUMNS});
 }
 
-tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
+tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination,
+                                     tvi_column_half column_half)
 {
-    return correct_ends(closure, &(tvi_transposed_equations){combination, NULL, half});
+    return correct_ends(closure, &(tvi_transposed_equations){combination, NULL, column_half});
 }

@@ -15,15 +15,16 @@
 #include "generating/seeds.h"
 #include "method/closing.h"
 
-/* Names the n x n block of a Jacobian [n][2n] that has the columns of the first or of the second half of z. */
-typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
+/* Names one half of the columns of a Jacobian matrix [n][2n] by the centre state z: the first n columns, which belong
+ * to the coordinates, or the last n, which belong to the velocities or the momenta. */
+typedef enum { TVI_FIRST_COLUMNS, TVI_LAST_COLUMNS } tvi_column_half;
 
 /* The linear equations A^T x = D_z for the corrections of the ends. A is one n x n block of the Jacobian of an end of
  * the curve by z; or it consists of two such Jacobians, n x 2n each, one above the other. */
 typedef struct {
     /* The combinations whose Jacobians are in A; second_combination is NULL if A is a block. */
     const tvi_combination *first_combination, *second_combination;
-    tvi_half half; /* the half of z whose columns are A, if A is a block */
+    tvi_column_half jacobian_column_half; /* the columns of the Jacobian that are A, if A is a block */
 } tvi_transposed_equations;
 
 /* A solver of the equations A^T x = D_z, by matrices (matrices.c) or by products (products.c). The functions
@@ -59,10 +60,13 @@ typedef struct tvi_closure {
      * of the ends if the curve is expanded at the midpoint. */
     tvi_combination q_at_start, q_at_end, q_increment, q_mean;
     tvi_combination u_at_start, u_at_end, u_increment, u_mean; /* the same combinations of the scaled momentum u */
-    tvi_combination momentum_size_weights; /* the weights of |U_k| whose sum, divided by |kappa|, is momentum_size */
-    int p_degree;                          /* the degree to which the momentum is summed */
-    double *momentum_size;                 /* [n] sum_k |P_k| */
-    tvi_correct_ends_fn *correct_ends;     /* computes the corrections by the equations of the generating function */
+    /* The degree to which the momentum is summed. */
+    int p_degree;
+    /* [n] The sum of |P_k| over all orders k, with P_k the coefficient of s^k in the momentum. momentum_abs_weights are
+     * the weights of |U_k| in |kappa| times this sum. */
+    double *momentum_term_abs_sum;
+    tvi_combination momentum_abs_weights;
+    tvi_correct_ends_fn *correct_ends; /* computes the corrections by the equations of the generating function */
     const tvi_end_correction_factors *end_factors; /* the factors by which the solution (x, y) enters the corrections */
     double *seed_Q, *seed_U;                       /* [highest_order + 1][n] the seeds of D_z */
     double *gradient_then_solution;                /* [2n] first D_z, then the solution of the equations */
@@ -83,12 +87,12 @@ static inline const tvi_combination *closure_get_second_combination(const tvi_cl
  * second combination, and computes the corrections from (x, y) by end_factors. */
 tvi_correct_ends_fn tvi_correct_ends_by_mean;
 
-/* Solves J^T x = D_z in half of the rows: J is the n x n block `half` of the combination's Jacobian, and D_z the same
- * half of the gradient. In gradient_then_solution x replaces this half; the other half becomes the residual of the
- * other rows, D_z - K^T x with the other block K of the Jacobian. Computes the corrections from both halves (x, y) by
- * end_factors. */
+/* Solves J^T x = D_z in half of the rows: J is the n x n block of the combination's Jacobian with the columns
+ * column_half, and D_z the same half of the gradient. In gradient_then_solution x replaces this half. The other half
+ * becomes the residual of the other rows, D_z - K^T x with the other block K of the Jacobian. Computes the corrections
+ * from both halves (x, y) by end_factors. */
 TVI_NODISCARD tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination,
-                                                   tvi_half half);
+                                                   tvi_column_half column_half);
 
 /* Computes the corrections of the ends from the solution (x, y) in gradient_then_solution, multiplied by end_factors.
  */
@@ -112,15 +116,16 @@ static inline void closure_set_end_corrections(const tvi_closure *closure)
         }
 }
 
-/* Computes momentum_size, the natural sizes of the momenta, relative to which corrections of p are measured. */
+/* Computes momentum_term_abs_sum, the sums of the magnitudes of the momenta's terms, relative to which corrections of p
+ * are measured. */
 static inline void closure_compute_momentum_sizes(const tvi_closure *closure)
 {
-    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, &closure->curve, &closure->momentum_size_weights,
-                                     closure->momentum_size);
+    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, &closure->curve, &closure->momentum_abs_weights,
+                                     closure->momentum_term_abs_sum);
     const int width = curve_width(&closure->curve);
     for (int i = 0; i < curve_dimension(&closure->curve); i++)
         for (int at = i * width; at < (i + 1) * width; at++)
-            closure->momentum_size[at] /= fabs(closure->curve.kappa[i]);
+            closure->momentum_term_abs_sum[at] /= fabs(closure->curve.kappa[i]);
 }
 
 #endif

@@ -69,12 +69,12 @@ static void prepare_batch(void *work)
     tvi_curve_workspace_fill_tables(members->work_of_members);
 }
 
-/* Returns the history of all members, [width]. The history of a member is one number: the measured contraction loss of
- * its passes, or, for the plain Taylor method, the size of its last step to a tolerance, from which it continues in
- * later runs. Plain Taylor steps of a given size do not use their history. */
+/* Returns the history of all members, [width]. The history of a member is one number: the largest growth of the
+ * contraction ratio of its passes, or, for the plain Taylor method, the size of its last step to a tolerance, from
+ * which it continues in later runs. Plain Taylor steps of a given size do not use their history. */
 static double *get_history_of_members(const tvi_curve_workspace *work)
 {
-    return work->has_corrections ? work->newton.measured_contraction_loss : work->last_adapted_step_size;
+    return work->has_corrections ? work->newton.max_contraction_ratio_growth_of_member : work->last_adapted_step_size;
 }
 
 static void copy_lane_history_to_member(const void *work, int lane, void *member_work)

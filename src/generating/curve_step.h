@@ -220,7 +220,7 @@ static inline bool step_run_corrector_pass(step_state *state, bool is_first)
     step_compute_residual(work, state->origin, r);
     if (is_first) {
         step_compute_unknown_scales(closure, newton->scale);
-        for (int m = 0; m < width; m++) newton_fill_missing_scales(newton, m);
+        for (int m = 0; m < width; m++) newton_raise_scales_of_small_unknowns(newton, m);
     }
     for (int i = 0; i < size * width; i++) r[i] = -r[i];
     linear_unpivoted_solve(size, width, &newton->factor, r);
@@ -239,7 +239,8 @@ static inline void step_judge_correction(const step_state *state, tvi_newton_pas
         verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
     if (verdict != TVI_PASSES_GO_ON) state->iterating_mask[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
-    newton->measured_contraction_loss[m] = tvi_larger(newton->measured_contraction_loss[m], passes->contraction_loss);
+    newton->max_contraction_ratio_growth_of_member[m] =
+        tvi_larger(newton->max_contraction_ratio_growth_of_member[m], passes->contraction_ratio_growth);
     results->residual[m] = sizes->largest_relative_correction[m];
     results->pass_counts[m] = passes->by_unknown.count;
 }
@@ -262,7 +263,7 @@ static inline void step_run_corrector_passes(step_state *state, const tvi_quick_
     const int width = curve_width(&state->work->closure.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
-        tvi_newton_begin_passes(&passes[m], newton->measured_contraction_loss[m], &newton->rules,
+        tvi_newton_begin_passes(&passes[m], newton->max_contraction_ratio_growth_of_member[m], &newton->rules,
                                 newton->needs_extra_pass);
     matrices_discard_factors(&state->work->closure);
     for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {

@@ -224,7 +224,7 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
     bool is_chosen = usable_step < fabs(*h);
     if (is_chosen) *h = copysign(usable_step, *h);
     compute_plain_taylor_increments(w, *h, increments);
-    while (must_check_end && !tvi_curve_satisfies_equation_at_end(w, *h, origin, increments) &&
+    while (must_check_end && !tvi_curve_matches_force_at_end(w, tolerance, *h, origin, increments) &&
            origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;

@@ -61,9 +61,11 @@ void tvi_curve_workspace_fill_tables(void *work);
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options);
 /* Returns the quick step, or NULL if there is none. */
 tvi_quick_step_fn *tvi_choose_quick_step(const tvi_closure *closure, const tvi_options *options);
-/* Returns whether dp/ds = h F holds at the end of the curve, to the tolerance. The coefficients at the start do not
- * show a force that the body meets only within the step. */
-bool tvi_curve_satisfies_equation_at_end(tvi_curve_workspace *work, double h, const tvi_step_origin *origin,
-                                         const tvi_increments *increments);
+/* Tells whether the curve of a step of size h satisfies the equation of motion dp/ds = h F at its end, with the force F
+ * and the scaled time s, 0 to 1 in the step. The two sides may differ by q_degree times relative_tolerance times the
+ * largest momentum, or by the roundoff of F. The coefficients at the start do not show a force that the body meets only
+ * within the step. */
+bool tvi_curve_matches_force_at_end(tvi_curve_workspace *work, double relative_tolerance, double h,
+                                    const tvi_step_origin *origin, const tvi_increments *increments);
 
 #endif

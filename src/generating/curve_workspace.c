@@ -28,7 +28,7 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_at_start,  &c->q_at_end,   &c->q_increment,
                                              &c->q_mean,      &c->u_at_start, &c->u_at_end,
-                                             &c->u_increment, &c->u_mean,     &c->momentum_size_weights};
+                                             &c->u_increment, &c->u_mean,     &c->momentum_abs_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->start_correction_q, &c->start_correction_p, &c->increment_correction_q,
@@ -37,7 +37,7 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
         *corrections[i] = tvi_arena_allocate_doubles(arena, n);
     if (!has_corrections) return;
     const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
-    c->momentum_size = tvi_arena_allocate_doubles(arena, n);
+    c->momentum_term_abs_sum = tvi_arena_allocate_doubles(arena, n);
     c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
     solver->allocate(c, arena);
     c->seed_Q = tvi_arena_allocate_doubles(arena, seeds);
@@ -126,7 +126,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
             tvi_combination_set_power_weights(ends[of_momentum][i], &c->curve, of_momentum,
                                               of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
                                               from);
-    tvi_combination_set_power_weights(&c->momentum_size_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
+    tvi_combination_set_power_weights(&c->momentum_abs_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_predictor_combinations(w);
     if (!w->has_corrections) return;

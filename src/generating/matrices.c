@@ -17,7 +17,7 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
     m.relative_distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
     if (width > 1) m.corrector_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
     m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    tvi_factor_allocate(&m.half_factor, arena, closure->n, 1);
+    tvi_factor_allocate(&m.jacobian_block_factor, arena, closure->n, 1);
     tvi_factor_allocate(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
     if (allocated) *allocated = m;
     closure->solver_data = allocated;
@@ -27,12 +27,13 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 
 static tvi_status factor_jacobian_block(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const size_t n = (size_t)closure->n, first = equations->half == TVI_FIRST ? 0 : n;
+    const size_t n = (size_t)closure->n, first = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n;
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
     tvi_curve_sum_combination_jacobian(&closure->curve, equations->first_combination, factors->end_jacobian);
     for (size_t i = 0; i < n; i++)
-        memcpy(factors->half_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first, n * sizeof(double));
-    return tvi_factor_compute(&factors->half_factor);
+        memcpy(factors->jacobian_block_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first,
+               n * sizeof(double));
+    return tvi_factor_compute(&factors->jacobian_block_factor);
 }
 
 static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_transposed_equations *equations)
@@ -47,7 +48,8 @@ static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_transposed_
  * and J the other n x n block of the Jacobian. */
 static void compute_residual_of_other_half(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    const size_t n = (size_t)closure->n, solved = equations->half == TVI_FIRST ? 0 : n, other = n - solved;
+    const size_t n = (size_t)closure->n, solved = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n,
+                 other = n - solved;
     double *G = matrices_get_factors(closure)->end_jacobian;
     tvi_curve_sum_combination_jacobian(&closure->curve, equations->first_combination, G);
     for (size_t i = 0; i < n; i++)
@@ -70,8 +72,9 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
     if (equations->second_combination) {
         tvi_factor_solve_transposed(&factors->full_factor, closure->gradient_then_solution);
     } else {
-        tvi_factor_solve_transposed(&factors->half_factor,
-                                    closure->gradient_then_solution + (equations->half == TVI_FIRST ? 0 : closure->n));
+        tvi_factor_solve_transposed(&factors->jacobian_block_factor,
+                                    closure->gradient_then_solution +
+                                        (equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : closure->n));
         compute_residual_of_other_half(closure, equations);
     }
     return TVI_OK;

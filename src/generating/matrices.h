@@ -19,8 +19,8 @@ typedef struct {
     double *end_jacobian; /* [n][2n] scratch for Jacobians of the ends */
     /* [2n][2n] for several members: the corrector's Jacobian of each, which may be older for some than for others. */
     double *corrector_jacobian;
-    tvi_lu_factor half_factor; /* the factor of the n x n block; a method uses this or full_factor */
-    tvi_lu_factor full_factor; /* the factor of the 2n x 2n matrix */
+    tvi_lu_factor jacobian_block_factor; /* the factor of the n x n block; a method uses this or full_factor */
+    tvi_lu_factor full_factor;           /* the factor of the 2n x 2n matrix */
 } tvi_jacobian_factors;
 
 static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solver_data; }
@@ -134,7 +134,7 @@ static inline void matrices_bound_stale_jacobian_error(const tvi_closure *closur
         matrices_raise_largest_relative_size(curve, i, closure->start_correction_q, closure->increment_correction_q,
                                              fabs(curve->kappa[i]), seed_U, scale, error_per_distance);
         matrices_raise_largest_relative_size(curve, i, closure->start_correction_p, closure->increment_correction_p, 1,
-                                             closure->seed_Q, closure->momentum_size, error_per_distance);
+                                             closure->seed_Q, closure->momentum_term_abs_sum, error_per_distance);
     }
 }
 

@@ -37,8 +37,8 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
     if (has_jacobian_memory) tvi_factor_allocate(&newton->factor, arena, size, width);
-    newton->measured_contraction_loss =
-        tvi_arena_allocate_in_copied_history(arena, (size_t)width * sizeof *newton->measured_contraction_loss);
+    newton->max_contraction_ratio_growth_of_member = tvi_arena_allocate_in_copied_history(
+        arena, (size_t)width * sizeof *newton->max_contraction_ratio_growth_of_member);
 }
 
 /* Computes dr/dx by forward differences, for steps so large that passes with the approximate Jacobian do not contract.
@@ -118,7 +118,7 @@ static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equa
     tvi_correction_sizes sizes;
     newton_measure_corrections(newton, newton->roundoff_scale, &sizes);
     if (sizes.relative_group_correction[0] > NEWTON_STALLED_CORRECTION) return false;
-    passes->contraction_loss = 1; /* the corrections are roundoff, and show no contraction */
+    passes->contraction_ratio_growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
 
@@ -130,7 +130,7 @@ static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equat
     if (status != TVI_OK) return status;
     if (is_first) {
         equations->scale(equations->self, newton->scale);
-        newton_fill_missing_scales(newton, 0);
+        newton_raise_scales_of_small_unknowns(newton, 0);
     }
     for (int i = 0; i < newton->unknown_count; i++) newton->correction[i] = -newton->correction[i];
     if (by_differences || (!newton->is_by_differences && equations->jacobian)) {
@@ -152,7 +152,8 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes passes;
-    tvi_newton_begin_passes(&passes, *newton->measured_contraction_loss, &newton->rules, newton->needs_extra_pass);
+    tvi_newton_begin_passes(&passes, *newton->max_contraction_ratio_growth_of_member, &newton->rules,
+                            newton->needs_extra_pass);
     int refreshes = 0;
     bool by_differences = false;
     for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
@@ -168,8 +169,8 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            *newton->measured_contraction_loss =
-                tvi_larger(*newton->measured_contraction_loss, passes.contraction_loss);
+            *newton->max_contraction_ratio_growth_of_member =
+                tvi_larger(*newton->max_contraction_ratio_growth_of_member, passes.contraction_ratio_growth);
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];

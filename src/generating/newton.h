@@ -43,40 +43,40 @@ typedef struct {
  * relative_group_correction. */
 typedef struct {
     tvi_passes by_unknown, by_group;
-    /* contraction_loss is the factor by which a pass may contract worse than the pass before it; the expected size of
-     * the next correction allows for this factor. unconfirmed_loss is a greater factor that the last correction
+    /* The contraction ratio of a pass is the size of its correction divided by that of the correction before it.
+     * contraction_ratio_growth is the factor by which this ratio may grow from one pass to the next; the expected size
+     * of the next correction allows for it. unconfirmed_ratio_growth is a greater factor that the last correction
      * suggests and that no later correction has confirmed yet. */
-    double contraction_loss, unconfirmed_loss;
+    double contraction_ratio_growth, unconfirmed_ratio_growth;
     bool must_confirm_convergence; /* whether one more pass must confirm the expected convergence */
 } tvi_newton_passes;
 
 /* Begins the passes of a solution. The first contraction is often better than the later ones: first corrections are
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
-static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double measured_contraction_loss,
+static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max_contraction_ratio_growth,
                                            const tvi_newton_rules *rules, bool needs_extra_pass)
 {
     tvi_passes_begin(&passes->by_unknown, 0);
     tvi_passes_begin(&passes->by_group, 0);
-    passes->contraction_loss = tvi_larger(measured_contraction_loss, 1);
-    passes->unconfirmed_loss = 0;
+    passes->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
+    passes->unconfirmed_ratio_growth = 0;
     passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 && rules->by_unknown.max_trusted_ratio > 0 &&
-                                       (measured_contraction_loss == 0 || needs_extra_pass);
+                                       (max_contraction_ratio_growth == 0 || needs_extra_pass);
 }
 
-/* Accepts a contraction loss that one correction suggests only if the next correction contracts again, because roundoff
- * does not contract. */
-static inline void tvi_newton_update_contraction_loss(tvi_newton_passes *passes, const tvi_newton_rules *rules,
-                                                      double size)
+/* Updates the factor by which the contraction ratio may grow. A greater factor that one correction suggests is accepted
+ * only if the next correction contracts again, because roundoff does not contract. */
+static inline void tvi_newton_update_ratio_growth(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
     const tvi_passes *each = &passes->by_unknown;
     const bool shows = size <= rules->by_unknown.stall_ratio * each->size;
     if (each->count < 2) return;
     if (shows)
-        passes->contraction_loss =
-            tvi_smaller(tvi_larger(passes->contraction_loss, passes->unconfirmed_loss), NEWTON_MAX_LOSS);
-    const double loss = each->contraction_loss * size / each->expected_next_size;
-    passes->unconfirmed_loss = shows && size > NEWTON_LOSS_MIN_CORRECTION ? loss : 0;
+        passes->contraction_ratio_growth = tvi_smaller(
+            tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth), NEWTON_MAX_RATIO_GROWTH);
+    const double growth = each->contraction_ratio_growth * size / each->expected_next_size;
+    passes->unconfirmed_ratio_growth = shows && size > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
 }
 
 /* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
@@ -87,8 +87,9 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
     const double largest_relative_correction = sizes->largest_relative_correction[m],
                  relative_group_correction = sizes->relative_group_correction[m];
     const double expected = passes->by_unknown.expected_next_size;
-    tvi_newton_update_contraction_loss(passes, rules, largest_relative_correction);
-    passes->by_unknown.contraction_loss = tvi_larger(passes->contraction_loss, passes->unconfirmed_loss);
+    tvi_newton_update_ratio_growth(passes, rules, largest_relative_correction);
+    passes->by_unknown.contraction_ratio_growth =
+        tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth);
     const tvi_passes_verdict verdict =
         tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative_correction);
     const tvi_passes_verdict settled =
@@ -117,9 +118,9 @@ typedef struct {
     /* Scratch for the Jacobian by differences: the unknowns with one of them shifted, and the residual there. */
     double *trial_unknowns, *trial_residual;
     tvi_lu_factor factor;
-    /* [width] The largest ratio of the contraction factors of two successive passes in earlier solutions, or 0 if there
-     * was none; part of the history. */
-    double *measured_contraction_loss;
+    /* [width] For each member, the largest factor by which the contraction ratio grew from one pass to the next in
+     * earlier solutions, or 0 if there was none; part of the history. */
+    double *max_contraction_ratio_growth_of_member;
 } tvi_newton;
 
 /* The next two functions return the number of unknowns, and the number of unknowns of one group. Both numbers are
@@ -176,13 +177,15 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
     }
 }
 
-/* Fills in the scale of unknowns whose scale is 0: the largest of the group in the subsystem, or 1. An unknown that is
- * much smaller than the others of its group, such as a body that a wave has not reached, is measured by these. */
-static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m, int begin, int end)
+/* Raises the scales of the small unknowns of one member in one subsystem, group by group. A scale of 0 becomes the
+ * largest scale of the group in the subsystem, or 1 if all are 0. Any other scale is raised to at least
+ * NEWTON_MIN_SCALE times the largest one. An unknown that is much smaller than the others of its group, such as a body
+ * that a wave has not reached, is thus measured by these. */
+static inline void newton_raise_scales_in_subsystem(const tvi_newton *newton, int member, int begin, int end)
 {
     const int width = CURVE_WIDTH(newton);
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
-        double largest = 0, *scale = newton->scale + first * width + m;
+        double largest = 0, *scale = newton->scale + first * width + member;
         for (int k = begin; k < end; k++)
             largest = tvi_larger(scale[tvi_subsystems_component(newton->subsystems, k) * width], largest);
         for (int k = begin; k < end; k++) {
@@ -193,12 +196,13 @@ static inline void newton_fill_subsystem_scales(const tvi_newton *newton, int m,
     }
 }
 
-static inline void newton_fill_missing_scales(const tvi_newton *newton, int m)
+/* Does the same in all subsystems. */
+static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newton, int member)
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end(subsystems, k, newton_count_unknowns_per_group(newton));
-        newton_fill_subsystem_scales(newton, m, begin, end);
+        newton_raise_scales_in_subsystem(newton, member, begin, end);
     }
 }
 

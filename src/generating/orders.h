@@ -36,7 +36,7 @@
 /* Returns the first slot that the tape computes; before it are the inputs, the time and the constants. */
 static inline int orders_first_computed_slot(const tvi_curve *curve)
 {
-    return curve_input_count(curve) + curve_uses_time(curve) + curve_constant_count(curve);
+    return curve_input_count(curve) + curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve);
 }
 
 /* ---- The centre -------------------------------------------------------------------------------------------------- */

@@ -147,7 +147,8 @@ static inline void products_discard_guess(tvi_closure *closure)
 
 static inline int products_get_first_solved_row(const tvi_closure *closure, const tvi_transposed_equations *equations)
 {
-    return equations->second_combination || equations->half == TVI_FIRST ? 0 : curve_dimension(&closure->curve);
+    const bool is_last = !equations->second_combination && equations->jacobian_column_half == TVI_LAST_COLUMNS;
+    return is_last ? curve_dimension(&closure->curve) : 0;
 }
 
 /* Returns the terms whose transposed product is factor * A^T vector, with the matrix A of the equations. */
@@ -352,9 +353,9 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 /* Sets the size by which each unknown of a subsystem is measured, for the components `component[first .. end - 1]`. The
- * unknowns have the unit of momenta, and their size is momentum_size. A size of 0 is replaced by the largest scaled
- * momentum over |kappa|, and a much smaller size is raised to NEWTON_MIN_SCALE times that quotient. If all momenta are
- * 0, as at rest with degree 1, the sizes are those of the positions, and if these are 0, the sizes are 1. */
+ * unknowns have the unit of momenta, and their size is momentum_term_abs_sum. A size of 0 is replaced by the largest
+ * scaled momentum over |kappa|, and a much smaller size is raised to NEWTON_MIN_SCALE times that quotient. If all
+ * momenta are 0, as at rest with degree 1, the sizes are those of the positions; if these are 0, they are 1. */
 static inline void products_set_subsystem_unknown_sizes(const tvi_closure *closure, const int *component, int first,
                                                         int end)
 {
@@ -362,14 +363,14 @@ static inline void products_set_subsystem_unknown_sizes(const tvi_closure *closu
     const double *kappa = closure->curve.kappa;
     double largest = 0, place = 0, *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     for (int k = first; k < end; k++)
-        largest = tvi_larger(fabs(kappa[component[k]]) * closure->momentum_size[component[k]], largest);
+        largest = tvi_larger(fabs(kappa[component[k]]) * closure->momentum_term_abs_sum[component[k]], largest);
     for (int order = 0; order <= curve_highest_order(&closure->curve) && largest == 0; order++)
         for (int k = first; k < end; k++)
             place = tvi_larger(fabs(tvi_curve_position_coefficients(&closure->curve, order)[component[k]]), place);
     const double least = largest > 0 ? NEWTON_MIN_SCALE * largest : place, none = largest > 0 ? largest : place;
     for (int k = first; k < end; k++) {
         const int i = component[k];
-        const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = closure->momentum_size[i];
+        const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = closure->momentum_term_abs_sum[i];
         unit[i] = unit[n + i] = 1 / (size > 0 ? tvi_larger(size, least * per) : none > 0 ? none * per : 1);
     }
 }

@@ -69,20 +69,23 @@ void tvi_prepare_increment_refinement(tvi_increment_refinement *refinement, cons
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-static const long double *sum_coefficients(const refinement_step *step, int sum_index)
+/* Returns the sum, [inputs], of the terms of order lowest_order and higher of one quantity: of X, X' or Q'' at a node,
+ * or of X or Q' at the end of the step. quantity_index is the index of the quantity: VALUE + j, RATE + j, END or SLOPE.
+ * The terms above the order LOW are added in double precision. */
+static const long double *sum_terms_of_value_or_derivative(const refinement_step *step, int quantity_index)
 {
     const tvi_increment_refinement *refinement = step->refinement;
     const tvi_curve *curve = step->curve;
     const size_t orders = (size_t)curve->highest_order + 1, inputs = (size_t)step->system->input_count;
     const int highest_order = curve->highest_order < LOW ? curve->highest_order : LOW;
     memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
-    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)sum_index * orders,
+    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)quantity_index * orders,
                           tvi_curve_order_stride(curve), inputs, curve->series_block, refinement->high_order_sum);
     for (size_t i = 0; i < inputs; i++) {
         refinement->coefficient_sum[i] = refinement->high_order_sum[i];
         for (int k = highest_order; k >= refinement->lowest_order; k--)
             refinement->coefficient_sum[i] +=
-                refinement->low_order_weight[sum_index][k] * tvi_curve_inputs_of_order(curve, k)[i];
+                refinement->low_order_weight[quantity_index][k] * tvi_curve_inputs_of_order(curve, k)[i];
     }
     return refinement->coefficient_sum;
 }
@@ -114,7 +117,7 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
 {
     const tvi_increment_refinement *refinement = step->refinement;
     const int inputs = step->system->input_count;
-    const long double *sum = sum_coefficients(step, VALUE + j);
+    const long double *sum = sum_terms_of_value_or_derivative(step, VALUE + j);
     for (int i = 0; i < inputs; i++)
         refinement->field_slots[i] =
             refinement->order_zero_terms[i] + (node[j] * refinement->order_one_terms[i] + sum[i]);
@@ -122,7 +125,7 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
         refinement->field_slots[inputs] = step->origin->t + (step->origin->t_low + node[j] * step->h);
     jet_sweep_long_double_values(step->system->field_values, refinement->field_constants_block,
                                  refinement->field_slots);
-    sum = sum_coefficients(step, RATE + j);
+    sum = sum_terms_of_value_or_derivative(step, RATE + j);
     for (int i = 0; i < inputs; i++) refinement->ode_residual[i] = compute_derivative_from_field(step, i) - sum[i];
 }
 
@@ -158,12 +161,12 @@ void tvi_compute_refined_increments(const tvi_increment_refinement *refinement, 
     set_low_order_terms(&step);
     integrate_ode_residual(&step);
     const bool separable = system->form == TVI_SEPARABLE;
-    const long double *sum = sum_coefficients(&step, END),
+    const long double *sum = sum_terms_of_value_or_derivative(&step, END),
                       *of_q = separable ? refinement->residual_double_integral : refinement->residual_integral;
     for (int i = 0; i < n; i++)
         split_into_two_doubles(refinement->order_one_terms[i] + (sum[i] + of_q[i]), &increments->dq[i],
                                &increments->dq_low[i]);
-    if (separable) sum = sum_coefficients(&step, SLOPE);
+    if (separable) sum = sum_terms_of_value_or_derivative(&step, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
         const long double rise = sum[at] + refinement->residual_integral[at];

@@ -1,16 +1,31 @@
-/* seeds.h - computes the gradient of the discrete action as seeds, vectors that multiply the transposed Jacobians of
- * the curve's coefficients. action.c and the quick steps call it. Generated code includes this text (emit.c).
+/* seeds.h - computes the gradient D_z of the discrete action of a Taylor curve by z, the state at the curve's centre.
+ * The gradient is computed in the form of seeds, which are vectors seed_Q[k] and seed_U[k] with D_z = sum_k (dQ_k/dz)^T
+ * seed_Q[k] + (dU_k/dz)^T seed_U[k]. Here Q_k and U_k are the coefficients of s^k in the curve's position and in its
+ * scaled momentum, and s is the scaled time. action.c and the quick steps call this file. Generated code includes its
+ * text (emit.c).
  *
- * Let g be the curve (its position as a function of s), p its momentum series, dg the Jacobian of g by the centre state
- * z, q_i, v_i and p_i the position, velocity and momentum at node i of the quadrature, w_i its weight in scaled time,
- * and tau the time unit. A dot is d/ds. The gradient in defect form (action.h) is
- *     Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
- *     Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
- *               D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
- * with q'_i = H_p. Both add, with e_r the error of the quadrature for s^r,
- *               + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j,
- * the term that summation by parts of (p^T dg). leaves if the quadrature is not exact for it; thus every quadrature may
- * be used with every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 if p has degree q_degree - 1. */
+ * D_z is a sum over the nodes of a quadrature. Its formulas use these letters:
+ *     g, p              the position and the momentum of the curve, functions of s; P_j is the coefficient of s^j in p
+ *     q_i, v_i, p_i     the position, the velocity and the momentum that are used at node i
+ *     w_i               the weight of node i for an integral over s
+ *     tau               the time unit: the time is that of the centre plus tau s
+ *     x., dx            the derivative of a quantity x by s, and its Jacobian matrix by z
+ *     e_r               the quadrature's value of an integral of s^r less the exact value
+ * g and p without an index are taken at node i, too. L_q, H_p and so on are partial derivatives of the Lagrangian L and
+ * the Hamiltonian H there.
+ *
+ * With Lagrange's action D_z is
+ *     sum_i w_i [ dq_i^T tau L_q - dg^T p. + dg.^T (L_v - p) ].
+ * With Hamilton's action and nodes on the curve (q_i = g, p_i = p) it is
+ *     sum_i w_i [ dp_i^T (g. - tau H_p) - dg^T (p. + tau H_q) ].
+ * With Hamilton's action and truncated nodes, at which q_i leaves out the curve's term of the highest degree and the
+ * velocity is H_p, it is
+ *     sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg^T p. - dg.^T p ].
+ * To each of the three sums is added
+ *     sum_{j,k} (j + k) e_{j+k-1} (dQ_k/dz)^T P_j.
+ * The formulas come from a summation by parts, for which the derivative of p^T dg by s is integrated. The added sum is
+ * the error of the quadrature in this integral. With it, every quadrature may be used with every degree. For a
+ * separable system L_v - p is 0. There g. - tau H_p is 0, too, if the degree of p is that of g less 1. */
 #ifndef TVI_SRC_GENERATING_SEEDS_H
 #define TVI_SRC_GENERATING_SEEDS_H
 

@@ -84,7 +84,7 @@ static inline int curve_input_count(const tvi_curve *curve)
     return CURVE_SIZE(CURVE_INPUTS, curve->system->input_count);
 }
 
-static inline int curve_constant_count(const tvi_curve *curve)
+static inline int curve_field_tape_constant_slot_count(const tvi_curve *curve)
 {
     return CURVE_SIZE(tvi_series.constant_count, curve->system->field_series->constant_count);
 }

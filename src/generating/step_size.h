@@ -125,12 +125,12 @@ static inline double step_size_log_from_last_terms(const tvi_curve *curve, const
     return least;
 }
 
-/* Returns |q_{k - STEP_SIZE_APART}| / |q_k|, or INFINITY if there is no such term or q_k is 0. */
-static inline double step_size_coefficient_ratio(const tvi_curve *curve, int k)
+/* Returns the ratio of the largest magnitude of a component of coefficient lower_order of the position to that of
+ * coefficient `order`. The ratio is INFINITY if lower_order is less than 2 or if the latter coefficient is 0. */
+static inline double step_size_max_norm_ratio(const tvi_curve *curve, int lower_order, int order)
 {
-    const double last = k > STEP_SIZE_APART + 1 ? step_size_find_largest_component(curve, false, k) : 0;
-    return last > STEP_SIZE_LEAST ? step_size_find_largest_component(curve, false, k - STEP_SIZE_APART) / last
-                                  : INFINITY;
+    const double last = lower_order > 1 ? step_size_find_largest_component(curve, false, order) : 0;
+    return last > STEP_SIZE_LEAST ? step_size_find_largest_component(curve, false, lower_order) / last : INFINITY;
 }
 
 /* Returns the usable step, or STEP_SIZE_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius
@@ -139,9 +139,11 @@ static inline double step_size_limit_to_convergence_radius(const tvi_curve *curv
 {
     const int k = curve_q_degree(curve);
     const double part = usable_step / STEP_SIZE_MAX_PART_OF_RADIUS, fourth = (part * part) * (part * part);
-    const double first = step_size_coefficient_ratio(curve, k), second = step_size_coefficient_ratio(curve, k - 1);
+    const double first = step_size_max_norm_ratio(curve, k - STEP_SIZE_APART, k),
+                 second = step_size_max_norm_ratio(curve, k - 1 - STEP_SIZE_APART, k - 1);
     if (tvi_smaller(first, second) >= fourth) return usable_step;
-    const double third = step_size_coefficient_ratio(curve, k - 2), smaller = tvi_smaller(first, second);
+    const double third = step_size_max_norm_ratio(curve, k - 2 - STEP_SIZE_APART, k - 2),
+                 smaller = tvi_smaller(first, second);
     const double middle = tvi_larger(smaller, tvi_smaller(tvi_larger(first, second), third));
     return middle >= fourth ? usable_step : STEP_SIZE_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
 }

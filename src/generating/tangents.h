@@ -53,8 +53,8 @@ static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tange
 static inline void curve_prepare_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
     const size_t inputs = (size_t)curve_input_count(curve) * block->lane_count * sizeof(double);
-    const size_t others =
-        (size_t)(curve_uses_time(curve) + curve_constant_count(curve)) * block->lane_count * sizeof(double);
+    const size_t others = (size_t)(curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve)) *
+                          block->lane_count * sizeof(double);
     const int given = curve_form(curve) == TVI_SEPARABLE ? 2 : 1;
     for (int k = 0; k < given && k <= curve_highest_order(curve); k++)
         memset(curve_tangent_row(curve, block, k, 0), 0, inputs);
@@ -148,7 +148,8 @@ static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve, 
     }
 }
 
-/* Computes out = sum_k J_k^T seed[k], with J_k the Jacobian of coefficient k in the block of tangents. */
+/* Computes out = sum_k J_k^T seed[k] for a single member. J_k is the Jacobian matrix, by the centre state, of the
+ * curve's coefficient of order k; it is read from the block of tangents. Each lane of V is a column of J_k. */
 #define CURVE_MULTIPLY_SEEDS(V, S)                                                                                     \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \
@@ -161,7 +162,10 @@ static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve, 
         JET_AT(V, out, 0) = sum + odd;                                                                                 \
     }
 
-/* Computes the sum of CURVE_MULTIPLY_SEEDS for each member, adding in the order of CURVE_COMBINE. */
+/* Computes out[d] = sum_r J[r][d] seed[r] for several members, which are the lanes of V. This is element d of the
+ * product of the transposed Jacobian matrix and the seeds. A row r of the Jacobian belongs to one component of one
+ * coefficient of the curve. There are two partial sums, each of every other row, and both begin at the last row;
+ * CURVE_COMBINE adds in the same order. */
 #define CURVE_MULTIPLY_SEEDS_OF_MEMBERS(V, S)                                                                          \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \

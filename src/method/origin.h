@@ -41,13 +41,13 @@ typedef struct {
 
 /* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
  * `unchecked_limits`. `increments` gets the increments of the last step, except for the increment of the independent
- * variable, dq[N], which the caller sets to h. In a rescaled system q[time_index] is the time, which must move in the
- * direction of h and stay before t_end; otherwise `time_index` is -1. */
+ * variable, dq[N], which the caller sets to h. In a rescaled system the time is the coordinate q[index_of_time_in_q].
+ * It must move in the direction of h and stay before t_end. In other systems index_of_time_in_q is -1. */
 typedef struct {
     double h;
     long max_steps;
     tvi_unchecked_step_limits unchecked_limits;
-    int time_index;
+    int index_of_time_in_q;
     double t_end;
     tvi_increments increments;
 } tvi_run_request;
@@ -59,9 +59,9 @@ static inline double tvi_least_time_change(double t) { return DBL_EPSILON * DBL_
 /* Tells whether the time moves in the direction of h in a step from q, and stays before t_end. */
 static inline bool tvi_step_ends_before_t_end(const tvi_run_request *request, const double q[])
 {
-    if (request->time_index < 0) return true;
-    const double t = q[request->time_index], way = request->h > 0 ? 1 : -1,
-                 dt = way * request->increments.dq[request->time_index];
+    if (request->index_of_time_in_q < 0) return true;
+    const double t = q[request->index_of_time_in_q], way = request->h > 0 ? 1 : -1,
+                 dt = way * request->increments.dq[request->index_of_time_in_q];
     return dt > tvi_least_time_change(t) && dt < way * (request->t_end - t);
 }
 

@@ -107,7 +107,11 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
     return width;
 }
 
-static void set_member_tables(void *work) { tvi_member_stepper_set_tables(((verlet_work *)work)->single_stepper); }
+/* Fills the constant tables of the stepper that makes the step of a single member if the batch cannot. */
+static void prepare_single_member_stepper(void *work)
+{
+    tvi_member_stepper_set_tables(((verlet_work *)work)->single_stepper);
+}
 
 static void step_members(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_results *results,
                          tvi_stats *stats)
@@ -133,7 +137,7 @@ static void step_members(void *work, double h, const tvi_batch_origin *origin, c
 
 static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .allocate = allocate_members,
-                                                .set_tables = set_member_tables,
+                                                .set_tables = prepare_single_member_stepper,
                                                 .step = step_members,
                                                 .bound_energy_change = bound_energy_changes_of_step};
 

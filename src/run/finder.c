@@ -151,20 +151,20 @@ static tvi_status move_bracket_to_root(const tvi_event_root *root, tvi_sign_brac
 }
 
 /* Computes the distance (in theta) from finder->line_origin to the root on the line. Sets finder->is_root_on_line to
- * true if the line has a root inside the step at a distance of at most EVENT_BRACKET_MAX. g is the value at
+ * true if the line has a root inside the step at a distance of at most EVENT_BRACKET_MAX_DISTANCE. g is the value at
  * finder->line_origin. `slope` is an estimate of the derivative of g along the line, which need not be accurate. */
 static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
                                     double *distance)
 {
     finder_event_context context = {finder, root->event_index};
-    const double least = fmax(-finder->line_origin_theta, -EVENT_BRACKET_MAX),
-                 largest = fmin(1 - finder->line_origin_theta, EVENT_BRACKET_MAX), first = -g / slope;
+    const double least = fmax(-finder->line_origin_theta, -EVENT_BRACKET_MAX_DISTANCE),
+                 largest = fmin(1 - finder->line_origin_theta, EVENT_BRACKET_MAX_DISTANCE), first = -g / slope;
     double next;
-    *distance = fabs(first) <= EVENT_BRACKET_MAX ? first : 0;
+    *distance = fabs(first) <= EVENT_BRACKET_MAX_DISTANCE ? first : 0;
     tvi_status status = evaluate_event_at_line_distance(&context, *distance, &next);
     if (status != TVI_OK) return status;
     const double second = *distance - next / slope;
-    if (fabs(next) < fabs(g) && fabs(second) <= EVENT_BRACKET_MAX) *distance = second;
+    if (fabs(next) < fabs(g) && fabs(second) <= EVENT_BRACKET_MAX_DISTANCE) *distance = second;
     tvi_sign_bracket bracket = {.left = fmin(fmax(*distance - EVENT_SURE_DISTANCE, least), largest),
                                 .right = fmin(fmax(*distance + EVENT_SURE_DISTANCE, least), largest)};
     status =

@@ -38,8 +38,10 @@ static bool has_energy_change_bound(const tvi_integrator *it)
  * A constant added to H is added to the level, too. An H that is not even in p, as in a magnetic field, has no
  * energy at rest; its level is 0, and its scale is |H| at the start of the run. */
 
-/* The factors of q are powers of 2 with these exponents. At the last two the forces of bodies are negligible. */
-static const int FACTORS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
+/* The guard seeks the limit of the energy at rest, H(c q, 0), for large c (energy_at_rest_at_infinity). It multiplies
+ * the position q by the factors c = 2^k with these exponents k. At the last two factors the forces between bodies that
+ * attract each other are negligible. The energy therefore differs little between the two if it has a limit. */
+static const int FAR_POSITION_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
 
 /* The lines from the start of a step on which the lowest energy at rest is searched: forward or back along its
  * increment of q, or DOWNHILL, where each coordinate moves by the size of its increment in the direction of its
@@ -107,8 +109,9 @@ static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double 
 {
     double last = energy_at_rest_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
-    for (size_t k = 0; k < sizeof FACTORS / sizeof *FACTORS; k++) {
-        const double factor = ldexp(1, FACTORS[k]), next = energy_at_rest_on_line(it, member, factor, factor, FORWARD);
+    for (size_t k = 0; k < sizeof FAR_POSITION_EXPONENTS / sizeof *FAR_POSITION_EXPONENTS; k++) {
+        const double factor = ldexp(1, FAR_POSITION_EXPONENTS[k]),
+                     next = energy_at_rest_on_line(it, member, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff;
         falls = falls && difference <= roundoff;

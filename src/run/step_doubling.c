@@ -78,10 +78,11 @@ tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h)
 
 /* ---- Distance ---------------------------------------------------------------------------------------------------- */
 
-/* Measures of the difference d = a - b - lag rate_a between the states a and b of two orbits, where a is later than b
- * by `lag` and rate_a is the time derivative of a. All are divided by the largest component of b. */
+/* Measures of the difference of two orbits with the states a and b, where a is later than b by the time `lag`. At equal
+ * times the difference of the states is d = a - b - lag rate_a, with the time derivative rate_a of a. Both d and rate_a
+ * are divided by the largest component of b so far, separately for coordinates and momenta. */
 typedef struct {
-    double largest_difference;    /* the largest |d_i| */
+    double largest_difference;    /* the largest component of |a - b| at equal times, relative to that of |b| */
     double difference_dot_rate;   /* the scalar product d.rate_a */
     double rate_squared;          /* the scalar product rate_a.rate_a */
     double largest_relative_rate; /* the largest component of |rate_a| */

@@ -141,22 +141,25 @@ static int find_scaling_exponent(int n, const double q[], const double p[], cons
     return exponent;
 }
 
-/* Sets the parameters of the lifted system: the values that the step is made with, and the scaled components of the
- * column that belong to the parameters. */
-static tvi_status set_lifted_parameters(const tvi_integrator *it, const differentiated_step *step, int scaling_exponent)
+/* Sets the parameters of the lifted system: the values that the step is made with, and the components of the column
+ * that belong to the parameters, divided by 2^tangent_binary_exponent. */
+static tvi_status set_parameters_and_scaled_tangent(const tvi_integrator *it, const differentiated_step *step,
+                                                    int tangent_binary_exponent)
 {
     tvi_tangent *tangent = it->tangent;
     const int parameters = tvi_system_parameters(it->system);
     const double *column = tangent->column + 2 * tangent->n;
     for (int i = 0; i < parameters; i++) {
         tangent->parameters_and_rates[i] = step->parameters[i];
-        tangent->parameters_and_rates[parameters + i] = ldexp(column[i], -scaling_exponent);
+        tangent->parameters_and_rates[parameters + i] = ldexp(column[i], -tangent_binary_exponent);
     }
     return tvi_integrator_set_parameters(tangent->lifted_integrator, tangent->parameters_and_rates);
 }
 
-/* Sets the state of the lifted system: the state at the start of the step, and the scaled column. */
-static void set_lifted_state(const tvi_integrator *it, const differentiated_step *step, int scaling_exponent)
+/* Sets the state of the lifted system, which consists of the state at the start of the step and of the column, a
+ * tangent vector, divided by 2^tangent_binary_exponent. */
+static void set_state_and_scaled_tangent(const tvi_integrator *it, const differentiated_step *step,
+                                         int tangent_binary_exponent)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -165,8 +168,8 @@ static void set_lifted_state(const tvi_integrator *it, const differentiated_step
     memcpy(tangent->lifted_q, step->start->q, bytes);
     memcpy(tangent->lifted_p + (tangent->are_momenta_swapped ? n : 0), step->start->p, bytes);
     for (int i = 0; i < n; i++) {
-        dq[i] = ldexp(tangent->column[i], -scaling_exponent);
-        dp[i] = ldexp(tangent->column[n + i], -scaling_exponent);
+        dq[i] = ldexp(tangent->column[i], -tangent_binary_exponent);
+        dp[i] = ldexp(tangent->column[n + i], -tangent_binary_exponent);
     }
 }
 
@@ -180,9 +183,9 @@ static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *
            *column = tangent->column;
     double t = step->start->q[n];
     const int exponent = find_scaling_exponent(n, step->start->q, step->start->p, column);
-    set_lifted_state(it, step, exponent);
+    set_state_and_scaled_tangent(it, step, exponent);
     tvi_integrator_reset(tangent->lifted_integrator);
-    tvi_status status = set_lifted_parameters(it, step, exponent);
+    tvi_status status = set_parameters_and_scaled_tangent(it, step, exponent);
     if (status == TVI_OK)
         status = tvi_step(tangent->lifted_integrator, step->h, &t, tangent->lifted_q, tangent->lifted_p);
     for (int i = 0; i < n && status == TVI_OK; i++) {
@@ -218,9 +221,9 @@ static tvi_status set_energy_offset_component(const tvi_integrator *it, const di
     const jet_tape *tape = tangent->lifted_system->energy;
     const int n = tangent->n, e = 2 * n - 1;
     tvi_status status = compute_rescaled_hamiltonian_gradient(it, step->parameters, step->start->q, step->start->p);
-    if (status == TVI_OK) status = set_lifted_parameters(it, step, 0);
+    if (status == TVI_OK) status = set_parameters_and_scaled_tangent(it, step, 0);
     if (status != TVI_OK) return status;
-    set_lifted_state(it, step, 0);
+    set_state_and_scaled_tangent(it, step, 0);
     memcpy(tangent->energy_block, tangent->lifted_q, 4 * (size_t)n * sizeof *tangent->lifted_q);
     jet_tape_set_parameters(tape, tangent->energy_block, 1, tvi_system_parameters(tangent->lifted_system), 1,
                             tangent->parameters_and_rates);
