@@ -64,14 +64,20 @@ JET_INLINE NAME(table) NAME(table_of)(const double *number)
 #endif
 }
 
-/* Adds sum_j table_jv x_j to the partial sums in `sum`, where table_jv is vector v of row j. */
-JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v,
+/* The number of vectors of a row whose sums are computed together: each x_j is loaded once for all of them. */
+enum { NAME(block) = !MEMBERS && LANES / NUMBERS_OF(V) % 2 == 0 ? 2 : 1 };
+
+/* Adds sum_j table_jv x_j to the partial sums of the vectors v of a block, which begins with vector `first`; table_jv
+ * is vector v of row j. */
+JET_INLINE void NAME(add_product)(V sum[][PARTIAL_SUM_COUNT], const NAME(table) *table, const MEMBER x[], int first,
                                   galerkin_array_shape shape)
 {
     const int nodes = MEMBERS ? shape.node_count : shape.lane_count;
-    (void)v;
+    (void)first;
     for (int j = 0; j < nodes; j++)
-        sum[j % PARTIAL_SUM_COUNT] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % PARTIAL_SUM_COUNT]);
+        for (int b = 0; b < NAME(block); b++)
+            sum[b][j % PARTIAL_SUM_COUNT] =
+                FUSED(V, OF_TABLE(table, j, first + b), x[j] - (V){0}, sum[b][j % PARTIAL_SUM_COUNT]);
 }
 
 /* Defines `name` as an array of the numbers of a row, one for each node. For several members its elements are vectors
@@ -149,16 +155,18 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const 
                 inverse_size = MEMBER_AT(nodes->inverse_unknown_size, u) - (V){0};
         double *x = ROW(nodes->values, u);
         NUMBERS_IN(impulse, ROW(nodes->impulses, u))
-        for (int v = 0; v < VECTORS; v++) {
-            V sum[PARTIAL_SUM_COUNT];
-            NAME(clear)(sum, PARTIAL_SUM_COUNT);
-            NAME(add_product)(sum, &table, impulse, v, shape);
-            const V displacement = FUSED(V, scale, NAME(add_partial_sums)(sum), AT(base, v)),
-                    moved_to = AT(high, v) + displacement;
-            const V change = (moved_to - AT(x, v)) * inverse_size;
-            squares[v] = FUSED(V, change, change, squares[v]);
-            AT(x, v) = moved_to;
-            if (displacements) AT(ROW(displacements, u), v) = displacement;
+        for (int first = 0; first < VECTORS; first += NAME(block)) {
+            V sum[NAME(block)][PARTIAL_SUM_COUNT];
+            NAME(clear)(sum[0], NAME(block) *PARTIAL_SUM_COUNT);
+            NAME(add_product)(sum, &table, impulse, first, shape);
+            for (int v = first; v < first + NAME(block); v++) {
+                const V displacement = FUSED(V, scale, NAME(add_partial_sums)(sum[v - first]), AT(base, v)),
+                        moved_to = AT(high, v) + displacement;
+                const V change = (moved_to - AT(x, v)) * inverse_size;
+                squares[v] = FUSED(V, change, change, squares[v]);
+                AT(x, v) = moved_to;
+                if (displacements) AT(ROW(displacements, u), v) = displacement;
+            }
         }
     }
     return NAME(sum_of)(squares, shape);
@@ -217,17 +225,18 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
         const double *base = ROW(nodes->drift_values_low, u);
         const V scale = nodes->impulse_scale[u] - (V){0};
         double *x = ROW(nodes->values, u);
-        for (int v = 0; v < VECTORS; v++) {
-            V sum[PARTIAL_SUM_COUNT];
-            NAME(clear)(sum, PARTIAL_SUM_COUNT);
+        for (int first = 0; first < VECTORS; first += NAME(block)) {
+            V sum[NAME(block)][PARTIAL_SUM_COUNT];
+            NAME(clear)(sum[0], NAME(block) *PARTIAL_SUM_COUNT);
 #if MEMBERS
-            NAME(extrapolate)(sum, &extrapolation, u, v, shape, here);
+            NAME(extrapolate)(sum[0], &extrapolation, u, first, shape, here);
 #else
             if (!uses_last_step)
-                NAME(add_product)(sum, &table_of_step_before, ROW(extrapolation.impulses_before, u), v, shape);
-            NAME(add_product)(sum, &table_of_last_step, ROW(extrapolation.last_impulses, u), v, shape);
+                NAME(add_product)(sum, &table_of_step_before, ROW(extrapolation.impulses_before, u), first, shape);
+            NAME(add_product)(sum, &table_of_last_step, ROW(extrapolation.last_impulses, u), first, shape);
 #endif
-            AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(add_partial_sums)(sum), AT(base, v));
+            for (int v = first; v < first + NAME(block); v++)
+                AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(add_partial_sums)(sum[v - first]), AT(base, v));
         }
     }
 }
