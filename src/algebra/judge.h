@@ -1,7 +1,10 @@
 /* judge.h - Applies the rule of passes.h to the corrections of an iteration. The functions below are compiled for
  * numbers (passes.h) and for vectors of lanes (the kernels of src/galerkin/): each of these files defines the macros
  * and includes this one. JUDGED(x) is the name of x in that file, REAL the type of numbers, and TRUTH that of
- * comparisons. The macros ABOVE, AT_MOST, SAME, NOT and IF compare and choose; they are undefined at the end. */
+ * comparisons. The macros ABOVE, AT_MOST, NOT, AND, OR and IF compare and choose; they are undefined at the end. */
+
+#define SMALLER(a, b) IF(ABOVE(b, a), a, b)
+#define LARGER(a, b)  IF(ABOVE(a, b), a, b)
 
 typedef struct {
     int count;
@@ -33,47 +36,51 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
                                        TRUTH *is_stuck)
 {
     const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->previous_size;
-    const REAL ratio = correction_size / IF(ABOVE(one, before), before, one), ratio_before = passes->ratio;
     const int count = ++passes->count;
-    const TRUTH no = ABOVE(none, none), all = NOT(no), is_first = count == 1 ? all : no,
-                has_exact_count = rule->exact_passes > 0 ? all : no;
-    const TRUTH is_significant = ABOVE(correction_size, rule->roundoff_level - none),
-                shows_ratio = NOT(has_exact_count) & NOT(is_first) & is_significant;
-    const REAL square = ratio * ratio, larger = IF(ABOVE(ratio, ratio_before), ratio, ratio_before);
-    const REAL slower = rule->is_convergence_quadratic ? square : larger;
-    const REAL slowest_ratio = IF(shows_ratio, slower, passes->slowest_ratio);
-    const TRUTH is_ratio_trusted = ABOVE(slowest_ratio, none) & ABOVE(rule->max_trusted_ratio - none, slowest_ratio);
+    const TRUTH no = ABOVE(none, none), all = NOT(no);
+    const TRUTH is_significant = ABOVE(correction_size, rule->roundoff_level - none);
+    if (count > 1 && rule->exact_passes == 0) {
+        const REAL ratio = correction_size / SMALLER(before, one), square = ratio * ratio,
+                   slower = rule->is_convergence_quadratic ? square : LARGER(ratio, passes->ratio);
+        passes->ratio = IF(is_significant, ratio, passes->ratio);
+        passes->slowest_ratio = IF(is_significant, slower, passes->slowest_ratio);
+    }
+    const REAL slowest_ratio = passes->slowest_ratio;
+    const TRUTH is_ratio_trusted =
+        AND(ABOVE(slowest_ratio, none), ABOVE(rule->max_trusted_ratio - none, slowest_ratio));
     const REAL expected_ratio = IF(is_ratio_trusted, slowest_ratio, one),
                expected_size = expected_ratio * passes->size_without_roundoff;
-    const REAL without_roundoff =
-        IF(is_significant | is_first | ABOVE(expected_size, correction_size), correction_size, expected_size);
+    const REAL without_roundoff = IF(is_significant, correction_size, SMALLER(correction_size, expected_size)),
+               expected_next_size = passes->contraction_ratio_growth * expected_ratio * without_roundoff;
     passes->size_two_passes_before = earlier;
     passes->previous_size = before;
     passes->size = correction_size;
-    passes->ratio = IF(shows_ratio, ratio, ratio_before);
-    passes->slowest_ratio = slowest_ratio;
     passes->size_without_roundoff = without_roundoff;
-    passes->expected_next_size = IF(is_significant & is_first, correction_size,
-                                    passes->contraction_ratio_growth * expected_ratio * without_roundoff);
-    const TRUTH is_cycle = SAME(correction_size, before) & SAME(correction_size, earlier) & NOT(is_significant);
+    passes->expected_next_size =
+        count > 1 ? expected_next_size : IF(is_significant, correction_size, expected_next_size);
+    *is_stuck = no;
+    if (rule->exact_passes > 0) return count == rule->exact_passes ? all : no;
+    if (count > rule->stall_comparison_lag) {
+        const REAL least = rule->stall_ratio * before, least_of_two = rule->stall_ratio * rule->stall_ratio * earlier;
+        const TRUTH grows =
+            ABOVE(correction_size, rule->stall_comparison_lag > 1 ? LARGER(least, least_of_two) : least);
+        *is_stuck = AND(grows, OR(is_significant, NOT(is_ratio_trusted)));
+    }
     const TRUTH is_at_goal = AT_MOST(passes->expected_next_size, rule->correction_goal - none),
                 is_roundoff = AT_MOST(correction_size, passes->roundoff);
-    const TRUTH grows = ABOVE(correction_size, rule->stall_ratio * before) &
-                        (rule->stall_comparison_lag < 2
-                             ? all
-                             : (TRUTH)ABOVE(correction_size, rule->stall_ratio * rule->stall_ratio * earlier));
-    *is_stuck = count > rule->stall_comparison_lag
-                    ? (TRUTH)(NOT(has_exact_count) & grows & (is_significant | NOT(is_ratio_trusted)))
-                    : no;
-    if (rule->exact_passes > 0) return count == rule->exact_passes ? all : no;
-    return is_at_goal | is_roundoff | is_cycle;
+    const TRUTH is_cycle = AND(AND(NOT(is_significant), AT_MOST(LARGER(before, earlier), correction_size)),
+                               AT_MOST(correction_size, SMALLER(before, earlier)));
+    return OR(OR(is_at_goal, is_roundoff), is_cycle);
 }
 
+#undef SMALLER
+#undef LARGER
 #undef JUDGED
 #undef REAL
 #undef TRUTH
 #undef ABOVE
 #undef AT_MOST
-#undef SAME
 #undef NOT
+#undef AND
+#undef OR
 #undef IF

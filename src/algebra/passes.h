@@ -47,8 +47,9 @@ typedef enum {
 #define TRUTH              int
 #define ABOVE(a, b)        ((a) > (b))
 #define AT_MOST(a, b)      ((a) <= (b))
-#define SAME(a, b)         ((a) == (b))
 #define NOT(a)             (!(a))
+#define AND(a, b)          ((a) && (b))
+#define OR(a, b)           ((a) || (b))
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 
@@ -58,7 +59,8 @@ static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
 {
     passes->count = 0;
     passes->size = passes->previous_size = passes->size_two_passes_before = INFINITY;
-    passes->ratio = passes->size_without_roundoff = passes->expected_next_size = passes->roundoff = 0;
+    passes->ratio = passes->expected_next_size = passes->roundoff = 0;
+    passes->size_without_roundoff = INFINITY;
     passes->contraction_ratio_growth = 1;
     passes->slowest_ratio = slowest_ratio;
 }

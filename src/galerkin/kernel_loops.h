@@ -107,8 +107,9 @@ KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, 
 #define TRUTH              JET_MASK(jet_widest)
 #define ABOVE(a, b)        ((a) > (b))
 #define AT_MOST(a, b)      ((a) <= (b))
-#define SAME(a, b)         ((a) == (b))
 #define NOT(a)             (~(a))
+#define AND(a, b)          ((a) & (b))
+#define OR(a, b)           ((a) | (b))
 #define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
 #include "algebra/judge.h"
 

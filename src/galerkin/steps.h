@@ -129,9 +129,9 @@ JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_dat
 {
     int left = 0;
     for (int m = 0; m < nodes->member_count; m++) {
-        iteration->correction[m] = iteration->previous_correction[m] = INFINITY;
-        iteration->contraction_ratio[m] = iteration->correction_without_roundoff[m] =
-            iteration->pass_count_as_double[m] = 0;
+        iteration->correction[m] = iteration->previous_correction[m] = iteration->correction_without_roundoff[m] =
+            INFINITY;
+        iteration->contraction_ratio[m] = iteration->pass_count_as_double[m] = 0;
         iteration->converged_mask[m] = 0;
         left -= (int)iteration->moving_mask[m];
     }
