@@ -43,7 +43,7 @@ static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
     jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
-                    run->is_scattered, run->first_constant_term, run->term_count, run->first_term);
+                    run->is_scattered, run->first_constant_term_index, run->term_count, run->first_term_index);
 }
 
 typedef struct {
@@ -87,7 +87,7 @@ static bool is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && r
 /* Tells whether a sum has a term that it reads from this slot or from a later one. */
 static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
 {
-    for (int term = run->first_term; term < run->first_term + run->term_count; term++)
+    for (int term = run->first_term_index; term < run->first_term_index + run->term_count; term++)
         if (tape->term_slot[term] >= slot) return true;
     return false;
 }
@@ -116,7 +116,7 @@ static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *t
 {
     bool has_any = false;
     for (const jet_run *run = first; run < end; run++)
-        for (int term = run->first_term; term < run->first_term + run->term_count; term++) {
+        for (int term = run->first_term_index; term < run->first_term_index + run->term_count; term++) {
             if (tape->term_slot[term] != slot) continue;
             if (!has_any) jet_text_append(text, "    bar[%d] = bar[%d]", slot, slot);
             jet_text_append(text, " + %a * bar[%d]", tape->term_coefficient[term], run->z);

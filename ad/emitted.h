@@ -1,12 +1,20 @@
-/* emitted.h - Defines the sweeps of generated code as macros. The generated text (emit.h) contains this file after the
- * rules.
+/* emitted.h - Defines the macros from which generated code makes the sweeps of a tape: the functions that compute its
+ * values and their derivatives (tape.h). The text of generated code (emit.h) contains this file after the rules of the
+ * operations (rule.h).
  *
- * T is the tape's name, and T_run[i] one of its runs. The text defines T_RUNS, a list with one macro call for each run
- * in the order of the tape: RULE(T, i, name); PRODUCTS(T, i, are_squares, terms); SCATTERED(T, i, are_squares, terms)
- * for products with scattered operands, on tapes of values; or LINEAR(T, i, terms). `name` is the name of the rule,
- * `terms` the number of terms, and `are_squares` 1 for SQUARES, 0 for PRODUCTS. For adjoints the text defines
- * T_RUNS_BACK, the same list in reverse order. In that list SUMS(T, i) stands for the adjacent sums from run i on,
- * whose adjoint function is T_sums_back_i. */
+ * A tape consists of runs, each of which is one or more equal operations. In the following, T is the tape's name, and
+ * T_run[i] its run with the index i. For each tape the generated text defines the macro T_RUNS, a list with one macro
+ * call for each run in the order of the tape. There are four kinds of calls:
+ *   - RULE(T, i, name) stands for a run of operations with the rule of this name, such as exp.
+ *   - PRODUCTS(T, i, are_squares, terms) stands for a run of sums of products. Each sum has `terms` products;
+ *     are_squares is 1 if all of them are squares, otherwise 0.
+ *   - SCATTERED(T, i, are_squares, terms) stands for the same sums if the factors of successive sums are not in
+ *     adjacent slots. They occur only on tapes of values, which compute no series.
+ *   - LINEAR(T, i, terms) stands for a run of linear combinations of `terms` operands.
+ * The sweep of adjoints goes through the runs in reverse order. For this sweep the text defines T_RUNS_BACK, the list
+ * of the same calls in reverse order, with one exception. One call SUMS(T, i) stands for several successive runs that
+ * are a single linear combination each and do not read each other; i is the index of the first of them. The text also
+ * defines the function T_sums_back_i, which computes the adjoints of these runs. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 

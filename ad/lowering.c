@@ -137,7 +137,7 @@ static void set_subgroup_if_unset(const graph_lowering *lowering, const struct j
  * operation that reads it. If a sum of products reads it first, it gets its position among the terms of that sum. As an
  * example, let x, y and z be the components of the distances of many pairs of bodies; they are squared and summed, and
  * each is multiplied by a function of its pair. Then all x form one subgroup, all y the next, and all z the third. */
-static void assign_operand_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
+static void assign_subgroups_for_adjacent_operands(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
@@ -271,11 +271,13 @@ static void arrange_group_operands(graph_lowering *lowering, tape_placement *gro
             copy_operands_to_adjacent_slots(lowering, group, count, pair_index, factor_index);
 }
 
-static int find_group_end(tape_placement *const level[], int begin, int end)
+/* Returns the end of the group that begins with level[group_begin]. A group consists of the nodes that can be
+ * operations of one run (compare_by_run_group). */
+static int find_end_of_group_for_one_run(tape_placement *const level[], int group_begin, int level_count)
 {
-    int last = begin + 1;
-    while (last < end && compare_by_run_group(level[begin], level[last]) == 0) last++;
-    return last;
+    int end = group_begin + 1;
+    while (end < level_count && compare_by_run_group(level[group_begin], level[end]) == 0) end++;
+    return end;
 }
 
 /* Assigns the slots of a level: first those of sums and copies, then those of the other operations, group by group. */
@@ -290,7 +292,7 @@ static void assign_slots_of_level(graph_lowering *lowering, tape_placement *leve
     for (int i = 0; i < count; i++)
         if (level[i]->operand_pair_count == 0) assign_next_slot(lowering, level[i]);
     for (int begin = 0, end = 0; begin < count; begin = end) {
-        end = find_group_end(level, begin, count);
+        end = find_end_of_group_for_one_run(level, begin, count);
         if (level[begin]->operand_pair_count > 0) arrange_group_operands(lowering, level + begin, end - begin);
     }
     for (int i = 0; i < count; i++)
@@ -314,7 +316,7 @@ static void assign_slots_by_level(graph_lowering *lowering)
 {
     qsort(lowering->nodes_by_level, (size_t)lowering->needed_node_count, sizeof *lowering->nodes_by_level,
           compare_by_level);
-    call_for_each_level(lowering, assign_operand_subgroups);
+    call_for_each_level(lowering, assign_subgroups_for_adjacent_operands);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

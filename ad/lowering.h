@@ -10,8 +10,9 @@
 typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
-    int level;         /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    int subgroup;      /* Number of the subgroup: its operations read adjacent slots (assign_operand_subgroups). */
+    int level; /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
+    /* The number of the subgroup, whose operations read adjacent slots (assign_subgroups_for_adjacent_operands). */
+    int subgroup;
     int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
     /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */

@@ -52,8 +52,8 @@ static long double evaluate_operation(const jet_run *run, long double a, long do
 static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run, int operation_index,
                                        const long double *values)
 {
-    long double sum = tape->constant_terms[run->first_constant_term + operation_index];
-    for (int k = run->first_term + operation_index * run->term_count, end = k + run->term_count; k < end; k++)
+    long double sum = tape->constant_terms[run->first_constant_term_index + operation_index];
+    for (int k = run->first_term_index + operation_index * run->term_count, end = k + run->term_count; k < end; k++)
         sum += tape->term_coefficient[k] * values[tape->term_slot[k]];
     return sum;
 }
@@ -62,7 +62,7 @@ static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run
                                         const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_slot_b;
-    const int k0 = run->first_term + (run->is_scattered ? operation_index * run->term_count : 0),
+    const int k0 = run->first_term_index + (run->is_scattered ? operation_index * run->term_count : 0),
               at = run->is_scattered ? 0 : operation_index;
     long double sum = 0;
     for (int k = k0; k < k0 + run->term_count; k++)

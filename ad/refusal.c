@@ -44,12 +44,12 @@ tvi_status jet_explain_refused_output(const char *name, int output_count, int ou
                       operation_names[reason - JET_OUTSIDE], x.number);
 }
 
-/* Returns the operand that is outside the domain: the divisor of a division, or the first operand of any other
- * operation. number_index counts the numbers of the run from 0: all lanes of its first operation, then those of the
- * next. */
-static double operand_outside_domain(const jet_run *run, const double *block, int lanes, int number_index)
+/* Returns the value, in one lane, of the operand that is outside the domain of an operation of the run: the divisor of
+ * a division, or the first operand of any other operation. */
+static double value_of_operand_outside_domain(const jet_run *run, const double *block, int lanes, int operation,
+                                              int lane)
 {
-    return block[(run->op == OP_DIV ? run->b : run->a) * lanes + number_index];
+    return block[((run->op == OP_DIV ? run->b : run->a) + operation) * lanes + lane];
 }
 
 bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
@@ -68,7 +68,8 @@ bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
                 tape->derived_part_name && tape->recording_index[run->z + operation] >= tape->derived_part_first_index;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
                              is_part ? tape->derived_part_name : "", is_part ? ": " : "", operation_names[run->op],
-                             operand_outside_domain(run, block, lanes, i), tape->recording_index[run->z + operation]);
+                             value_of_operand_outside_domain(run, block, lanes, operation, i % lanes),
+                             tape->recording_index[run->z + operation]);
             return false;
         }
     }

@@ -17,8 +17,8 @@ enum { SPECIALISED_TERMS_MAX = 5 };
 /* Computes the sums of a run, without constant terms, in a block of one lane. */
 JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run *run, double *block, int term_count)
 {
-    const int *from = tape->term_slot + run->first_term;
-    const double *coefficient = tape->term_coefficient + run->first_term;
+    const int *from = tape->term_slot + run->first_term_index;
+    const double *coefficient = tape->term_coefficient + run->first_term_index;
     double *z = block + run->z, *const end = z + run->operation_count;
     for (; z < end; z++, from += term_count, coefficient += term_count) {
         double sum = coefficient[0] * block[from[0]];
@@ -57,9 +57,9 @@ JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run *
                                            const double *constant_terms, int term_count)
 {
     const size_t stride = (size_t)lanes;
-    const int *from = tape->term_slot + run->first_term,
+    const int *from = tape->term_slot + run->first_term_index,
               kept = term_count < SPECIALISED_TERMS_MAX ? term_count : SPECIALISED_TERMS_MAX;
-    const double *coefficient = tape->term_coefficient + run->first_term, *a[SPECIALISED_TERMS_MAX];
+    const double *coefficient = tape->term_coefficient + run->first_term_index, *a[SPECIALISED_TERMS_MAX];
     double *z = block + stride * (size_t)run->z, *const end = z + stride * (size_t)run->operation_count,
            c[SPECIALISED_TERMS_MAX];
     if (lanes == 8 && !constant_terms && term_count > SPECIALISED_TERMS_MAX)
@@ -100,7 +100,7 @@ JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, dou
     const size_t stride = (size_t)lanes;
     if (!run->has_constant_terms) return;
     for (int i = 0; i < run->operation_count; i++) {
-        const double constant_term = tape->constant_terms[run->first_constant_term + i];
+        const double constant_term = tape->constant_terms[run->first_constant_term_index + i];
         double *z = block + (size_t)(run->z + i) * stride;
         if (constant_term != 0) JET_BLOCKS(lanes, ADD_CONSTANT_TERM, JET_OF);
     }
@@ -108,7 +108,7 @@ JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, dou
 
 TABLE(sums_with_constants, compute_sums_of_many_lanes,
       (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run, block, lanes,
-      tape->constant_terms + run->first_constant_term)
+      tape->constant_terms + run->first_constant_term_index)
 
 void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
@@ -126,8 +126,8 @@ void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double 
 JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run *run, double *adjoints, int term_count)
 {
     enum { KEPT = 2 };
-    const int *to = tape->term_slot + run->first_term;
-    const double *coefficient = tape->term_coefficient + run->first_term;
+    const int *to = tape->term_slot + run->first_term_index;
+    const double *coefficient = tape->term_coefficient + run->first_term_index;
     const double *z = adjoints + run->z, *const end = z + run->operation_count;
     const int kept = term_count < KEPT ? term_count : KEPT;
     double sum[KEPT] = {0};

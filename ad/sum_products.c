@@ -37,7 +37,7 @@ JET_INLINE product_terms locate_terms_at_slots(const double *coefficient, const 
 JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *run, const double *block, size_t lanes,
                                           int term_count)
 {
-    const int first = run->first_term;
+    const int first = run->first_term_index;
     return locate_terms_at_slots(tape->term_coefficient + first, tape->term_slot + first, tape->term_slot_b + first,
                                  block, lanes, term_count);
 }
@@ -85,8 +85,9 @@ JET_INLINE void sum_products_at_scattered_slots(const jet_tape *tape, const jet_
                                                 bool are_squares, int term_count)
 {
     const size_t stride = (size_t)lanes;
-    const double *c = tape->term_coefficient + run->first_term;
-    const int *a = tape->term_slot + run->first_term, *b = are_squares ? a : tape->term_slot_b + run->first_term;
+    const double *c = tape->term_coefficient + run->first_term_index;
+    const int *a = tape->term_slot + run->first_term_index,
+              *b = are_squares ? a : tape->term_slot_b + run->first_term_index;
     double *z = block + (size_t)run->z * stride, *const end = z + (size_t)run->operation_count * stride;
     for (; z < end; z += stride, a += term_count, b += term_count, c += term_count) {
         const product_terms p = locate_terms_at_slots(c, a, b, block, stride, term_count);
@@ -254,8 +255,8 @@ JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, c
     const double *zbar = adjoint_block + run->z;
     double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];
     for (int t = 0; t < term_count; t++) {
-        abar[t] = adjoint_block + tape->term_slot[run->first_term + t];
-        bbar[t] = adjoint_block + tape->term_slot_b[run->first_term + t];
+        abar[t] = adjoint_block + tape->term_slot[run->first_term_index + t];
+        bbar[t] = adjoint_block + tape->term_slot_b[run->first_term_index + t];
     }
     if (are_squares) JET_BLOCKS(run->operation_count, SQUARES_ADJOINT, JET_OF);
     else JET_BLOCKS(run->operation_count, PRODUCTS_ADJOINT, JET_OF);

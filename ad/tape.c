@@ -26,9 +26,9 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
                          1,
                          z->slot,
                          .has_constant_terms = number != 0,
-                         .first_constant_term = tape->linear_operation_count,
+                         .first_constant_term_index = tape->linear_operation_count,
                          .term_count = terms,
-                         .first_term = tape->term_count};
+                         .first_term_index = tape->term_count};
     tape->constant_terms[tape->linear_operation_count++] = number;
     if (!z->node) {
         append_tape_term(tape, 1, z->operand[0][0], 0);
@@ -54,7 +54,7 @@ static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
                          1,
                          z->slot,
                          .term_count = z->operand_pair_count,
-                         .first_term = tape->term_count,
+                         .first_term_index = tape->term_count,
                          .is_scattered = z->is_scattered};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
@@ -66,13 +66,13 @@ static bool join_product_run(jet_tape *tape, const jet_run *run, const jet_run *
 {
     if (next->term_count != run->term_count || next->is_scattered != run->is_scattered) return false;
     if (run->is_scattered) return true;
-    for (int here = run->first_term, there = next->first_term; there < next->first_term + next->term_count;
-         here++, there++)
+    for (int here = run->first_term_index, there = next->first_term_index;
+         there < next->first_term_index + next->term_count; here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
             tape->term_slot[there] != tape->term_slot[here] + run->operation_count ||
             tape->term_slot_b[there] != tape->term_slot_b[here] + run->operation_count)
             return false;
-    tape->term_count = next->first_term;
+    tape->term_count = next->first_term_index;
     return true;
 }
 

@@ -20,18 +20,18 @@ typedef enum {
 } jet_tape_kind;
 
 /* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i, with partners w + i.
- * LINEAR: z + i has the constant term constant_terms[first_constant_term + i], and terms of its own:
- * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term + i * term_count on. PRODUCTS,
- * SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots term_slot[k] + i and
- * term_slot_b[k] + i, for `term_count` values k from first_term on. If operands are scattered, which only happens on
- * tapes of values, each operation has terms of its own, as for LINEAR. */
+ * LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its own:
+ * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term_index + i * term_count on.
+ * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots term_slot[k]
+ * + i and term_slot_b[k] + i, for `term_count` values k from first_term_index on. If operands are scattered, which only
+ * happens on tapes of values, each operation has terms of its own, as for LINEAR. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
     double exponent; /* POW: the exponent. Otherwise 0. */
     /* LINEAR: 1 if some constant term is not 0. PRODUCTS and SQUARES: 1 if operands are scattered. Otherwise 0. */
     short has_constant_terms, is_scattered;
-    int first_constant_term, term_count, first_term;
+    int first_constant_term_index, term_count, first_term_index;
 } jet_run;
 
 /* Tells whether the operation is a sum of products. On a tape every product and square is such a sum, of one term or

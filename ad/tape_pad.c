@@ -112,15 +112,15 @@ static void append_padded_run(const run_padding *padding, jet_tape *padded, cons
     next.a = padding->new_slot[run->a];
     next.b = padding->new_slot[run->b];
     next.w = padding->new_slot[run->w];
-    next.first_term = padded->term_count;
+    next.first_term_index = padded->term_count;
     if (run->op != OP_LINEAR) {
         next.operation_count += padding->copy_counts[last_slot_of_run_at(run, run->z)];
-        append_renumbered_terms(padding, padded, run->first_term, run->term_count);
+        append_renumbered_terms(padding, padded, run->first_term_index, run->term_count);
         padded->runs[padded->run_count++] = next;
         return;
     }
     next.operation_count = 0;
-    next.first_constant_term = padded->linear_operation_count;
+    next.first_constant_term_index = padded->linear_operation_count;
     for (int i = 0; i < run->operation_count; i++)
         for (int copy = 0; copy <= padding->copy_counts[run->z + i]; copy++, next.operation_count++) {
             if (padding->new_slot[run->z + i] + copy != next.z + next.operation_count) {
@@ -128,12 +128,12 @@ static void append_padded_run(const run_padding *padding, jet_tape *padded, cons
                 padded->runs[padded->run_count++] = next;
                 next.z = padding->new_slot[run->z + i];
                 next.operation_count = 0;
-                next.first_constant_term = padded->linear_operation_count;
-                next.first_term = padded->term_count;
+                next.first_constant_term_index = padded->linear_operation_count;
+                next.first_term_index = padded->term_count;
             }
             padded->constant_terms[padded->linear_operation_count++] =
-                padding->tape->constant_terms[run->first_constant_term + i];
-            append_renumbered_terms(padding, padded, run->first_term + i * run->term_count, run->term_count);
+                padding->tape->constant_terms[run->first_constant_term_index + i];
+            append_renumbered_terms(padding, padded, run->first_term_index + i * run->term_count, run->term_count);
         }
     padded->runs[padded->run_count++] = next;
 }

@@ -34,16 +34,16 @@ static void append_split_run(const run_splitting *splitting, const jet_run *run,
     jet_run part = *run;
     part.operation_count = count;
     part.z += first_operation;
-    part.first_term = splitting->split->term_count;
+    part.first_term_index = splitting->split->term_count;
     if (has_terms_per_operation(run))
-        append_split_terms(splitting->split, tape, run->first_term + first_operation * run->term_count,
+        append_split_terms(splitting->split, tape, run->first_term_index + first_operation * run->term_count,
                            count * run->term_count, 0);
-    else append_split_terms(splitting->split, tape, run->first_term, run->term_count, first_operation);
+    else append_split_terms(splitting->split, tape, run->first_term_index, run->term_count, first_operation);
     if (run->term_count == 0) {
         part.a += first_operation;
         part.b += jet_rules[run->op]->operand_count == 2 ? first_operation : 0;
     }
-    if (run->op == OP_LINEAR) part.first_constant_term += first_operation;
+    if (run->op == OP_LINEAR) part.first_constant_term_index += first_operation;
     splitting->split->runs[splitting->split->run_count++] = part;
 }
 
@@ -63,7 +63,7 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, 
     const int reads = run->term_count > 0 ? run->term_count : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
     if (run->term_count == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
-    const int term = run->first_term + which + (has_terms_per_operation(run) ? i * run->term_count : 0),
+    const int term = run->first_term_index + which + (has_terms_per_operation(run) ? i * run->term_count : 0),
               slot_shift = has_terms_per_operation(run) ? 0 : i;
     return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_slot_b[term]);
 }

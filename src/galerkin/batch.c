@@ -19,8 +19,8 @@ typedef struct {
     /* [member_count] All bits of stepped_together_mask are set if the member takes this step together with others. All
      * bits of last_step_only_mask are set if its unknowns are predicted from its last step alone. */
     long long *stepped_together_mask, *last_step_only_mask;
-    tvi_increments increments; /* [n][member_count] the increments of the state */
-    double *tail;              /* [member_count] */
+    tvi_increments increments;   /* [n][member_count] the increments of the state */
+    double *tail_size_of_member; /* [member_count] the tail of each member's step (tvi_stats.tail) */
     /* The integrator's history stores the next three fields. */
     galerkin_history *history; /* [member_count] galerkin_history.last_ring_index is not used here */
     long *last_ring_index;     /* the index of the last step's impulses in impulse_ring, for all members */
@@ -91,7 +91,7 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
                              &stepper.tail_inputs.component_ratio};
     for (size_t i = 0; i < 8; i++) *row_arrays[i] = tvi_arena_allocate_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
-    stepper.tail = tvi_arena_allocate_doubles(arena, count);
+    stepper.tail_size_of_member = tvi_arena_allocate_doubles(arena, count);
     stepper.stepped_together_mask = tvi_arena_allocate(arena, count * sizeof *stepper.stepped_together_mask);
     stepper.last_step_only_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_only_mask);
     stepper.history = tvi_arena_allocate_in_copied_history(arena, count * sizeof *stepper.history);
@@ -223,8 +223,8 @@ static int select_members_to_step_together(galerkin_batch_stepper *stepper, doub
     return count;
 }
 
-/* Sets the unknowns of a member that is not in lanes to the start of its step, where the field can be evaluated, and
- * clears its moving_mask, so that passes do not move it. */
+/* Excludes a member from the passes that the members make together: clears its moving_mask, so that passes do not move
+ * its unknowns, and sets them to the state at the start of its step, where the field can be evaluated. */
 static void freeze_member_at_start(galerkin_batch_stepper *stepper, int member)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
@@ -331,13 +331,14 @@ static void compute_results_of_members_in_lanes(galerkin_batch_stepper *stepper,
                                                 const tvi_batch_results *results)
 {
     const int n = stepper->single_stepper->n;
-    galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments, stepper->tail);
+    galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments,
+                                stepper->tail_size_of_member);
     advance_impulse_ring(stepper);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp, results->increments.dp);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp_low, results->increments.dp_low);
-    copy_rows_of_members_in_lanes(stepper, 1, stepper->tail, results->tail);
+    copy_rows_of_members_in_lanes(stepper, 1, stepper->tail_size_of_member, results->tail);
     for (int member = 0; member < stepper->nodes.member_count; member++) {
         if (!stepper->stepped_together_mask[member]) continue;
         stepper->history[member] =

@@ -17,7 +17,7 @@
 
 typedef struct {
     hamiltonian_passes passes;
-    galerkin_hessian_tables hessian_tables;
+    galerkin_sparse_hessian sparse_hessian;
     /* The memory of the fields of `passes` that have these names. */
     int *rate_slot[2], *unknown_of_row, *hessian_index;
 } hamiltonian_work;
@@ -40,8 +40,8 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     hamiltonian_work work = {.passes = {.kernels = field->kernels}};
     field->pass_input_row_count = field->nodes.unknown_count;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
-    tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
-    field->tape_block = work.hessian_tables.blocks.values_block;
+    tvi_galerkin_allocate_sparse_hessian(&work.sparse_hessian, arena, field);
+    field->tape_block = work.sparse_hessian.blocks.values_block;
     field->impulse_to_predicted_matrix = tvi_arena_allocate_doubles(arena, lanes * lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
@@ -66,81 +66,82 @@ static int find_gradient_component_of_rate(const galerkin_field *field, int unkn
     return unknown < n ? unknown + n : unknown - n;
 }
 
-static int find_hessian_row_begin(const galerkin_hessian_tables *tables, int row)
+static int find_hessian_row_begin(const galerkin_sparse_hessian *sparse_hessian, int row)
 {
-    return row > 0 ? tables->row_end[row - 1] : 0;
+    return row > 0 ? sparse_hessian->row_end[row - 1] : 0;
 }
 
-static bool has_hessian_row_entries(const galerkin_hessian_tables *tables, int row)
+static bool has_hessian_row_entries(const galerkin_sparse_hessian *sparse_hessian, int row)
 {
-    return find_hessian_row_begin(tables, row) < tables->row_end[row];
+    return find_hessian_row_begin(sparse_hessian, row) < sparse_hessian->row_end[row];
 }
 
 /* Returns whether an unknown takes part in the inner iterations: its rate depends on unknowns, so that it moves, and
  * some rate depends on it. Two unknowns do not: a cyclic coordinate moves, but no rate depends on it, and its momentum
  * is constant. */
-static bool is_unknown_in_inner_iterations(const galerkin_field *field, const galerkin_hessian_tables *tables,
+static bool is_unknown_in_inner_iterations(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
                                            int unknown)
 {
-    return has_hessian_row_entries(tables, unknown) &&
-           has_hessian_row_entries(tables, find_gradient_component_of_rate(field, unknown));
+    return has_hessian_row_entries(sparse_hessian, unknown) &&
+           has_hessian_row_entries(sparse_hessian, find_gradient_component_of_rate(field, unknown));
 }
 
 /* Returns the index of a second derivative in hessian_block. If the derivative is 0 by construction, this is the
  * index of the row of zeros after the block. */
-static int find_hessian_index(const galerkin_field *field, const galerkin_hessian_tables *tables, int row, int column)
+static int find_hessian_index(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian, int row,
+                              int column)
 {
     int slot = field->system->hessian_values->slot_count;
-    for (int k = find_hessian_row_begin(tables, row); k < tables->row_end[row]; k++)
-        if (tables->hessian_element[k].column == column) slot = tables->hessian_element[k].slot;
+    for (int k = find_hessian_row_begin(sparse_hessian, row); k < sparse_hessian->row_end[row]; k++)
+        if (sparse_hessian->hessian_element[k].column == column) slot = sparse_hessian->hessian_element[k].slot;
     return slot * field->nodes.lane_count;
 }
 
 /* Appends to `unknown_list`, which has `count` elements, the unknowns whose rates depend on unknowns: those that take
  * part in the inner iterations if in_inner_iterations is set, otherwise those that do not. Returns the new length of
  * the list. */
-static int append_unknowns_with_hessian_row(const galerkin_field *field, const galerkin_hessian_tables *tables,
+static int append_unknowns_with_hessian_row(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
                                             bool in_inner_iterations, int count, int *unknown_list)
 {
     for (int u = 0; u < field->nodes.unknown_count; u++)
-        if (has_hessian_row_entries(tables, find_gradient_component_of_rate(field, u)) &&
-            is_unknown_in_inner_iterations(field, tables, u) == in_inner_iterations)
+        if (has_hessian_row_entries(sparse_hessian, find_gradient_component_of_rate(field, u)) &&
+            is_unknown_in_inner_iterations(field, sparse_hessian, u) == in_inner_iterations)
             unknown_list[count++] = u;
     return count;
 }
 
 /* Lists the index in hessian_block of each matrix element of the inner iterations, one group of rows after the
  * other. */
-static void list_hessian_indices(const galerkin_field *field, const galerkin_hessian_tables *tables,
+static void list_hessian_indices(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
                                  const lanes_inner_iterations *inner, int *index)
 {
     for (int first = 0; first < inner->hessian_row_count; first += LANES_ROWS_PER_GROUP)
         for (int column = 0; column < inner->hessian_column_count; column++)
             for (int i = first; i < first + lanes_count_rows_in_group(inner, first); i++)
-                *index++ =
-                    find_hessian_index(field, tables, find_gradient_component_of_rate(field, inner->unknown_of_row[i]),
-                                       inner->unknown_of_row[column]);
+                *index++ = find_hessian_index(field, sparse_hessian,
+                                              find_gradient_component_of_rate(field, inner->unknown_of_row[i]),
+                                              inner->unknown_of_row[column]);
 }
 
 static void prepare_inner_iterations(const galerkin_field *field, const hamiltonian_work *work,
                                      lanes_inner_iterations *inner)
 {
-    const galerkin_hessian_tables *tables = &work->hessian_tables;
+    const galerkin_sparse_hessian *sparse_hessian = &work->sparse_hessian;
     int *unknown = work->unknown_of_row;
-    inner->hessian_column_count = append_unknowns_with_hessian_row(field, tables, true, 0, unknown);
+    inner->hessian_column_count = append_unknowns_with_hessian_row(field, sparse_hessian, true, 0, unknown);
     inner->hessian_row_count =
-        append_unknowns_with_hessian_row(field, tables, false, inner->hessian_column_count, unknown);
-    inner->hessian_block = tables->blocks.hessian_block;
+        append_unknowns_with_hessian_row(field, sparse_hessian, false, inner->hessian_column_count, unknown);
+    inner->hessian_block = sparse_hessian->blocks.hessian_block;
     for (int i = 0; i < field->nodes.lane_count * field->nodes.lane_count; i++)
         inner->impulse_matrix[i] = (float)field->impulse_matrix[i];
-    list_hessian_indices(field, tables, inner, work->hessian_index);
+    list_hessian_indices(field, sparse_hessian, inner, work->hessian_index);
 }
 
 static void prepare_hamiltonian_field(galerkin_field *field)
 {
     hamiltonian_work *work = field->form_work;
     hamiltonian_passes *passes = &work->passes;
-    tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
+    tvi_galerkin_prepare_sparse_hessian(&work->sparse_hessian, field);
     prepare_inner_iterations(field, work, &passes->inner_iterations);
     for (int u = 0; u < field->nodes.unknown_count; u++) {
         field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
@@ -151,7 +152,7 @@ static void prepare_hamiltonian_field(galerkin_field *field)
     passes->nodes = &field->nodes;
     passes->impulse_matrix = field->impulse_matrix;
     passes->rate_row_of_unknown = field->rate_row_of_unknown;
-    passes->tape_blocks = work->hessian_tables.blocks;
+    passes->tape_blocks = work->sparse_hessian.blocks;
 }
 
 static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_field *field, const tvi_step_origin *origin)
@@ -188,7 +189,7 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
     const hamiltonian_work *work = field->form_work;
     const lanes_inner_iterations *inner = &work->passes.inner_iterations;
     const int unknowns = field->nodes.unknown_count;
-    tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
+    tvi_galerkin_emit_sparse_hessian(text, &work->sparse_hessian);
     jet_text_append(text, "enum { GALERKIN_HESSIAN_COLUMNS = %d, GALERKIN_HESSIAN_ROWS = %d };\n",
                     inner->hessian_column_count, inner->hessian_row_count);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);

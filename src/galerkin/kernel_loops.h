@@ -166,12 +166,12 @@ KERNEL_FUNCTION double NAME(move_with_changes)(const galerkin_nodes *nodes, cons
     return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 
-KERNEL_FUNCTION void NAME(evaluate)(const galerkin_curve_evaluation *evaluation, const double *integral_table,
+KERNEL_FUNCTION void NAME(evaluate)(const galerkin_curve_at_points_inputs *inputs, const double *integral_table,
                                     const double *impulses, double *out)
 {
-    if (evaluation->point_count == TVI_SAMPLES)
-        evaluate_curve_at_points(evaluation, integral_table, impulses, out, LANES, TVI_SAMPLES);
-    else evaluate_curve_at_points(evaluation, integral_table, impulses, out, LANES, evaluation->point_count);
+    if (inputs->point_count == TVI_SAMPLES)
+        evaluate_curve_at_points(inputs, integral_table, impulses, out, LANES, TVI_SAMPLES);
+    else evaluate_curve_at_points(inputs, integral_table, impulses, out, LANES, inputs->point_count);
 }
 #endif
 

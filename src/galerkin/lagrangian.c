@@ -15,7 +15,7 @@
 
 typedef struct {
     lagrangian_passes passes;
-    galerkin_hessian_tables hessian_tables;
+    galerkin_sparse_hessian sparse_hessian;
     tvi_legendre legendre_transform;
     double *start_velocity; /* [n] the velocity at the start of the step */
 } lagrangian_work;
@@ -38,8 +38,8 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     lagrangian_work work = {.passes = {.kernels = field->kernels}};
     field->pass_input_row_count = 3 * n;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
-    tvi_galerkin_allocate_hessian_tables(&work.hessian_tables, arena, field);
-    field->tape_block = work.hessian_tables.blocks.values_block;
+    tvi_galerkin_allocate_sparse_hessian(&work.sparse_hessian, arena, field);
+    field->tape_block = work.sparse_hessian.blocks.values_block;
     field->impulse_to_predicted_matrix = tvi_arena_allocate_doubles(arena, lanes * lanes);
     double **const rows[] = {&work.passes.coordinate_minus_drift, &work.passes.drift_minus_centre[0],
                              &work.passes.drift_minus_centre[1]};
@@ -74,29 +74,29 @@ bool tvi_galerkin_invert_with_row_exchanges(const lanes_matrix_inverse *inverse,
 }
 
 static void prepare_lagrangian_passes(lagrangian_passes *passes, const galerkin_field *field,
-                                      const galerkin_hessian_tables *tables)
+                                      const galerkin_sparse_hessian *sparse_hessian)
 {
     const tvi_system *system = field->system;
     passes->nodes = &field->nodes;
     passes->impulse_matrix = field->impulse_matrix;
     passes->rate_row_of_unknown = field->rate_row_of_unknown;
-    passes->tape_blocks = tables->blocks;
+    passes->tape_blocks = sparse_hessian->blocks;
     passes->gradient_slot[false] = system->field_values->output_slot;
     passes->gradient_slot[true] = system->hessian_values->output_slot;
     passes->gradient_expansion = (lanes_gradient_expansion){system->n,
                                                             field->nodes.lane_count,
                                                             passes->gradient_expansion.displacement,
                                                             passes->gradient_at_centre,
-                                                            tables->blocks.hessian_block,
-                                                            tables->hessian_element,
-                                                            tables->row_end};
+                                                            sparse_hessian->blocks.hessian_block,
+                                                            sparse_hessian->hessian_element,
+                                                            sparse_hessian->row_end};
 }
 
 static void prepare_lagrangian_field(galerkin_field *field)
 {
     lagrangian_work *work = field->form_work;
-    tvi_galerkin_prepare_hessian_tables(&work->hessian_tables, field);
-    prepare_lagrangian_passes(&work->passes, field, &work->hessian_tables);
+    tvi_galerkin_prepare_sparse_hessian(&work->sparse_hessian, field);
+    prepare_lagrangian_passes(&work->passes, field, &work->sparse_hessian);
     work->passes.invert_with_row_exchanges = tvi_galerkin_invert_with_row_exchanges;
     work->passes.inverse_in_library_arrays = &work->passes.velocity_hessian_inverse;
     work->passes.lu_factor = &work->legendre_transform.jacobian_factor;
@@ -158,7 +158,7 @@ static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
 {
     const lagrangian_work *work = field->form_work;
     const int unknowns = field->nodes.unknown_count;
-    tvi_galerkin_emit_hessian_tables(text, &work->hessian_tables);
+    tvi_galerkin_emit_sparse_hessian(text, &work->sparse_hessian);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->passes.gradient_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->passes.gradient_slot[true]);
     tvi_galerkin_emit_int_array(text, "rate_row_of_unknown", unknowns, field->rate_row_of_unknown);

@@ -73,7 +73,7 @@ JET_INLINE void set_impulses_with_changes(const double *weight, const double *ra
 
 #define EVALUATE(V, S)                                                                                                 \
     {                                                                                                                  \
-        const V theta = *(const V *)(evaluation->theta + here);                                                        \
+        const V theta = *(const V *)(inputs->theta + here);                                                            \
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
         for (int j = 0; j < lanes; j++) row[j] = *(const V *)(integral_table + j * point_count + here);                \
         for (int u = 0; u < count; u++) {                                                                              \
@@ -85,11 +85,11 @@ JET_INLINE void set_impulses_with_changes(const double *weight, const double *ra
         }                                                                                                              \
     }
 
-JET_INLINE void evaluate_curve_at_points(const galerkin_curve_evaluation *evaluation, const double *integral_table,
+JET_INLINE void evaluate_curve_at_points(const galerkin_curve_at_points_inputs *inputs, const double *integral_table,
                                          const double *impulses, double *restrict out, int lanes, int point_count)
 {
-    const double *start = evaluation->start_values, *drift = evaluation->drift, *scale = evaluation->impulse_scale;
-    const int count = evaluation->component_count;
+    const double *start = inputs->start_values, *drift = inputs->drift, *scale = inputs->impulse_scale;
+    const int count = inputs->component_count;
     JET_BLOCKS(point_count, EVALUATE, );
 }
 

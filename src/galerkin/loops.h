@@ -174,7 +174,7 @@ static inline galerkin_nodes galerkin_copy_nodes_with_all_moving(const galerkin_
 typedef struct {
     int lane_count, point_count, component_count;
     const double *theta, *start_values, *drift, *impulse_scale;
-} galerkin_curve_evaluation;
+} galerkin_curve_at_points_inputs;
 
 /* An n x n matrix A at each node, whose inverse the kernel `invert` computes. */
 typedef struct {
@@ -288,8 +288,8 @@ typedef struct galerkin_kernels {
     void (*run_inner_iterations)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner, const double *rates,
                                  const int slot[], bool is_hessian_new, double last_movement, double smallest_goal,
                                  double *changes);
-    void (*evaluate)(const galerkin_curve_evaluation *evaluation, const double *integral_table, const double *impulses,
-                     double *out);
+    void (*evaluate)(const galerkin_curve_at_points_inputs *inputs, const double *integral_table,
+                     const double *impulses, double *out);
 
     /* Inverts the matrix of each lane by elimination without row exchanges. Returns false, with `inverse` undefined, if
      * some pivot is much smaller or larger than the diagonal element in its place, or if there is a NaN. */
@@ -299,8 +299,9 @@ typedef struct galerkin_kernels {
      * change of L_v by the displacement of q. `inverse` contains A^-1, with A = L_vv. */
     void (*correct_velocities)(const lanes_matrix_inverse *inverse, const double *momenta, const double *centre_momenta,
                                const double *momentum_change, const double *centre_velocities, double *velocities);
-    /* Sets the first n rows of `out` [2n][lanes] to the expansion of L_q at the displaced point, and its last n rows
-     * to the change of L_v by the displacement of q alone. */
+    /* Sets the first n rows of `out` [2n][lanes] to L_q at the displaced point, to first order: its value at the centre
+     * plus its change by the displacements of q and v. Sets the last n rows to the change of L_v, to first order, by
+     * the displacement of q alone, which is momentum_change of `correct_velocities`. */
     void (*linearise)(const lanes_gradient_expansion *expansion, double *out);
 } galerkin_kernels;
 

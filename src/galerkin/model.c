@@ -1,19 +1,21 @@
-/* model.c - Prepares the tape blocks and tables of passes that use second derivatives (model.h). */
+/* model.c - Prepares the blocks of numbers in which the field's gradient and its second derivatives are evaluated, and
+ * lists the second derivatives that are not 0 (model.h). */
 #include "galerkin/model.h"
 
-void tvi_galerkin_allocate_hessian_tables(galerkin_hessian_tables *tables, tvi_arena *arena,
+void tvi_galerkin_allocate_sparse_hessian(galerkin_sparse_hessian *sparse_hessian, tvi_arena *arena,
                                           const galerkin_field *field)
 {
     const tvi_system *system = field->system;
     const size_t lanes = (size_t)field->nodes.lane_count;
-    tables->blocks = (galerkin_tape_blocks){
+    sparse_hessian->blocks = (galerkin_tape_blocks){
         .n = system->n, .lane_count = field->nodes.lane_count, .input_count = system->hessian_values->input_count};
-    tables->blocks.values_block = tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lane_count, 0);
-    tables->blocks.hessian_block =
+    sparse_hessian->blocks.values_block =
+        tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lane_count, 0);
+    sparse_hessian->blocks.hessian_block =
         tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lane_count, lanes);
-    tables->hessian_element =
-        tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof *tables->hessian_element);
-    tables->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *tables->row_end);
+    sparse_hessian->hessian_element =
+        tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof *sparse_hessian->hessian_element);
+    sparse_hessian->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *sparse_hessian->row_end);
 }
 
 /* Lists the elements of each row of the symmetric Hessian. Columns of the second half come first, since V moves
@@ -40,16 +42,16 @@ static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_el
         }
 }
 
-void tvi_galerkin_prepare_hessian_tables(galerkin_hessian_tables *tables, const galerkin_field *field)
+void tvi_galerkin_prepare_sparse_hessian(galerkin_sparse_hessian *sparse_hessian, const galerkin_field *field)
 {
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lane_count;
-    list_hessian_row_elements(system, tables->hessian_element, tables->row_end);
+    list_hessian_row_elements(system, sparse_hessian->hessian_element, sparse_hessian->row_end);
     for (int i = 0; i < lanes; i++) {
         const int node = i < field->node_count ? i : field->node_count - 1;
         field->impulse_to_predicted_matrix[node * lanes + i] = 1 / field->node_weight[node];
     }
-    tables->blocks.sweep_argument = field;
+    sparse_hessian->blocks.sweep_argument = field;
 }
 
 bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
@@ -62,17 +64,18 @@ bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessi
     return true;
 }
 
-void tvi_galerkin_emit_hessian_tables(jet_text *text, const galerkin_hessian_tables *tables)
+void tvi_galerkin_emit_sparse_hessian(jet_text *text, const galerkin_sparse_hessian *sparse_hessian)
 {
-    const galerkin_field *field = tables->blocks.sweep_argument;
+    const galerkin_field *field = sparse_hessian->blocks.sweep_argument;
     const jet_tape *hessian = field->system->hessian_values;
-    const int rows = 2 * tables->blocks.n;
-    tvi_galerkin_emit_int_array(text, "row_end", rows, tables->row_end);
+    const int rows = 2 * sparse_hessian->blocks.n;
+    tvi_galerkin_emit_int_array(text, "row_end", rows, sparse_hessian->row_end);
     jet_text_append(text, "static const lanes_hessian_element galerkin_hessian_element[] = {");
-    for (int k = 0; k < tables->row_end[rows - 1]; k++)
-        jet_text_append(text, "{%d, %d}, ", tables->hessian_element[k].column, tables->hessian_element[k].slot);
+    for (int k = 0; k < sparse_hessian->row_end[rows - 1]; k++)
+        jet_text_append(text, "{%d, %d}, ", sparse_hessian->hessian_element[k].column,
+                        sparse_hessian->hessian_element[k].slot);
     jet_text_append(text,
                     "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_READ_ONLY_ROWS = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                    hessian->input_count, galerkin_count_read_only_rows(hessian), tables->blocks.lane_count);
+                    hessian->input_count, galerkin_count_read_only_rows(hessian), sparse_hessian->blocks.lane_count);
 }

@@ -11,8 +11,8 @@ static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_ra
                                const double *start, const double *drift, const double *impulse_scale, double *x)
 {
     const int lanes = stepper->field.nodes.lane_count, from = range.first, count = range.end - from;
-    const galerkin_curve_evaluation to = {lanes,        point_count,         count, theta, start + from,
-                                          drift + from, impulse_scale + from};
+    const galerkin_curve_at_points_inputs to = {lanes,        point_count,         count, theta, start + from,
+                                                drift + from, impulse_scale + from};
     if (count > 0)
         stepper->field.kernels->evaluate(&to, integral_table, impulses + from * lanes, x + from * point_count);
 }

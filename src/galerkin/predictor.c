@@ -103,13 +103,13 @@ static void set_resized_step_extrapolation(galerkin_predictor *predictor, const 
     predictor->new_to_last_step_ratio = step_ratio;
     predictor->resized_step_elapsed_fraction = elapsed_fraction;
     const int lanes = coefficients->lane_count;
-    const galerkin_curve_evaluation at_nodes = {lanes,
-                                                lanes,
-                                                coefficients->node_count,
-                                                coefficients->node_abscissa,
-                                                predictor->zeros,
-                                                predictor->zeros,
-                                                predictor->ones};
+    const galerkin_curve_at_points_inputs at_nodes = {lanes,
+                                                      lanes,
+                                                      coefficients->node_count,
+                                                      coefficients->node_abscissa,
+                                                      predictor->zeros,
+                                                      predictor->zeros,
+                                                      predictor->ones};
     double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
     for (int i = 0; i < lanes; i++) place[i] = elapsed_fraction + step_ratio * coefficients->node_abscissa[i];
     tvi_galerkin_evaluate_legendre_polynomials(polynomials, lanes, place, P);
@@ -138,13 +138,13 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
                                          const galerkin_node_polynomials *polynomials, galerkin_field *field,
                                          double elapsed_fraction)
 {
-    const galerkin_curve_evaluation to = {coefficients->lane_count,
-                                          coefficients->lane_count,
-                                          field->nodes.unknown_count,
-                                          coefficients->node_abscissa,
-                                          predictor->zeros,
-                                          predictor->zeros,
-                                          predictor->ones};
+    const galerkin_curve_at_points_inputs to = {coefficients->lane_count,
+                                                coefficients->lane_count,
+                                                field->nodes.unknown_count,
+                                                coefficients->node_abscissa,
+                                                predictor->zeros,
+                                                predictor->zeros,
+                                                predictor->ones};
     const long long last_alone = -1;
     set_resized_step_extrapolation(predictor, coefficients, polynomials, field->kernels,
                                    field->step_size / predictor->history->step_size, elapsed_fraction);

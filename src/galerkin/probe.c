@@ -129,7 +129,7 @@ tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundof
 bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_step_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
-    return tvi_roundoff_is_motion_small(field->system, field->step_size, origin->q, origin->p, nodes->values,
-                                        nodes->values + field->system->n * nodes->lane_count, nodes->lane_count,
-                                        field->node_count);
+    return tvi_roundoff_may_exceed_step_motion(field->system, field->step_size, origin->q, origin->p, nodes->values,
+                                               nodes->values + field->system->n * nodes->lane_count, nodes->lane_count,
+                                               field->node_count);
 }

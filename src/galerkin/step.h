@@ -92,8 +92,8 @@ void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *aren
 tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int value_count,
                                                const tvi_options *options);
 
-/* Returns whether the nodes are still near the start of the step (tvi_roundoff_is_motion_small of roundoff.h), and have
- * not diverged. */
+/* Returns whether the nodes are still near the start of the step (tvi_roundoff_may_exceed_step_motion of roundoff.h),
+ * and have not diverged. */
 bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_step_origin *origin);
 
 /* Makes the next pass, which moves the unknowns by *movement, and measures its roundoff: the difference from a pass

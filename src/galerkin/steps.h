@@ -199,12 +199,14 @@ JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const doubl
 }
 
 /* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
- * checked first, because the tail or the number of passes exceeds run->unchecked_limits; the step does not end before
- * run->t_end; or the sums are not finite. */
+ * checked first, because the tail or the number of passes exceeds run->limits_without_energy_check; the step does not
+ * end before run->t_end; or the sums are not finite. */
 JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
                                            int pass_count)
 {
-    if (!(tail <= run->unchecked_limits.max_tail && pass_count <= run->unchecked_limits.max_passes)) return false;
+    if (!(tail <= run->limits_without_energy_check.max_tail &&
+          pass_count <= run->limits_without_energy_check.max_passes))
+        return false;
     if (!tvi_step_ends_before_t_end(run, state->q)) return false;
     if (!galerkin_are_sums_finite(n + 1, state->q, run->increments.dq)) return false;
     if (!galerkin_are_sums_finite(n, state->p, run->increments.dp)) return false;

@@ -34,7 +34,8 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
     const int n = curve->n, points = action->points;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
     memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_is_motion_small(system, h, q, p, action->field_block, action->node_momentum, points, points))
+    if (!tvi_roundoff_may_exceed_step_motion(system, h, q, p, action->field_block, action->node_momentum, points,
+                                             points))
         return 0;
     const int values =
         tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_block, points, points);

@@ -38,9 +38,10 @@ typedef struct tvi_closure_solver {
      * closure->curve was expanded from the unknowns z; scale [2n] has the natural sizes of z. */
     tvi_status (*compute_corrections)(struct tvi_closure *closure, const double z[], const double scale[],
                                       tvi_stats *stats);
-    /* Solves the equations. In gradient_then_solution [2n] it replaces the rows of the unknowns by the solution x, and
-     * the other rows by the residual of the equations in these rows. Returns TVI_ESINGULAR, TVI_ENONFINITE or
-     * TVI_ENOCONV. */
+    /* Solves the equations A^T x = D_z, with D_z in gradient_then_solution [2n]. If A has 2n rows, the solution x
+     * replaces D_z. If A is an n x n block of a Jacobian J [n][2n], x replaces the half of D_z that belongs to the
+     * columns of this block (jacobian_column_half). The other half of D_z is then replaced by its residual D_z - K^T x,
+     * where K is the other n x n block of J. Returns TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV if it fails. */
     tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed_equations *equations);
     /* The corrector uses one of the next two functions; the other is NULL. `jacobian` writes J = d(q-, u-)/dz [2n][2n],
      * or returns false if the corrector may reuse the Jacobian before it; `correct` multiplies the correction by an

@@ -170,7 +170,8 @@ static inline int step_find_members_with_due_jacobians(const step_state *state, 
     matrices_find_members_with_due_jacobians(closure, z, state->work->newton.scale, state->iterating_mask, due_mask);
     for (int m = 0; m < width; m++) count += (due_mask[m] & state->iterating_mask[m]) != 0;
     if (width > 1)
-        closure->curve.keeps_old_jacobians = count < width && matrices_get_factors(closure)->jacobian_count > 0;
+        closure->curve.keeps_old_jacobians =
+            count < width && matrices_get_factors(closure)->jacobian_computations_in_step > 0;
     return count;
 }
 
@@ -187,7 +188,7 @@ static inline void step_factor_jacobians(step_state *state, int due_count, const
     tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
     matrices_record_jacobian_state(closure, z);
     matrices_stack_combination_jacobians(closure, &closure->q_mean, closure_get_second_combination(closure), full->lu);
-    const int renewed = matrices_renew_corrector_jacobian(closure, state->iterating_mask, back->lu);
+    const int renewed = matrices_renew_and_count_jacobians(closure, state->iterating_mask, back->lu);
     linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
                             state->iterating_mask);
     if (renewed > 0)

@@ -44,9 +44,9 @@ static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_transposed_
     return tvi_factor_compute(&factors->full_factor);
 }
 
-/* Subtracts J^T x from the other half of gradient_then_solution, with the solution x in the half that was solved for,
- * and J the other n x n block of the Jacobian. */
-static void compute_residual_of_other_half(tvi_closure *closure, const tvi_transposed_equations *equations)
+/* Subtracts K^T x from the half of gradient_then_solution that was not solved for. The other half is the solution x,
+ * and K is the n x n block of the Jacobian whose columns are not jacobian_column_half. */
+static void compute_residual_in_rows_not_solved(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     const size_t n = (size_t)closure->n, solved = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n,
                  other = n - solved;
@@ -63,8 +63,8 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
     tvi_curve_multiply_transposed_jacobians_by_seeds(&closure->curve, closure->seed_Q, closure->seed_U,
                                                      closure->gradient_then_solution);
-    if (factors->jacobian_count_at_factorisation != factors->jacobian_count) {
-        factors->jacobian_count_at_factorisation = factors->jacobian_count;
+    if (factors->jacobian_computations_at_factorisation != factors->jacobian_computations_in_step) {
+        factors->jacobian_computations_at_factorisation = factors->jacobian_computations_in_step;
         const tvi_status status = equations->second_combination ? factor_full_matrix(closure, equations)
                                                                 : factor_jacobian_block(closure, equations);
         if (status != TVI_OK) return status;
@@ -75,14 +75,15 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
         tvi_factor_solve_transposed(&factors->jacobian_block_factor,
                                     closure->gradient_then_solution +
                                         (equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : closure->n));
-        compute_residual_of_other_half(closure, equations);
+        compute_residual_in_rows_not_solved(closure, equations);
     }
     return TVI_OK;
 }
 
-static bool renew_corrector_jacobian(const tvi_closure *closure, double matrix[])
+/* Returns whether the Jacobian was renewed. */
+static bool renew_jacobian_if_outdated(const tvi_closure *closure, double jacobian[])
 {
-    return matrices_renew_corrector_jacobian(closure, &single_iterating_mask, matrix) > 0;
+    return matrices_renew_and_count_jacobians(closure, &single_iterating_mask, jacobian) > 0;
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
@@ -99,6 +100,6 @@ static tvi_status compute_corrections(tvi_closure *closure, const double z[], co
     return closure->correct_ends(closure);
 }
 
-const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors, matrices_discard_factors,
-                                                   compute_corrections,       solve_by_factors,
-                                                   renew_corrector_jacobian,  NULL};
+const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors,  matrices_discard_factors,
+                                                   compute_corrections,        solve_by_factors,
+                                                   renew_jacobian_if_outdated, NULL};

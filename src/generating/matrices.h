@@ -6,13 +6,13 @@
 #include "generating/closure.h"
 #include "generating/tangents.h"
 
-/* The Jacobians of the curve's ends and their factors. jacobian_count counts how often Jacobians are computed, from 0
- * in each step; a factor is valid if it belongs to the last count. */
+/* The Jacobians of the curve's ends and their factors. jacobian_computations_in_step counts how often Jacobians are
+ * computed, from 0 in each step. A factor is valid if no Jacobians were computed after it. */
 typedef struct {
-    double *state_of_jacobians;          /* [2n] the centre state z at which the last Jacobians were computed */
-    int jacobian_count;                  /* how many times Jacobians were computed in this step */
-    int jacobian_count_at_factorisation; /* jacobian_count when the factor was computed */
-    bool has_corrector_jacobian;         /* whether the corrector's Jacobian was computed in this step */
+    double *state_of_jacobians;                 /* [2n] the centre state z at which the last Jacobians were computed */
+    int jacobian_computations_in_step;          /* how many times Jacobians were computed in this step */
+    int jacobian_computations_at_factorisation; /* jacobian_computations_in_step when the factor was computed */
+    bool has_corrector_jacobian;                /* whether the corrector's Jacobian was computed in this step */
     /* [width] the sum of the distances that z has moved since the corrector's Jacobian was computed, relative to the
      * size of z. */
     double *relative_distance_since_jacobian;
@@ -28,7 +28,7 @@ static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *clos
 static inline void matrices_discard_factors(tvi_closure *closure)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    factors->jacobian_count = factors->jacobian_count_at_factorisation = 0;
+    factors->jacobian_computations_in_step = factors->jacobian_computations_at_factorisation = 0;
     factors->has_corrector_jacobian = false;
 }
 
@@ -40,7 +40,7 @@ static inline void matrices_record_jacobian_state(const tvi_closure *closure, co
     const int numbers = 2 * curve_vector_length(curve), width = curve_width(curve);
     for (int at = 0; at < numbers; at += width)
         curve_store_values_of_due_members(curve, z + at, state_of_jacobians + at);
-    matrices_get_factors(closure)->jacobian_count++;
+    matrices_get_factors(closure)->jacobian_computations_in_step++;
 }
 
 /* Writes the Jacobians of two combinations, one above the other: [2n][2n]. */
@@ -70,20 +70,21 @@ static inline void matrices_merge_member_jacobian(const tvi_closure *closure, in
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
 }
 
-/* Computes, for the corrector, the Jacobian matrix of the end at s- (q-, u-) by the unknowns z. Returns the number of
- * members, among those that iterate, whose Jacobians it renewed. Nothing is computed if all of these members can reuse
- * their Jacobians. */
-static inline int matrices_renew_corrector_jacobian(const tvi_closure *closure, const long long iterating_mask[],
-                                                    double matrix[])
+/* Computes, for the corrector, the Jacobian matrix of the end at s- (q-, u-) by the unknowns z, as
+ * corrector_jacobian_of_members [2n][2n][width]. Returns the number of members, among those that iterate, whose
+ * Jacobians it renewed. Nothing is computed if all of these members can reuse their Jacobians. */
+static inline int matrices_renew_and_count_jacobians(const tvi_closure *closure, const long long iterating_mask[],
+                                                     double corrector_jacobian_of_members[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     const int width = curve_width(&closure->curve);
     int count = 0;
     for (int m = 0; m < width; m++) count += iterating_mask[m] && matrices_is_jacobian_outdated(matrices, m);
     if (count == 0) return 0;
-    matrices_stack_combination_jacobians(closure, &closure->q_at_start, &closure->u_at_start, matrix);
+    matrices_stack_combination_jacobians(closure, &closure->q_at_start, &closure->u_at_start,
+                                         corrector_jacobian_of_members);
     if (width > 1)
-        for (int m = 0; m < width; m++) matrices_merge_member_jacobian(closure, m, matrix);
+        for (int m = 0; m < width; m++) matrices_merge_member_jacobian(closure, m, corrector_jacobian_of_members);
     for (int m = 0; m < width; m++)
         if (matrices_is_jacobian_outdated(matrices, m)) matrices->relative_distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;
@@ -147,7 +148,7 @@ static inline void matrices_find_members_with_due_jacobians(const tvi_closure *c
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     double distance[CURVE_MOST_WIDTH], error_per_distance[CURVE_MOST_WIDTH];
-    const bool is_first = matrices->jacobian_count == 0;
+    const bool is_first = matrices->jacobian_computations_in_step == 0;
     if (!is_first) matrices_compute_jacobian_distance(closure, z, scale, distance);
     if (!is_first) matrices_bound_stale_jacobian_error(closure, scale, error_per_distance);
     for (int m = 0; m < curve_width(&closure->curve); m++) {

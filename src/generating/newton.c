@@ -21,11 +21,11 @@ static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
 static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool has_jacobian_memory, int width)
+                         bool allocates_jacobian, int width)
 {
     const int size = group_count * system->n;
     const size_t count = (size_t)size * (size_t)width;
-    newton->has_jacobian_memory = has_jacobian_memory;
+    newton->is_jacobian_allocated = allocates_jacobian;
     newton->unknown_count = size;
     newton->width = width;
     newton->group_size = system->n;
@@ -36,7 +36,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->roundoff_scale = tvi_arena_allocate_doubles(arena, count);
     newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
-    if (has_jacobian_memory) tvi_factor_allocate(&newton->factor, arena, size, width);
+    if (allocates_jacobian) tvi_factor_allocate(&newton->factor, arena, size, width);
     newton->max_contraction_ratio_growth_of_member = tvi_arena_allocate_in_copied_history(
         arena, (size_t)width * sizeof *newton->max_contraction_ratio_growth_of_member);
 }
@@ -103,10 +103,10 @@ void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, b
     tvi_newton_rules *rules = &newton->rules;
     *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
     newton->needs_extra_pass = needs_extra_pass;
-    if (newton->has_jacobian_memory) rules->by_group = (tvi_passes_rule){.stall_comparison_lag = 1};
+    if (newton->is_jacobian_allocated) rules->by_group = (tvi_passes_rule){.stall_comparison_lag = 1};
     /* A correction is compared with the two before it, since corrections of q follow from those of p, and those of p
      * from those of q. */
-    if (!newton->has_jacobian_memory || needs_extra_pass) rules->by_unknown.stall_comparison_lag = 2;
+    if (!newton->is_jacobian_allocated || needs_extra_pass) rules->by_unknown.stall_comparison_lag = 2;
 }
 
 /* Returns whether the last correction, which did not shrink, is as small as the corrections that the residual's
@@ -158,9 +158,9 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     bool by_differences = false;
     for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
         refreshes += by_differences;
-        newton->is_by_differences = newton->has_jacobian_memory && refreshes > 0;
+        newton->is_by_differences = newton->is_jacobian_allocated && refreshes > 0;
         const tvi_status status =
-            run_newton_pass(newton, equations, count == 1, newton->has_jacobian_memory && by_differences, stats);
+            run_newton_pass(newton, equations, count == 1, newton->is_jacobian_allocated && by_differences, stats);
         if (status != TVI_OK) return status;
         tvi_correction_sizes sizes;
         newton_measure_corrections(newton, newton->scale, &sizes);

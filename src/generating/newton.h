@@ -105,8 +105,8 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 }
 
 typedef struct {
-    bool has_jacobian_memory; /* there is memory for a Jacobian */
-    bool is_by_differences;   /* the Jacobian in that memory was computed by differences */
+    bool is_jacobian_allocated; /* whether memory for a Jacobian matrix was allocated */
+    bool is_by_differences;     /* the Jacobian in that memory was computed by differences */
     bool needs_extra_pass;
     tvi_newton_rules rules;
     int unknown_count;                /* the number of unknowns of one member */
@@ -206,10 +206,10 @@ static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newto
     }
 }
 
-/* Allocates the corrector of equations with group_count groups of n unknowns. has_jacobian_memory says whether it has
- * memory for a Jacobian; equations with a `solve` need none. */
+/* Allocates the corrector of equations with group_count groups of n unknowns. allocates_jacobian says whether it gets
+ * memory for a Jacobian matrix; equations with a `solve` need none. */
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
-                         bool has_jacobian_memory, int width);
+                         bool allocates_jacobian, int width);
 
 /* Sets the rules, once. needs_extra_pass says that the first contraction is no measure of the later ones, so that there
  * is always one more pass than seems needed. */

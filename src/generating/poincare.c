@@ -1,10 +1,13 @@
 /* poincare.c - defines the descriptor of the Poincare method for the list of methods (method/list.h). The generating
- * function depends on the mean of the states at the step's ends (docs/method.md section 4). The corrections of the ends
- * are b in the coordinates and a in the momenta, with
- *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),
- * with the states z0 and z1 at the ends of the step, the ends (q-, p-) and (q+, p+) of the curve and their mean zbar,
- * and the gradient D_z of the action in defect form (action.h). With the scaled momenta in zbar the solution is (a, b /
- * kappa). */
+ * function of this method depends on the mean of the states at the ends of a step (docs/method.md section 4). A step is
+ * a Taylor curve, whose state at the midpoint is z, plus small corrections at its ends: b in the coordinates and a in
+ * the momenta. The states (q0, p0) at the start and (q1, p1) at the end of the step are
+ *     q0 = q- + b/2,   p0 = p- - a/2,   q1 = q+ - b/2,   p1 = p+ + a/2,
+ * with the states (q-, p-) and (q+, p+) at the ends of the curve. The corrections solve the linear equations
+ *     (dzbar/dz)^T (a, b) = D_z.
+ * Here zbar is the mean of (q-, p-) and (q+, p+), a function of z, and D_z is the gradient of the curve's action in
+ * defect form by z (action.h). A curve stores each momentum multiplied by a scale factor kappa (series.h). With the
+ * mean of these scaled momenta in zbar, the unknowns of the equations become a and b / kappa. */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -277,8 +277,9 @@ typedef struct tvi_curve_code {
     void (*multiply_jacobian_by_direction)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                    double out[]);
-    const struct tvi_closure_solver
-        *solver; /* The solver by products, without its function `allocate`. NULL: the library's solver is used. */
+    /* The solver of the closure's equations by products of Jacobians with vectors (products.c). Its function `allocate`
+     * is NULL, since the library allocates the solver's memory. NULL: the library's solver is used. */
+    const struct tvi_closure_solver *solver;
     /* Computes the seeds of an action that needs only the field. The seeds are not checked to be finite. NULL: the
      * library's function is used. */
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);

@@ -44,9 +44,9 @@ typedef struct {
     double *adjoint_block;           /* the adjoints of all slots in all orders; only for products */
     /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU is NULL for a separable system. */
     double *dQ, *dU;
-    double *product_direction;                /* [2n] the direction set by tvi_curve_set_product_direction */
-    double *product_with_dU;                  /* [2n] scratch: the transposed Jacobians dU times the seeds */
-    double *combination_jacobian;             /* [n][2n] scratch: the Jacobian of a combination's sum */
+    double *product_direction;    /* [2n] the direction set by tvi_curve_set_product_direction */
+    double *product_with_dU;      /* [2n] scratch: sum_k (dU_k/dz)^T g_k, with g_k the derivatives of a scalar by U_k */
+    double *combination_jacobian; /* [n][2n] scratch: the Jacobian of a combination's sum */
     double *reciprocal_integer, *log_integer; /* [highest_order + 2] 1 / k and log k */
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;

@@ -4,10 +4,12 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* Computes the corrections with z = (q0, w), p1 = p+. With u = kappa p the solution is -l / kappa.
+/* Computes the corrections with z = (q0, w), p1 = p+:
  *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l.
- * Here the centre state is z = (q0, w), so that w is the momentum there. Subscripts are derivatives of q-, q+, p-
- * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */
+ * Here the centre state is z = (q0, w), so that w is the momentum there. Subscripts are derivatives of q-, q+, p- and
+ * p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). A curve stores the scaled momentum
+ * u = kappa p, with a scale factor kappa for each component (series.h). With u+ instead of p+ and D_w instead of -D_w
+ * in the equation for l, its solution is -l / kappa. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
     return tvi_correct_ends_by_block(closure, &closure->u_at_end, TVI_LAST_COLUMNS);

@@ -33,20 +33,22 @@ typedef struct {
     double *dq, *dp, *dq_low, *dp_low;
 } tvi_increments;
 
-/* Limits of the tail and of the number of passes. A step within both needs no check of its energy. */
+/* Limits of the tail of a step and of the number of its passes. A step within both limits is accepted without a check
+ * of its energy. */
 typedef struct {
     double max_tail;
     int max_passes;
-} tvi_unchecked_step_limits;
+} tvi_limits_without_energy_check;
 
 /* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
- * `unchecked_limits`. `increments` gets the increments of the last step, except for the increment of the independent
- * variable, dq[N], which the caller sets to h. In a rescaled system the time is the coordinate q[index_of_time_in_q].
- * It must move in the direction of h and stay before t_end. In other systems index_of_time_in_q is -1. */
+ * `limits_without_energy_check`. `increments` gets the increments of the last step, except for the increment of the
+ * independent variable, dq[N], which the caller sets to h. In a rescaled system the time is the coordinate
+ * q[index_of_time_in_q]. It must move in the direction of h and stay before t_end. In other systems index_of_time_in_q
+ * is -1. */
 typedef struct {
     double h;
     long max_steps;
-    tvi_unchecked_step_limits unchecked_limits;
+    tvi_limits_without_energy_check limits_without_energy_check;
     int index_of_time_in_q;
     double t_end;
     tvi_increments increments;

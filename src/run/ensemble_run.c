@@ -9,7 +9,8 @@
 
 #include <math.h>
 
-/* A segment of an ensemble's run: the steps between two calls of the ensemble's own observer. */
+/* A segment of an ensemble's run: the steps of all members between two calls of the ensemble's own observer, or all
+ * steps if there is no observer. */
 typedef struct {
     tvi_ensemble *ensemble;
     tvi_run_plan plan; /* the plan of the run, with the number of steps of this segment */
@@ -20,17 +21,17 @@ typedef struct {
     long step_count_before_segment; /* the number of steps in earlier segments of the run */
     double *t, *q, *p;              /* the user's arrays of all members' states */
     tvi_status *member_status;      /* [member_count] the user's array of the members' statuses */
-} run_segment;
+} run_between_observer_calls;
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
-static void set_member_status(const run_segment *segment, int member, tvi_status status)
+static void set_member_status(const run_between_observer_calls *segment, int member, tvi_status status)
 {
     segment->member_status[member] = status;
     segment->ensemble->failure_status[member] = tvi_is_failure_of_member(status) ? status : TVI_OK;
 }
 
-static void run_single_member(const run_segment *segment, tvi_ensemble_worker *worker, int member)
+static void run_single_member(const run_between_observer_calls *segment, tvi_ensemble_worker *worker, int member)
 {
     const tvi_ensemble *ensemble = segment->ensemble;
     /* An observer or an event has stopped this member in an earlier segment. */
@@ -61,7 +62,7 @@ static void run_single_member(const run_segment *segment, tvi_ensemble_worker *w
 
 /* Loads the user's state of a member into a lane of the batch integrator. A member that has failed before and still has
  * the same state is not stepped: the function returns the status of that failure. */
-static tvi_status load_member_state(const run_segment *segment, tvi_integrator *it, int lane, int member)
+static tvi_status load_member_state(const run_between_observer_calls *segment, tvi_integrator *it, int lane, int member)
 {
     const tvi_user_state user_state = {segment->q + member, segment->p + member,
                                        (size_t)segment->ensemble->member_count, segment->t[member]};
@@ -79,7 +80,8 @@ static void fill_unused_lane(tvi_integrator *it, int lane)
     it->status[lane] = TVI_EINVAL;
 }
 
-static void step_members_together(const run_segment *segment, tvi_integrator *it, int first_member, int member_count)
+static void step_members_together(const run_between_observer_calls *segment, tvi_integrator *it, int first_member,
+                                  int member_count)
 {
     const size_t members = (size_t)segment->ensemble->member_count;
     tvi_status *begun = segment->member_status + first_member;
@@ -97,7 +99,7 @@ static void step_members_together(const run_segment *segment, tvi_integrator *it
 
 static void run_batch_in_thread(void *ctx, int thread, int batch)
 {
-    const run_segment *segment = ctx;
+    const run_between_observer_calls *segment = ctx;
     tvi_ensemble_worker *worker = &segment->ensemble->workers[thread];
     const int first_member = tvi_first_member_of_batch(segment->ensemble, batch),
               member_count = tvi_count_members_of_batch(segment->ensemble, batch);
@@ -112,7 +114,7 @@ static void run_batch_in_thread(void *ctx, int thread, int batch)
 
 /* ---- The run ----------------------------------------------------------------------------------------------------- */
 
-static tvi_status run_all_batches(const run_segment *segment)
+static tvi_status run_all_batches(const run_between_observer_calls *segment)
 {
     const tvi_ensemble *ensemble = segment->ensemble;
     tvi_status status = TVI_OK;
@@ -127,7 +129,7 @@ static tvi_status run_all_batches(const run_segment *segment)
 
 /* Makes all steps of the run. With an observer of the ensemble each step is a segment, after which the observer is
  * called. Without an observer all steps are one segment. */
-static tvi_status run_all_segments(run_segment *segment)
+static tvi_status run_all_segments(run_between_observer_calls *segment)
 {
     const long steps = segment->plan.steps;
     tvi_ensemble_observer *observer = segment->plan.observer;
@@ -171,7 +173,8 @@ tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *pla
     if (provided != TVI_OK) return provided;
     const bool steps_members_together =
         plan->steps > 0 && plan->event_count == 0 && plan->columns == 0 && !plan->at_step;
-    run_segment segment = {ensemble, *plan, tvi_plan_mode(plan), steps_members_together, 0, t, q, p, status};
+    run_between_observer_calls segment = {ensemble, *plan, tvi_plan_mode(plan), steps_members_together, 0, t, q,
+                                          p,        status};
     return segment.run_mode == TVI_RUN_STEPS ? run_all_segments(&segment) : run_all_batches(&segment);
 }
 
@@ -184,6 +187,6 @@ tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, 
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
-    run_segment segment = {ensemble, plan, TVI_RUN_STEPS, true, 0, t, q, p, status};
+    run_between_observer_calls segment = {ensemble, plan, TVI_RUN_STEPS, true, 0, t, q, p, status};
     return run_all_segments(&segment);
 }

@@ -38,9 +38,10 @@ static bool has_energy_change_bound(const tvi_integrator *it)
  * A constant added to H is added to the level, too. An H that is not even in p, as in a magnetic field, has no
  * energy at rest; its level is 0, and its scale is |H| at the start of the run. */
 
-/* The guard seeks the limit of the energy at rest, H(c q, 0), for large c (energy_at_rest_at_infinity). It multiplies
- * the position q by the factors c = 2^k with these exponents k. At the last two factors the forces between bodies that
- * attract each other are negligible. The energy therefore differs little between the two if it has a limit. */
+/* The guard seeks the limit of the energy at rest, H(c q, 0), for large c (limit_of_energy_at_rest_for_large_q). It
+ * multiplies the position q by the factors c = 2^k with these exponents k. At the last two factors the forces between
+ * bodies that attract each other are negligible. The energy therefore differs little between the two if it has a
+ * limit. */
 static const int FAR_POSITION_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
 
 /* The lines from the start of a step on which the lowest energy at rest is searched: forward or back along its
@@ -103,9 +104,12 @@ static bool is_energy_even_in_p(tvi_integrator *it, int member)
     return fabs(H[1] - H[0]) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H[0]);
 }
 
-/* Returns the limit of H(c q, 0) for large c. It is NAN if there is no limit, or if H(c q, 0) is not monotonic in c: a
- * pole then lies on the way, and the limit is no measure of the motion before the pole. */
-static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double H, double roundoff)
+/* Returns the limit of H(c q, 0) for large c, or NAN if there is none. The value at the largest c counts as the limit
+ * if the value before it differs from it by at most the part GUARD_LEVEL_MAX_DIFFERENCE of |energy_at_start - limit|.
+ * The result is also NAN if H(c q, 0) is not monotonic in c up to roundoff_of_energy: a pole then lies on the way, and
+ * the limit is no measure of the motion before the pole. */
+static double limit_of_energy_at_rest_for_large_q(tvi_integrator *it, int member, double energy_at_start,
+                                                  double roundoff_of_energy)
 {
     double last = energy_at_rest_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
@@ -113,11 +117,12 @@ static double energy_at_rest_at_infinity(tvi_integrator *it, int member, double 
         const double factor = ldexp(1, FAR_POSITION_EXPONENTS[k]),
                      next = energy_at_rest_on_line(it, member, factor, factor, FORWARD);
         difference = next - last;
-        rises = rises && difference >= -roundoff;
-        falls = falls && difference <= roundoff;
+        rises = rises && difference >= -roundoff_of_energy;
+        falls = falls && difference <= roundoff_of_energy;
         last = next;
     }
-    return (rises || falls) && fabs(difference) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H - last) ? last : NAN;
+    return (rises || falls) && fabs(difference) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(energy_at_start - last) ? last
+                                                                                                             : NAN;
 }
 
 /* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
@@ -156,7 +161,7 @@ static double energy_magnitude_at_run_start(tvi_integrator *it, int member)
 static void set_reference_level_and_scale(tvi_integrator *it, int member, double H, double roundoff)
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
-    const double limit = energy_at_rest_at_infinity(it, member, H, roundoff);
+    const double limit = limit_of_energy_at_rest_for_large_q(it, member, H, roundoff);
     const bool has_rest = is_energy_even_in_p(it, member), has_limit = has_rest && !isnan(limit);
     reference->level = has_limit ? limit : has_rest ? lowest_energy_at_rest_nearby(it, member, roundoff) : 0;
     reference->scale = has_rest ? fabs(H - reference->level) : energy_magnitude_at_run_start(it, member);
@@ -300,12 +305,12 @@ static bool may_skip_energy_check(const tvi_integrator *it, int member, bool ste
     return it->tail[member] <= GUARD_UNCHECKED_MAX_TAIL && it->pass_counts[member] <= GUARD_UNCHECKED_MAX_PASSES;
 }
 
-tvi_unchecked_step_limits tvi_guard_unchecked_step_limits(const tvi_integrator *it)
+tvi_limits_without_energy_check tvi_guard_limits_without_energy_check(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    if (most < 0) return (tvi_unchecked_step_limits){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
+    if (most < 0) return (tvi_limits_without_energy_check){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
     const double max_tail = is_tail_an_error_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_MAX_TAIL) : -1;
-    return (tvi_unchecked_step_limits){max_tail, GUARD_UNCHECKED_MAX_PASSES};
+    return (tvi_limits_without_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
 }
 
 /* Tells whether the tail is at most the max_tail of the options. */

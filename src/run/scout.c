@@ -53,10 +53,10 @@ static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi
 {
     const double scale = estimate_resolving_step_size(orbit, h);
     scout->positions[scout->step_count + 1] = scout->positions[scout->step_count] + h;
-    scout->resolving_step_size[scout->step_count] =
-        is_last && scout->step_count > 0 ? scout->resolving_step_size[scout->step_count - 1] : scale;
-    if (fabs(scout->resolving_step_size[scout->step_count]) <
-        SCOUT_HARDER_FACTOR * fabs(scout->resolving_step_size[scout->hardest_step_index]))
+    scout->orbit_resolving_step_size_estimate[scout->step_count] =
+        is_last && scout->step_count > 0 ? scout->orbit_resolving_step_size_estimate[scout->step_count - 1] : scale;
+    if (fabs(scout->orbit_resolving_step_size_estimate[scout->step_count]) <
+        SCOUT_HARDER_FACTOR * fabs(scout->orbit_resolving_step_size_estimate[scout->hardest_step_index]))
         scout->hardest_step_index = scout->step_count;
     scout->step_count++;
     update_largest_q_and_p(scout, orbit);
@@ -163,10 +163,11 @@ tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit 
 double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_position, double to_position)
 {
     const double end = scout->positions[scout->step_count],
-                 hardest = scout->resolving_step_size[scout->hardest_step_index];
+                 hardest = scout->orbit_resolving_step_size_estimate[scout->hardest_step_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
-        const double weight = fmax(pow(hardest / scout->resolving_step_size[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
+        const double weight =
+            fmax(pow(hardest / scout->orbit_resolving_step_size_estimate[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
         const double way = fmin(fabs(to_position), fabs(scout->positions[k + 1])) -
                            fmax(fabs(from_position), fabs(scout->positions[k]));
         sum += fmax(way, 0) * weight;

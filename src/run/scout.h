@@ -26,9 +26,10 @@ typedef struct {
     long tried_step_count; /* the number of tried steps, including those that failed or were undone */
     int step_count;        /* the number of steps that succeeded; step k leads from position k to position k + 1 */
     double positions[SCOUT_MAX_STEPS + 1];
-    /* The step size whose tail would be SCOUT_RESOLVING_TAIL, at each step. */
-    double resolving_step_size[SCOUT_MAX_STEPS];
-    int hardest_step_index;        /* index of the step with the least resolving_step_size */
+    /* At each step, the estimated size of a step that resolves the orbit there: its tail would be
+     * SCOUT_RESOLVING_TAIL. */
+    double orbit_resolving_step_size_estimate[SCOUT_MAX_STEPS];
+    int hardest_step_index;        /* index of the step with the least orbit_resolving_step_size_estimate */
     double explored_duration_part; /* the part of the duration of the run that the scout has covered, 0 to 1 */
     /* True if the degree of the curve of the method is at most 2. The tails of such curves are no estimate of an
      * error, so only one step is made. */

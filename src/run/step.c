@@ -216,10 +216,10 @@ void tvi_step_batch(tvi_integrator *it, long most_steps, double h)
 
 /* Makes up to most_steps steps in one call of the stepper, as long as the guard (guard.h) accepts each step by its tail
  * and its number of passes, without computing the energy. Returns the number of steps that were made. */
-static long make_unchecked_steps(tvi_integrator *it, long most_steps, double h, double t_end)
+static long make_steps_without_energy_check(tvi_integrator *it, long most_steps, double h, double t_end)
 {
     if (!it->stepper->run || most_steps < 1 || it->reference_energy->is_H_known) return 0;
-    const tvi_unchecked_step_limits limits = tvi_guard_unchecked_step_limits(it);
+    const tvi_limits_without_energy_check limits = tvi_guard_limits_without_energy_check(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
     const tvi_run_request run = {h,     most_steps,    limits, tvi_is_rescaled(it) ? it->system->n : -1,
                                  t_end, it->increments};
@@ -250,7 +250,7 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
     const bool in_rows = tolerance == 0;
     const double *state = &it->state.q[it->system->n], way = copysign(1, h);
     for (long k = 0; status == TVI_OK && k < most_steps && (k == 0 || way * (t_end - *state) > 0); k++) {
-        if (in_rows) k += make_unchecked_steps(it, most_steps - 1 - k, h, t_end);
+        if (in_rows) k += make_steps_without_energy_check(it, most_steps - 1 - k, h, t_end);
         it->status[0] = TVI_OK;
         if (step_all_members(it, tolerance, h) == 0) status = add_step_to_error_text(it);
     }

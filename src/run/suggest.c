@@ -115,8 +115,9 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
                           fabs(search->longest_good_step_size) >= fabs(search->longest_allowed_step_size) ||
                           (has_worst && fabs(search->shortest_bad_step_size) <
                                             SUGGEST_LONGER_FACTOR * fabs(search->longest_good_step_size));
-    return !is_found && tvi_trials_have_budget_for_steps(
-                            &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_position / *h)));
+    return !is_found &&
+           tvi_trials_have_budget_for_steps(
+               &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.sum_of_step_sizes_to_run_end / *h)));
 }
 
 /* Tells whether the suggestion should follow this trial: the trial covers about as much of the run as the longest
@@ -196,12 +197,13 @@ static double prepare_trials_from_scout(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double scale = s->resolving_step_size[s->hardest_step_index], end = s->positions[s->step_count];
+    const double scale = s->orbit_resolving_step_size_estimate[s->hardest_step_index],
+                 end = s->positions[s->step_count];
     const double resolved_error =
         SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->curve_degree);
     trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
-    trials->run_end_position = end / s->explored_duration_part;
+    trials->sum_of_step_sizes_to_run_end = end / s->explored_duration_part;
     trials->run_weighted_length = tvi_scout_weighted_length(s, 0, end) / s->explored_duration_part;
     search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
@@ -210,7 +212,7 @@ static double prepare_trials_from_scout(suggestion_search *search)
     const double h =
         tvi_smaller_magnitude(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
                               search->longest_allowed_step_size);
-    trials->run_length_in_steps = fabs(trials->run_end_position / h);
+    trials->run_length_in_steps = fabs(trials->sum_of_step_sizes_to_run_end / h);
     return h;
 }
 
@@ -226,7 +228,7 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
                  h = s->positions[s->hardest_step_index + 1] - s->positions[s->hardest_step_index];
     const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
                  ulp = DBL_EPSILON * last;
-    const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->run_end_position / h), 1)),
+    const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->sum_of_step_sizes_to_run_end / h), 1)),
                  shift = fmax(SUGGEST_TIME_SHIFT * dt, SUGGEST_TIME_SHIFT_UNITS * ulp);
     double apart;
     if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
@@ -248,8 +250,8 @@ static double factor_for_spread_of_step_sizes(const suggestion_search *search)
     const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
     for (int k = 0; k < s->step_count; k++)
-        shortest = fmin(shortest, fabs(s->resolving_step_size[k])),
-        longest = fmax(longest, fabs(s->resolving_step_size[k]));
+        shortest = fmin(shortest, fabs(s->orbit_resolving_step_size_estimate[k])),
+        longest = fmax(longest, fabs(s->orbit_resolving_step_size_estimate[k]));
     return 1 + SUGGEST_SPREAD_WEIGHT * log(fmin(longest / shortest, SUGGEST_MAX_SPREAD));
 }
 

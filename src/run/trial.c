@@ -36,8 +36,9 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
 static double position_after_hardest_step(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_smaller_magnitude(s->positions[s->hardest_step_index] + s->resolving_step_size[s->hardest_step_index],
-                                 trials->run_end_position);
+    return tvi_smaller_magnitude(s->positions[s->hardest_step_index] +
+                                     s->orbit_resolving_step_size_estimate[s->hardest_step_index],
+                                 trials->sum_of_step_sizes_to_run_end);
 }
 
 /* Tells whether the trial can be ended after step number step_number: its estimate is far above the aim, or far below
@@ -65,7 +66,7 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
     trial->estimated_error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
-    trials->run_length_in_steps = fabs(trials->run_end_position / trial->h);
+    trials->run_length_in_steps = fabs(trials->sum_of_step_sizes_to_run_end / trial->h);
     trial->end_position = trials->start_position + (double)step_number * trial->h;
     trial->duration_part_at_end = (whole->t - trials->start_time) / trials->duration;
     trial->covered_error_part =
@@ -102,7 +103,7 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
                          TVI_STEPS_OF_TRIAL;
     const double early = TRIAL_MAX_HARDEST_PART * steps * fabs(h);
     int first = fabs(end) > early ? s->hardest_step_index : 0;
-    while (first > 0 && fabs(trials->run_end_position - s->positions[first]) < steps * fabs(h) &&
+    while (first > 0 && fabs(trials->sum_of_step_sizes_to_run_end - s->positions[first]) < steps * fabs(h) &&
            fabs(end - s->positions[first - 1]) <= early)
         first--;
     trials->start_position = s->positions[first];
@@ -127,7 +128,7 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
 bool tvi_trials_have_budget_to_pass_hardest_position(const tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way =
-        tvi_smaller_magnitude(position_after_hardest_step(trials), s->resolving_step_size[s->hardest_step_index]);
+    const double way = tvi_smaller_magnitude(position_after_hardest_step(trials),
+                                             s->orbit_resolving_step_size_estimate[s->hardest_step_index]);
     return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

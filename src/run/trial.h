@@ -23,12 +23,13 @@ typedef struct {
     double largest_roundoff_distance;
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
-    /* The position (tvi_orbit_scout) at the end of the run, and tvi_scout_weighted_length of the whole run. */
-    double run_end_position, run_weighted_length;
-    double start_position;             /* the scout's position at which the last trial began */
+    /* The sum of the step sizes from the start of the run to its end, which is the position (tvi_orbit_scout) at the
+     * end; and tvi_scout_weighted_length of the whole run. */
+    double sum_of_step_sizes_to_run_end, run_weighted_length;
+    double start_position;             /* the position (tvi_orbit_scout) at which the last trial began */
     const double *start_state;         /* [2n + 1] q, p and t at start_position */
     long reserved_step_count;          /* steps of the budget that are kept for the companion orbit (step_doubling.h) */
-    double run_length_in_steps;        /* run_end_position divided by the current step size */
+    double run_length_in_steps;        /* sum_of_step_sizes_to_run_end divided by the current step size */
     double largest_covered_error_part; /* the largest part of the run's error that a trial has covered */
 } tvi_trials;
 
@@ -36,7 +37,8 @@ typedef struct {
 typedef struct {
     /* The step size, and the part of the run's error that the trial covers, 0 to 1. */
     double h, covered_error_part;
-    double end_position;         /* the scout's position at which the trial ends */
+    /* The position at which the trial ends: the sum of the step sizes from the start of the run (tvi_orbit_scout). */
+    double end_position;
     double duration_part_at_end; /* the part of the run's duration up to the end of the trial, 0 to 1 */
     /* The largest distance of the two orbits (step_doubling.h) in the last group of steps 2^i + 1 ... 2^(i+1), and
      * in the group before. */

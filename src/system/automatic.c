@@ -144,9 +144,9 @@ static jet record_matrix_product_entry(int n, const jet x[], const jet y[], int 
     return sum;
 }
 
-/* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2, where (J H'')^2 = [P Q; R P^T] with P = A^2 - H_pp W, Q =
- * A H_pp - (A H_pp)^T, R = (W A)^T - W A, and W = H_qq. */
-static jet record_hessian_trace_term(const linearised_motion *motion, int i, int j)
+/* Records the term P_ij P_ji + Q_ij R_ji of tr (J H'')^4 / 2, a sum over i and j, where (J H'')^2 = [P Q; R P^T] with P
+ * = A^2 - H_pp W, Q = A H_pp - (A H_pp)^T, R = (W A)^T - W A, and W = H_qq. */
+static jet record_trace_J_hessian_power_4_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet *A = motion->A, *H_pp = motion->H_pp, *W = motion->W;
@@ -172,7 +172,7 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     if (!graph) sum = jet_const(0); /* H depends on no input, and its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
         sum = base->is_regular ? record_trace_sum_for_regular_H_pp(&motion, scratch)
-                               : record_sum_over_symmetric_terms(&motion, record_hessian_trace_term, scratch);
+                               : record_sum_over_symmetric_terms(&motion, record_trace_J_hessian_power_4_term, scratch);
     free(jets);
     return jet_pow(sum, -0.25);
 }

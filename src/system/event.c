@@ -69,8 +69,9 @@ tvi_status tvi_event_evaluate(const tvi_event *event, double *block, const doubl
     return isfinite(*g) ? TVI_OK : tvi_refuse_failed_evaluation("event function", TVI_ENONFINITE);
 }
 
-/* Records all events once more in one graph, so that expressions that several events contain are computed once. `jets`
- * becomes the inputs, as many zeros, and then the values of the events. */
+/* Records all events once more in one graph, so that expressions that several events contain are computed once. Sets
+ * `jets` [2 input_count + count] to the inputs, then one 0 for each input, and then the values of the events. The zeros
+ * are the direction for jet_record_forward_derivatives, which also records derivatives; none are needed here. */
 static tvi_status record_events_in_one_graph(const tvi_event *const events[], int count, jet_graph *graph,
                                              int input_count, jet jets[])
 {

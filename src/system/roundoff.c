@@ -27,8 +27,8 @@ static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, in
 {
     int exponent;
     return run->op == OP_LINEAR && run->term_count == 1 &&
-           tape->constant_terms[run->first_constant_term + operation] == 0 &&
-           fabs(frexp(tape->term_coefficient[run->first_term + operation], &exponent)) == 0.5;
+           tape->constant_terms[run->first_constant_term_index + operation] == 0 &&
+           fabs(frexp(tape->term_coefficient[run->first_term_index + operation], &exponent)) == 0.5;
 }
 
 /* Returns the magnitude to which the roundoff of an operation of a run is relative: the magnitude of its result, or
@@ -38,9 +38,9 @@ static double compute_roundoff_scale(const jet_tape *tape, const jet_run *run, i
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
     if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + operation]);
     if (is_multiplication_exact(tape, run, operation)) return 0;
-    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant_term + operation]) : 0;
+    double sum = is_linear ? fabs(tape->constant_terms[run->first_constant_term_index + operation]) : 0;
     for (int term = 0; term < run->term_count; term++) {
-        const int k = run->first_term + term + (is_linear ? operation * run->term_count : 0),
+        const int k = run->first_term_index + term + (is_linear ? operation * run->term_count : 0),
                   at = is_linear ? 0 : operation;
         const double a = x[tape->term_slot[k] + at];
         const double b = is_linear ? 1 : is_products ? x[tape->term_slot_b[k] + at] : a;
@@ -109,8 +109,9 @@ static bool are_close_to_start(int n, double distance, const double start[], con
     return true;
 }
 
-bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
-                                  const double *q, const double *p, int lanes, int point_count)
+bool tvi_roundoff_may_exceed_step_motion(const tvi_system *system, double h, const double q_start[],
+                                         const double p_start[], const double *q_at_nodes, const double *p_at_nodes,
+                                         int lanes, int node_count)
 {
     const int n = system->n;
     const bool separable = system->form == TVI_SEPARABLE;
@@ -118,6 +119,7 @@ bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const doub
     if (separable)
         for (int i = 0; i < n; i++) distance = fmax(distance, fabs(h * p_start[i] / system->mass[i]));
     return are_close_to_start(n, tvi_largest_magnitude(n, q_start, 1) + ROUNDOFF_MAX_SPEED_GROWTH * distance, q_start,
-                              q, lanes, point_count) ||
-           (!separable && are_close_to_start(n, tvi_largest_magnitude(n, p_start, 1), p_start, p, lanes, point_count));
+                              q_at_nodes, lanes, node_count) ||
+           (!separable &&
+            are_close_to_start(n, tvi_largest_magnitude(n, p_start, 1), p_start, p_at_nodes, lanes, node_count));
 }

@@ -43,12 +43,13 @@ int tvi_roundoff_estimate_field(tvi_roundoff_estimator *roundoff, const tvi_syst
  * restarts. */
 double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size);
 
-/* Tells whether the motion in a step is so small that roundoff at the nodes may exceed it. This is the case if the
- * coordinates, rows q [n][lanes] with `point_count` columns, stay closer to q_start than |q_start| plus a multiple of
- * |h v_start|, or if the momenta p stay closer to p_start than |p_start|. For a system that is not separable, v_start
- * counts as 0; for a separable system, the momenta are ignored. By this test the callers exclude passes that have
- * diverged to states at which the field is nothing but roundoff. */
-bool tvi_roundoff_is_motion_small(const tvi_system *system, double h, const double q_start[], const double p_start[],
-                                  const double *q, const double *p, int lanes, int point_count);
+/* Tells whether the motion in a step of size h is so small that roundoff at the nodes may exceed it. This is the case
+ * if the coordinates q_at_nodes [n][lanes], of which node_count columns are used, stay closer to q_start than |q_start|
+ * plus a multiple of |h v_start|, or if the momenta p_at_nodes stay closer to p_start than |p_start|. For a system that
+ * is not separable, v_start counts as 0; for a separable system, the momenta are ignored. By this test the callers
+ * exclude passes that have diverged to states at which the field is nothing but roundoff. */
+bool tvi_roundoff_may_exceed_step_motion(const tvi_system *system, double h, const double q_start[],
+                                         const double p_start[], const double *q_at_nodes, const double *p_at_nodes,
+                                         int lanes, int node_count);
 
 #endif

@@ -64,9 +64,9 @@ START_TEST(runs_are_hashed)
         EXPECT_SEEN(r.tape, run->b);
         EXPECT_SEEN(r.tape, run->w);
         EXPECT_SEEN(r.tape, run->exponent);
-        EXPECT_SEEN(r.tape, run->first_constant_term);
+        EXPECT_SEEN(r.tape, run->first_constant_term_index);
         EXPECT_SEEN(r.tape, run->term_count);
-        EXPECT_SEEN(r.tape, run->first_term);
+        EXPECT_SEEN(r.tape, run->first_term_index);
         EXPECT_SEEN(r.tape, run->has_constant_terms);
         EXPECT_SEEN(r.tape, run->is_scattered);
     }

@@ -38,7 +38,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             ck_assert_int_le(run->a + run->operation_count, run->z);
             continue;
         }
-        ck_assert_int_eq(run->first_term, term);
+        ck_assert_int_eq(run->first_term_index, term);
         if (is_product(run)) {
             ck_assert_int_ge(run->term_count, 1);
             ck_assert_int_le(run->term_count, JET_TERMS_MAX);
@@ -51,7 +51,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             }
             continue;
         }
-        ck_assert_int_eq(run->first_constant_term, row);
+        ck_assert_int_eq(run->first_constant_term_index, row);
         row += run->operation_count;
         for (int i = 0; i < run->operation_count * run->term_count; i++, term++)
             ck_assert_int_lt(tape->term_slot[term], run->z);

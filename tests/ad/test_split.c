@@ -91,7 +91,8 @@ static int longest_way(const jet_tape *tape)
     for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++, count++) {
             made[run->z + i] = count;
-            for (int term = run->first_term; term < run->first_term + run->term_count && run->op != OP_LINEAR; term++) {
+            for (int term = run->first_term_index;
+                 term < run->first_term_index + run->term_count && run->op != OP_LINEAR; term++) {
                 const int first = made[tape->term_slot[term] + i], second = made[tape->term_slot_b[term] + i];
                 longest = count - first > longest ? count - first : longest;
                 longest = count - second > longest ? count - second : longest;
