@@ -106,7 +106,9 @@ static int add_peer(measured runs[], int count, const question *of, const proble
     const double *setting = who->settings(who, p);
     for (; setting && *setting > 0; setting++) {
         measured m = {of, p, who, *setting, INFINITY, NAN};
-        if (count < RUNS_MAX && run_once(&m)) runs[count++] = m;
+        if (!run_once(&m)) continue;
+        if (count == RUNS_MAX) experiment_fail(of->title, "more runs than RUNS_MAX");
+        runs[count++] = m;
     }
     return count;
 }
