@@ -22,8 +22,6 @@ static long double power_of_long_double(long double a, double c)
 static long double evaluate_operation(const jet_run *run, long double a, long double b)
 {
     switch (run->op) {
-    case OP_MUL: return a * b;
-    case OP_SQR: return a * a;
     case OP_DIV: return a / b;
     case OP_SQRT: return sqrtl(a);
     case OP_POW: return power_of_long_double(a, run->exponent);
