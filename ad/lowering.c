@@ -11,8 +11,8 @@ static int larger_int(int a, int b) { return a > b ? a : b; }
 
 /* ---- What is needed ---------------------------------------------------------------------------------------------- */
 
-/* Marks all nodes that the outputs depend on. A partner may have been recorded after the node that needs it; the
- * walk is therefore repeated until it finds nothing new. */
+/* Marks all nodes that the outputs depend on, and counts them. A partner may have been recorded after the node that
+ * needs it; the walk is therefore repeated until it finds nothing new. */
 static void mark_needed_nodes(graph_lowering *lowering, int input_count, int output_count, const jet output[])
 {
     for (int i = 0; i < input_count; i++) lowering->is_node_needed[i] = true;
@@ -31,6 +31,7 @@ static void mark_needed_nodes(graph_lowering *lowering, int input_count, int out
             again = again || z->w->index > i;
         }
     } while (again);
+    for (int i = 0; i < lowering->node_count; i++) lowering->used_node_count += lowering->is_node_needed[i];
 }
 
 static void count_node_uses(graph_lowering *lowering, int output_count, const jet output[])

@@ -35,7 +35,9 @@ typedef struct {
     tape_placement **nodes_by_level; /* [needed_node_count] The needed nodes, sorted by level. */
     tape_placement **nodes_by_slot;  /* [slot_count] Nodes and copies, sorted by slot. */
     int (*operands)[2];              /* Memory for tape_placement.operand of all placements. */
-    int needed_node_count, copy_count, slot_count, operand_pair_count;
+    /* The number of nodes that the outputs depend on, and of those that are still needed after products have become
+     * terms of sums; copies are counted apart. */
+    int used_node_count, needed_node_count, copy_count, slot_count, operand_pair_count;
 } graph_lowering;
 
 /* Chooses the nodes that the outputs depend on, the operations that compute them, and their slots. The first

@@ -134,10 +134,10 @@
 #define LAGRANGIAN_MIN_ITERATIONS 2
 /* [bits] The gradient of a Lagrangian is evaluated at the nodes with this many last bits rounded off. */
 #define LAGRANGIAN_ROUNDED_BITS 6
-/* [quarters] The second derivatives of K = g f, with f = H + e, save passes of large steps. The tape of the field with
- * second derivatives has at most this many quarters of the slots of the tape without them. Otherwise more passes
- * without second derivatives take as little time. */
-#define HESSIAN_MAX_COST 13
+/* [quarters] The second derivatives of K = g f, with f = H + e, save passes of large steps. They and the field depend
+ * on at most this many quarters of the nodes that the field alone depends on. Otherwise more passes without second
+ * derivatives take as little time. */
+#define HESSIAN_MAX_COST 14
 /* [numbers] The whole matrix K'' is recorded if the nodes of the graph times the rows of K'' are at most this many
  * (make performance ONE=compiling). */
 #define HESSIAN_WHOLE_MAX_NUMBERS 4096

@@ -175,6 +175,7 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
     tape->derived_part_first_index += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
+    tape->used_node_count = lowering->used_node_count;
     for (int i = 0; i < output_count; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
     return !JET_HAS(PAD) || lowering->kind != JET_TAPE_SERIES || jet_pad_runs_to_whole_vectors(tape);
 }

@@ -58,6 +58,7 @@ typedef struct {
     const jet_sweeps *interpreter_sweeps; /* The sweeps of the interpreter. */
     int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,
         output_count;
+    int used_node_count; /* The number of nodes of the graph on which the outputs depend, inputs included. */
     jet_run *runs;
     double *constant_values;        /* [constant_count] Values of the constants, whose slots follow the inputs. */
     jet_tape_parameter *parameters; /* [parameter_count] The constants that may be replaced. */

@@ -77,7 +77,7 @@ $(GENERATED): WRAP = -Wl,--wrap=tvi_integrator_create,--wrap=tvi_integrator_free
 
 # the same objects with a library of another kind: without devices for speed (check-plain), or one that counts the lines
 # which are run (check-coverage)
-PLAIN_FOLDERS   := ad library generating ensemble
+PLAIN_FOLDERS   := ad library generating rescaled ensemble
 COVERED_FOLDERS := ad library generating events rescaled parameters driven compiled ensemble
 OTHER_PROGRAMS  := $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%) $(COVERED_FOLDERS:%=$(BUILD)/cov/check/%)
 define other_program
@@ -118,7 +118,7 @@ do-plain:
 	$(MAKE) -s --no-print-directory BUILD=$(BUILD)/plain PLAIN=1 CFLAGS=-O1 $(BUILD)/plain/libtvi.a
 	$(MAKE) -s --no-print-directory $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%)
 	export TVI_TESTS=plain; \
-	for folder in ad ensemble; do tests/suites.sh '' $(BUILD)/plain/check/$$folder || exit 1; done & beside=$$!; \
+	for folder in ad ensemble rescaled; do tests/suites.sh '' $(BUILD)/plain/check/$$folder || exit 1; done & beside=$$!; \
 	tests/suites.sh '' $(BUILD)/plain/check/library && \
 	tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/plain/check/generating; \
 	own=$$?; wait $$beside && exit $$own

@@ -81,8 +81,8 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
                             : status;
 }
 
-/* Drops the second derivatives if a tape of them and the field has more than HESSIAN_MAX_COST / 4 times as many slots
- * as a tape of the field alone. */
+/* Drops the second derivatives if they and the field depend on more than HESSIAN_MAX_COST / 4 times as many nodes of
+ * the graph as the field alone. Slots of tapes are not counted, since their number depends on devices for speed. */
 static tvi_status drop_hessian_if_expensive(tvi_system *system, const jet jets[])
 {
     const int rows = 2 * system->n;
@@ -90,7 +90,7 @@ static tvi_status drop_hessian_if_expensive(tvi_system *system, const jet jets[]
     jet_tape *with_hessian =
         jet_tape_create(system->graph, rows, rows + system->hessian_entry_count, jets, JET_TAPE_VALUES);
     const bool created = field && with_hessian;
-    if (!created || 4 * with_hessian->slot_count > HESSIAN_MAX_COST * field->slot_count)
+    if (!created || 4 * with_hessian->used_node_count > HESSIAN_MAX_COST * field->used_node_count)
         system->hessian_entry_count = 0;
     jet_tape_free(field);
     jet_tape_free(with_hessian);
