@@ -4,7 +4,7 @@
  *
  *   devices DIR */
 #include "devices.h"
-#include "experiments/experiment.h"
+#include "adaptive/adaptive.h"
 #include "stepping.h"
 #include "turns.h"
 
@@ -14,24 +14,38 @@
 
 extern int jet_without;
 
+/* A scene; a hard scene with its time scale, steps in s; or many bodies, with a step of their own. */
 typedef struct {
     const scene *scene;
     const char *title, *method;
     int order;
     double h;
+    const hard_scene *hard;
+    int bodies;
 } problem;
+#define SCENE(id, name, by_method, of_order, step)                                                                     \
+    {                                                                                                                  \
+        .scene = &scene_##id, .title = name, .method = by_method, .order = of_order, .h = step                         \
+    }
 static const problem problems[] = {
-    {&scene_kepler, "Kepler", "galerkin", 16, 0.25},
-    {&scene_henon_heiles_12, "Henon-Heiles", "galerkin", 16, 1},
-    {&scene_fpu, "FPU", "galerkin", 16, 0.0390625},
-    {&scene_solar, "Solar System", "galerkin", 16, 625},
-    {&scene_double_pendulum, "double pendulum", "galerkin", 16, 0.078125},
-    {&scene_kepler, "Kepler", "midpoint", 20, 0.25},
-    {&scene_fpu, "FPU", "midpoint", 20, 0.0625},
-    {&scene_double_pendulum, "double pendulum", "midpoint", 20, 0.0625},
-    {&scene_solar, "Solar System", "midpoint", 20, 625},
-    {&scene_kepler, "Kepler", "taylor", 26, 0.25},
-    {&scene_solar, "Solar System", "taylor", 26, 400},
+    SCENE(kepler, "Kepler", "galerkin", 16, 0.25),
+    SCENE(henon_heiles_12, "Henon-Heiles", "galerkin", 16, 1),
+    SCENE(fpu, "FPU", "galerkin", 16, 0.0390625),
+    SCENE(solar, "Solar System", "galerkin", 16, 625),
+    SCENE(double_pendulum, "double pendulum", "galerkin", 16, 0.078125),
+    SCENE(kepler, "Kepler", "midpoint", 20, 0.25),
+    SCENE(fpu, "FPU", "midpoint", 20, 0.0625),
+    SCENE(double_pendulum, "double pendulum", "midpoint", 20, 0.0625),
+    SCENE(solar, "Solar System", "midpoint", 20, 625),
+    SCENE(kepler, "Kepler", "taylor", 26, 0.25),
+    SCENE(solar, "Solar System", "taylor", 26, 400),
+    {.hard = &hard_kepler_90,
+     .title = "Kepler e = 0.9, rescaled",
+     .method = "galerkin",
+     .order = 16,
+     .h = ADAPTIVE_S_90 / 10},
+    {.hard = &hard_pythagorean, .title = "Pythagorean, rescaled", .method = "galerkin", .order = 16, .h = 0.9},
+    {.bodies = 20, .title = "20 bodies", .method = "galerkin", .order = 16},
 };
 
 #define NAMED(device)                                                                                                  \
@@ -57,35 +71,62 @@ typedef struct {
     double of[DEVICES];
 } ratios;
 
-/* The system is to be freed behind the steps. */
-static stepping open_without(const experiment *e, const problem *p, int mask, bool compiled, tvi_system **system)
+/* Steps of a problem, and what they need. */
+typedef struct {
+    stepping steps;
+    big_system system;  /* its q and p are the start */
+    tvi_system *stated; /* NULL where the system is not rescaled */
+} variant;
+
+static void make_system(variant *v, const problem *p)
+{
+    if (p->bodies) {
+        v->system = bodies_make(p->bodies, 3);
+        return;
+    }
+    const scene *s = p->hard ? &p->hard->scene : p->scene;
+    tvi_system *system = experiment_system(s);
+    v->system = (big_system){.n = s->n, .system = system, .h = p->h};
+    memcpy(v->system.q, s->q, (size_t)s->n * sizeof *s->q);
+    memcpy(v->system.p, s->p, (size_t)s->n * sizeof *s->p);
+    if (!p->hard) return;
+    v->stated = system;
+    experiment_insist(tvi_system_rescaled(&v->system.system, system, p->hard->scale, NULL), p->title);
+}
+
+static void open_without(variant *v, const experiment *e, const problem *p, int mask, bool compiled)
 {
     tvi_options options;
     jet_without = mask;
-    *system = experiment_system(p->scene);
+    *v = (variant){.stated = NULL};
+    make_system(v, p);
     experiment_insist(tvi_options_named(p->method, p->order, &options), p->method);
-    if (compiled) options.compiled = experiment_compile(e, *system, &options);
-    const stepping s = stepping_open(*system, &options, p->scene->q, p->scene->p, p->h);
+    if (compiled) options.compiled = experiment_compile(e, v->system.system, &options);
+    v->steps = stepping_open(v->system.system, &options, v->system.q, v->system.p, v->system.h);
     tvi_compiled_free((tvi_compiled *)options.compiled);
     jet_without = 0;
-    return s;
+}
+
+static void close_variant(variant *v)
+{
+    stepping_close(&v->steps);
+    tvi_system_free(v->system.system);
+    tvi_system_free(v->stated);
 }
 
 static ratios time_row(const experiment *e, const problem *p, bool compiled)
 {
-    stepping steps[DEVICES + 1];
+    static variant variants[DEVICES + 1];
     turn turns[DEVICES + 1];
-    tvi_system *systems[DEVICES + 1];
     ratios r;
     for (int i = 0; i <= DEVICES; i++) {
-        steps[i] = open_without(e, p, i < DEVICES ? devices[i].mask : 0, compiled, &systems[i]);
-        turns[i] = (turn){.work = stepping_go, .ctx = &steps[i]};
+        open_without(&variants[i], e, p, i < DEVICES ? devices[i].mask : 0, compiled);
+        turns[i] = (turn){.work = stepping_go, .ctx = &variants[i].steps};
     }
     turns_time(DEVICES + 1, turns);
     for (int i = 0; i <= DEVICES; i++) {
         if (i < DEVICES) r.of[i] = turns[i].seconds / turns[DEVICES].seconds;
-        stepping_close(&steps[i]);
-        tvi_system_free(systems[i]);
+        close_variant(&variants[i]);
     }
     experiment_progress("devices: %s, %s, %s", p->title, p->method, compiled ? "compiled" : "tape");
     return r;
