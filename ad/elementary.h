@@ -18,13 +18,14 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* A range of magnitudes: the numbers a with least <= |a| <= most. The range jet_nowhere contains no number. */
+/* A range of arguments of functions: the numbers a with least <= |a| <= most. The range jet_nowhere contains no
+ * number. */
 typedef struct {
     double least, most;
-} jet_magnitude_range;
-static const jet_magnitude_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = {15, 9e13},
-                                 jet_exponents = {0, 700}, jet_sines = {0, 1}, jet_numbers = {0, DBL_MAX},
-                                 jet_normal_numbers = {DBL_MIN, DBL_MAX}, jet_nowhere = {1, 0};
+} jet_argument_magnitude_range;
+static const jet_argument_magnitude_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = {15, 9e13},
+                                          jet_exponents = {0, 700}, jet_sines = {0, 1}, jet_numbers = {0, DBL_MAX},
+                                          jet_normal_numbers = {DBL_MIN, DBL_MAX}, jet_nowhere = {1, 0};
 
 /* Lists the functions. Each row has the name, the range near 0 in which SLEEF's function is used, and the range of
  * larger numbers in which SLEEF reduces angles by another algorithm. */
@@ -83,12 +84,12 @@ typedef double jet_native_vector JET_REGISTER(double, JET_NATIVE);
 typedef jet_native_vector jet_vector_function(double exponent, jet_native_vector x);
 typedef double jet_scalar_function(double exponent, double x);
 
-JET_INLINE bool jet_is_in_range(jet_magnitude_range range, double x)
+JET_INLINE bool jet_is_in_range(jet_argument_magnitude_range range, double x)
 {
     return range.least <= fabs(x) && fabs(x) <= range.most;
 }
 
-JET_INLINE bool jet_are_all_in_range(jet_magnitude_range range, int count, const double *argument)
+JET_INLINE bool jet_are_all_in_range(jet_argument_magnitude_range range, int count, const double *argument)
 {
     int outside = 0;
     JET_IN_VECTORS
@@ -107,8 +108,9 @@ JET_INLINE void jet_apply_to_vector(jet_vector_function *function, double expone
 
 /* Computes the function for those of `count` numbers, at most one vector, that are in the range. The results of all
  * other numbers stay as they were; in the vector, 1 takes the place of these numbers. */
-JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, double exponent, jet_magnitude_range range,
-                                              int count, const double *argument, double *result)
+JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, double exponent,
+                                              jet_argument_magnitude_range range, int count, const double *argument,
+                                              double *result)
 {
     double x[JET_NATIVE], z[JET_NATIVE];
     bool is_in[JET_NATIVE], any = false;
@@ -126,8 +128,9 @@ JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, dou
 /* Computes the function for numbers of every size: by the vector function in the two ranges, and by the scalar function
  * elsewhere. */
 JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar_function,
-                                        jet_magnitude_range near_zero, jet_magnitude_range far_from_zero,
-                                        double exponent, int count, const double *argument, double *result)
+                                        jet_argument_magnitude_range near_zero,
+                                        jet_argument_magnitude_range far_from_zero, double exponent, int count,
+                                        const double *argument, double *result)
 {
     for (int i = 0; i < count; i++)
         if (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i]))
@@ -140,7 +143,7 @@ JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scala
 
 /* Computes the function for `count` numbers, of which the caller knows that all are in the range near 0. The vector
  * function is used for all of them. */
-JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function, jet_magnitude_range near_zero,
+JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function, jet_argument_magnitude_range near_zero,
                                                   double exponent, int count, const double *argument, double *result)
 {
     int here = 0;
@@ -188,15 +191,15 @@ JET_INLINE jet_native_vector jet_vector_pow(double exponent, jet_native_vector x
     return JET_SLEEF_OF(pow)(x, (jet_native_vector){0} + exponent);
 }
 JET_INLINE double jet_scalar_pow(double exponent, double x) { return pow(x, exponent); }
-JET_INLINE jet_magnitude_range jet_pow_base_range(double exponent)
+JET_INLINE jet_argument_magnitude_range jet_pow_base_range(double exponent)
 {
     const double bits = 1000 / fmax(fabs(exponent), 1), most = bits >= 1 ? ldexp(1, (int)bits) : 1;
-    return (jet_magnitude_range){1 / most, most};
+    return (jet_argument_magnitude_range){1 / most, most};
 }
 JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
            (double exponent, int count, const double *argument, double *restrict result))
 {
-    const jet_magnitude_range near_zero = jet_pow_base_range(exponent);
+    const jet_argument_magnitude_range near_zero = jet_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
         jet_apply_given_all_are_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);

@@ -201,9 +201,10 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
                             : "NEVER");
 }
 
-/* Writes the functions that other generated code can call. The value functions for one register are written even
- * without a request; an unused one costs nothing. */
-static void emit_callable_functions(const tape_emitter *emitter)
+/* Writes the functions of the tape that other generated code calls directly, and not through the table of sweeps: for
+ * values at fixed numbers of lanes, and for series with their tangents and adjoints. The value functions for one
+ * register are written even without a request; an unused one costs nothing. */
+static void emit_functions_for_other_generated_code(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name_prefix;
     const int *const lane_counts = emitter->request->lane_counts;
@@ -283,7 +284,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     emit_tape_arrays(&emitter);
     if (request->needs_adjoint_sweep) emit_adjoints_of_sums(&emitter);
     emit_run_lists(&emitter);
-    emit_callable_functions(&emitter);
+    emit_functions_for_other_generated_code(&emitter);
     jet_text_append(text, "enum { %s_top = %d };\n", name, request->top_order);
     if (request->lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->needs_series_sweep) emit_series_sweep(&emitter);

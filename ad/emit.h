@@ -15,7 +15,7 @@
 
 /* The sweeps of a tape that are requested as generated code. The interpreter runs the sweeps that are not requested. */
 typedef struct {
-    const char *name_prefix; /* Prefix of all names in the generated text. */
+    const char *name_prefix; /* The prefix of all names in the generated text. */
     /* One value function is written for each of these numbers of lanes, and one tangent function for each of these
      * numbers of directions; a 0 ends each list. */
     int lane_counts[3], direction_counts[3];

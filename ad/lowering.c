@@ -138,7 +138,7 @@ static void set_subgroup_if_unset(const graph_lowering *lowering, const struct j
  * operation that reads it. If a sum of products reads it first, it gets its position among the terms of that sum. As an
  * example, let x, y and z be the components of the distances of many pairs of bodies; they are squared and summed, and
  * each is multiplied by a function of its pair. Then all x form one subgroup, all y the next, and all z the third. */
-static void assign_subgroups_for_adjacent_operands(graph_lowering *lowering, tape_placement *level[], int count)
+static void group_operations_with_adjacent_operands(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
@@ -317,7 +317,7 @@ static void assign_slots_by_level(graph_lowering *lowering)
 {
     qsort(lowering->nodes_by_level, (size_t)lowering->needed_node_count, sizeof *lowering->nodes_by_level,
           compare_by_level);
-    call_for_each_level(lowering, assign_subgroups_for_adjacent_operands);
+    call_for_each_level(lowering, group_operations_with_adjacent_operands);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

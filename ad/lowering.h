@@ -11,7 +11,7 @@ typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level; /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    /* The number of the subgroup, whose operations read adjacent slots (assign_subgroups_for_adjacent_operands). */
+    /* The number of the subgroup, whose operations read adjacent slots (group_operations_with_adjacent_operands). */
     int subgroup;
     int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;

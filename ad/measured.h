@@ -28,15 +28,15 @@
  * requested. */
 #define EMIT_MAX_SINGLE_OPERATIONS 768
 /* [operations] The largest tape whose value function is inlined. */
-#define EMIT_MAX_INLINED             64  /* The function has more lanes than a vector register. */
-#define EMIT_MAX_INLINED_IN_REGISTER 256 /* The function has at most eight lanes, as a vector register. */
+#define EMIT_MAX_INLINED             64  /* [operations] Tapes up to this are inlined for more lanes than a register. */
+#define EMIT_MAX_INLINED_IN_REGISTER 256 /* [operations] Tapes up to this are inlined for one register of lanes. */
 
 /* ---- Blocks of members of an ensemble: make performance ONE=ensembles -------------------------------------------- */
 
 /* [members] The width of a block is the number of its members: BATCH_MIN_WIDTH times a power of two. */
-#define BATCH_MIN_WIDTH        8  /* The least width fills one vector of the widest instruction set. */
-#define BATCH_MAX_WIDTH        32 /* The greatest width for methods with curves. */
-#define VERLET_BATCH_MAX_WIDTH 64 /* The greatest width for Stormer-Verlet. */
+#define BATCH_MIN_WIDTH        8  /* [members] The smallest block: one vector of the widest instruction set. */
+#define BATCH_MAX_WIDTH        32 /* [members] The largest block for methods with curves. */
+#define VERLET_BATCH_MAX_WIDTH 64 /* [members] The largest block for Stormer-Verlet. */
 /* [bytes] The tape of Stormer-Verlet has no larger block, except for a block of the least width. */
 #define VERLET_BATCH_MAX_BYTES (16 << 10)
 /* [lanes] A block of Galerkin curves has at most this many lanes, one for each node of each member. */
@@ -93,8 +93,8 @@
 
 /* [1] Passes end when the next pass is expected to move the unknowns by at most this part (galerkin/probe.c derives the
  * two numbers). */
-#define GALERKIN_GOAL         0x1p-80 /* For passes without second derivatives. */
-#define GALERKIN_HESSIAN_GOAL 0x1p-72 /* For passes with second derivatives, which cost more. */
+#define GALERKIN_GOAL         0x1p-80 /* Passes without second derivatives end if the next should move less. */
+#define GALERKIN_HESSIAN_GOAL 0x1p-72 /* Passes with second derivatives, which cost more, end at this movement. */
 /* [1] A movement of the unknowns by at most this part may be roundoff, and shows no contraction. */
 #define GALERKIN_ROUNDOFF_LEVEL (32 * DBL_EPSILON)
 /* [passes] A step begins again without prediction after this many passes, and fails after this many further ones. */
@@ -110,8 +110,8 @@
 #define GALERKIN_ROUGH_PREDICTION 1e-2
 /* [1] A step is predicted from the last one if its size, divided by that of the last step, is in this range. A step in
  * the opposite direction has a negative quotient. */
-#define GALERKIN_PREDICTION_MAX_RATIO  1.5  /* The largest quotient. */
-#define GALERKIN_PREDICTION_BACK_RATIO (-2) /* The least quotient. */
+#define GALERKIN_PREDICTION_MAX_RATIO  1.5  /* A predicted step is at most this many times as long as the last one. */
+#define GALERKIN_PREDICTION_BACK_RATIO (-2) /* A predicted step over the last is at least this; below 0 it goes back. */
 /* [h] A step follows the last one if it begins less than this from where the last one ended. */
 #define GALERKIN_MAX_TIME_GAP 0.25
 /* [numbers] Blocks of up to this size are local variables of a generated step, so that compilers know that nothing else
@@ -123,10 +123,10 @@
 #define GALERKIN_INNER_GOAL 4
 /* [iterations] A pass has at most this many inner iterations. */
 #define GALERKIN_MAX_INNER_ITERATIONS 32
-/* [1] A pass reuses the second derivatives of the pass before if the square of the last relative movement is at most
- * this. */
-#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* The error of the pass is then the cube of the movement. */
-#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT  1e-8    /* make longrun SCENE=double_pendulum shows the error. */
+/* A pass that reuses the second derivatives of the pass before has, for a Hamiltonian, the cube of the movement as its
+ * error. For a Lagrangian make longrun SCENE=double_pendulum shows the error. */
+#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* [1] H'' is reused up to this square of a relative movement. */
+#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT  1e-8    /* [1] L'' is reused up to this square of a relative movement. */
 /* [iterations] A pass for a Lagrangian has at most, and at least, this many inner iterations. More would cost more than
  * they save. After a single iteration F would not follow V, and the energy would drift by the error of V in the last
  * pass. */
@@ -146,8 +146,8 @@
 
 /* ---- Curves and their equations: suites convergence and adjoints of build/check/generating ----------------------- */
 
-#define NEWTON_MAX_PASSES    64 /* [passes] Newton's method fails after this many. */
-#define NEWTON_MAX_REFRESHES 3  /* [Jacobians] The most in a step, each after passes that did not contract. */
+#define NEWTON_MAX_PASSES    64 /* [passes] Newton's method fails after this many passes. */
+#define NEWTON_MAX_REFRESHES 3  /* [Jacobians] The most that a step renews, after passes that did not contract. */
 /* [1] An unknown smaller than this part of the largest of its group is measured as if it had this size. */
 #define NEWTON_MIN_SCALE 1e-20
 /* [1] Corrections that no longer shrink are roundoff if they are at most this part of the largest unknowns, or of the
@@ -188,16 +188,16 @@
 /* [1] H_pp is reused as long as each correction is less than this part of the one before. */
 #define MOMENTA_REUSE_MAX_RATIO 1e-3
 /* The velocity of a Lagrangian that belongs to a momentum is computed as accurately as predictors need it. */
-#define VELOCITY_MAX_CORRECTION  1e-8 /* [1] The last correction is at most this part of the velocity. */
-#define VELOCITY_MAX_CORRECTIONS 4    /* [corrections] The velocity is not found if more are needed. */
+#define VELOCITY_MAX_CORRECTION  1e-8 /* [1] The last correction of a velocity is at most this part of it. */
+#define VELOCITY_MAX_CORRECTIONS 4    /* [corrections] The velocity is not found if it needs more than this many. */
 
 /* ---- Legendre transforms y = f(x): suites points and serves of build/check/generating ---------------------------- */
 
 /* [1] A solution x has |y - f(x)| at most this part of |y|, or of |f(x)| at the start if that is larger. If the
  * iteration runs off to infinity, the residual is large. */
 #define LEGENDRE_MAX_RESIDUAL        1e-6
-#define LEGENDRE_MAX_ITERATIONS      100 /* [iterations] Newton's method makes at most this many. */
-#define LEGENDRE_MAX_HALVINGS        40  /* [halvings] A correction is halved at most this many times. */
+#define LEGENDRE_MAX_ITERATIONS      100 /* [iterations] Newton's method for x in y = f(x) makes at most this many. */
+#define LEGENDRE_MAX_HALVINGS        40  /* [halvings] A correction of x is halved at most this many times. */
 #define LEGENDRE_MAX_GROWTH_HALVINGS 12  /* [halvings] After this many f(x) need not be nearer to y than before. */
 /* [1] The matrix dy/dx is reused if the residual is below this part of the residual for which the matrix was
  * computed. */
@@ -207,7 +207,7 @@
 #define LEGENDRE_STALLED_CORRECTION 1e-12
 /* L_vv is regular if it is so at one random point. The pivots of a singular matrix are roundoff, which may not be
  * exactly 0. */
-#define LEGENDRE_PROBES            8    /* [points] At most this many random points are tested. */
+#define LEGENDRE_PROBES            8    /* [points] L_vv is tested for regularity at up to this many random points. */
 #define LEGENDRE_REGULAR_MIN_PIVOT 1e-9 /* [1] L_vv is regular at a point if its least pivot is larger. */
 
 /* ---- "taylor" to a tolerance: make adaptive; suites tolerance of build/check/events ------------------------------ */
@@ -223,8 +223,8 @@
 /* [expansions] At most this many curves, each with another tau, are tried for a step. */
 #define STEP_SIZE_MAX_EXPANSIONS 64
 /* [1] The size of a step, divided by that of the step before. */
-#define STEP_SIZE_MAX_GROWTH     4.0 /* The quotient is at most this. */
-#define STEP_SIZE_CHECKED_GROWTH 1.5 /* With a larger quotient, and in a first step, the force at the end is checked. */
+#define STEP_SIZE_MAX_GROWTH     4.0 /* A step is at most this many times as long as the step before. */
+#define STEP_SIZE_CHECKED_GROWTH 1.5 /* First steps, and those that grow by more, have the force at the end checked. */
 /* [1] Increments are refined for tolerances below this. Larger tolerances leave errors that exceed roundoff. */
 #define REFINE_MAX_TOLERANCE 1e-13
 /* [1] The omitted terms of a curve change the energy by at most this many times as much as the last two terms (make
@@ -244,8 +244,8 @@
 #define DEFAULT_ORDER 16
 /* With an automatic time scale, the largest tail of a step is 2^(AUTOMATIC_TAIL_FIRST_EXPONENT - order / 2). With a
  * smaller limit good steps would be refused (docs/adaptive.md). */
-#define AUTOMATIC_TAIL_FIRST_EXPONENT 3  /* [1] */
-#define AUTOMATIC_TAIL_LAST_ORDER     16 /* [orders] Higher orders have the limit of this order. */
+#define AUTOMATIC_TAIL_FIRST_EXPONENT 3  /* [1] The largest tail of a step is 2^(this - order / 2). */
+#define AUTOMATIC_TAIL_LAST_ORDER     16 /* [orders] Higher orders have the largest tail of this order. */
 
 /* ---- The guard: make guard; the reference level of the energy: suite zero of build/check/stability --------------- */
 
@@ -253,31 +253,31 @@
 #define GUARD_MAX_ENERGY_CHANGE 0.05
 /* [1], [passes] Steps with at most these tails and passes are accepted without a check of the energy. They were right
  * in all runs of docs/stability.md (make stability). The passes of methods with series contract faster. */
-#define GUARD_UNCHECKED_MAX_TAIL          1e-3 /* For the Galerkin curve. */
-#define GUARD_UNCHECKED_MAX_SERIES_TAIL   1e-4 /* For methods with series. */
-#define GUARD_UNCHECKED_MAX_PASSES        32   /* For the Galerkin curve. */
-#define GUARD_UNCHECKED_MAX_SERIES_PASSES 4    /* For methods with series. */
+#define GUARD_UNCHECKED_MAX_TAIL          1e-3 /* The energy of Galerkin steps is unchecked up to this tail. */
+#define GUARD_UNCHECKED_MAX_SERIES_TAIL   1e-4 /* The energy of steps with series is unchecked up to this tail. */
+#define GUARD_UNCHECKED_MAX_PASSES        32   /* The energy of Galerkin steps is unchecked up to this many passes. */
+#define GUARD_UNCHECKED_MAX_SERIES_PASSES 4    /* The energy of series' steps is unchecked up to this many passes. */
 /* [1] A change of the energy is roundoff if it is below this part of |H| plus the sum of |q dp/dt| and |p dq/dt|. */
 #define GUARD_ENERGY_ROUNDOFF (64 * DBL_EPSILON)
 /* [1] The change of an energy that is nearly 0, such as K = g (H + e), is compared with p.dq/dt instead of the
  * energy. */
 #define GUARD_MIN_PART_OF_ACTION 1e-6       /* An energy is nearly 0 if it is at most this part of p.dq/dt. */
-#define GUARD_PART_OF_ACTION     (1.0 / 64) /* This part of p.dq/dt takes the place of the energy. */
+#define GUARD_PART_OF_ACTION     (1.0 / 64) /* This part of p.dq/dt takes the place of an energy that is nearly 0. */
 /* [1] Two energies are taken as equal if they differ by at most this part: those of bodies at rest, far apart, at two
  * distances, and H(q, p) and H(q, -p) of an H that is even in p. */
 #define GUARD_LEVEL_MAX_DIFFERENCE 1e-9
 /* [increments of the step] The reference level is searched at points of lines, at growing distances from the start of
  * the line. A step from rest that is too large may be a billion times as long as it should be. */
-#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* The least distance. */
-#define GUARD_LEVEL_MAX_DISTANCE 0x1p12  /* The largest distance. */
-#define GUARD_LEVEL_RATIO        2       /* [1] The quotient of neighbouring distances. */
+#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* The search for the zero level of energy begins this far from a state. */
+#define GUARD_LEVEL_MAX_DISTANCE 0x1p12  /* The search for the zero level of energy ends this far from a state. */
+#define GUARD_LEVEL_RATIO        2       /* [1] Distances of this search grow by this factor from point to point. */
 
 /* ---- Runs: suites times and plans of build/check/events ---------------------------------------------------------- */
 
 #define RUN_STEPS_BETWEEN_CHECKS 64 /* [steps] A run checks after this many whether its time moves. */
 /* [steps] A run fails after this many consecutive steps that hardly move its time (build/check/rescaled). */
 #define RUN_MAX_SLOW_STEPS           (1 << 16)
-#define PARTIAL_STEP_MAX_CORRECTIONS 12 /* [corrections] A partial step to a given time has at most this many. */
+#define PARTIAL_STEP_MAX_CORRECTIONS 12 /* [corrections] The size of a partial step is corrected at most this often. */
 /* [h] Partial steps whose sizes differ by less have nearly the same nodes, so that one's history serves the other. */
 #define PARTIAL_STEP_NEAR 1e-3
 
@@ -288,58 +288,58 @@
 /* [eps] A state after a step, or on the curve, is a sum. Its roundoff is this many units of its components. */
 #define EVENT_STATE_ROUNDOFF_UNITS 4.0
 #define EVENT_SAME_TIME            (2 * DBL_EPSILON)  /* [1] Times are the same if they differ by at most this part. */
-#define EVENT_SAME_STOP            (32 * DBL_EPSILON) /* [1] Stops are one stop if their times differ by no more. */
-#define EVENT_NEAR_STOP            1e-6    /* [h] A nearer root may be the stop itself, up to the roundoff of g. */
-#define EVENT_SAME_ROOT            1e-12   /* [h] Nearer roots of one event in one direction are one root. */
-#define EVENT_EDGE                 0x1p-20 /* [h] From an additional sample to an end, or to a sample with g = 0. */
-#define EVENT_FLAT_SLOPE           0.1     /* [mean slope of |g|] A dip may be beside an end with a lower slope. */
-#define EVENT_KINK                 0.05    /* [largest difference of g] The fourth or eighth is larger at a kink. */
+#define EVENT_SAME_STOP            (32 * DBL_EPSILON) /* [1] Stops are one if their times differ by at most this. */
+#define EVENT_NEAR_STOP            1e-6    /* [h] A root this near to a stop may be that stop, by the roundoff of g. */
+#define EVENT_SAME_ROOT            1e-12   /* [h] Two roots of an event this near, in one direction, are one root. */
+#define EVENT_EDGE                 0x1p-20 /* [h] Extra samples of g are this far from step ends and zeros of g. */
+#define EVENT_FLAT_SLOPE           0.1     /* [mean slope of |g|] Below this slope at a step end, a dip may be near. */
+/* [1] g has a kink if a 4th or 8th difference of its samples is above this part of their largest first difference. */
+#define EVENT_KINK 0.05
 /* [h] If g is 0 at the start of a step, the sign of g just after the start is found at growing theta. */
-#define EVENT_FIRST_THETA          0x1p-200 /* The first theta. */
-#define EVENT_FIRST_RESCALED_THETA 0x1p-60  /* The first theta in a rescaled system, where the time must move. */
-#define EVENT_RETURN_MIN_THETA     0x1p-52  /* The least second theta. An event may have returned to 0 by then. */
-#define EVENT_RETURN_THETA_GROWTH  16.0     /* [1] Each further theta is this many times the one before. */
-#define EVENT_DIP_MIN_WIDTH        1e-8     /* [h] The search of a dip ends when three samples span no more. */
+#define EVENT_FIRST_THETA          0x1p-200 /* [h] If g is 0 at a step's start, its sign is taken here first. */
+#define EVENT_FIRST_RESCALED_THETA 0x1p-60  /* [h] If g is 0 at a rescaled step's start, its sign is taken here. */
+#define EVENT_RETURN_MIN_THETA     0x1p-52  /* [h] The least theta of a check that g, once off 0, is not back at 0. */
+#define EVENT_RETURN_THETA_GROWTH  16.0     /* [1] An unsure sign of g is taken again at this many times theta. */
+#define EVENT_DIP_MIN_WIDTH        1e-8     /* [h] The search of a dip ends when its three samples span no more. */
 #define EVENT_DIP_MAX_SAMPLES      120      /* [samples] The search of a dip ends after this many. */
 #define EVENT_SECANT_MIN_CHANGE    1e-4     /* [h] The secant method ends when theta changes by no more. */
 #define EVENT_MAX_SECANTS          6        /* [secants] The secant method ends after this many. */
-#define EVENT_ITP_TRUNCATION       0.2      /* [1 / first width] The ITP method truncates its steps by this. */
+#define EVENT_ITP_TRUNCATION       0.2      /* [1 / first width] The constant kappa_1 of the ITP root finder. */
 #define EVENT_LINE_DEGREE          8        /* [orders] The degree of the Taylor polynomial of g along a line. */
 #define EVENT_MAX_LINES            5        /* [lines] A root is searched on at most this many lines. */
-#define EVENT_LINE_MAX_LENGTH      2e-9     /* [h] A line from a state of the method is used up to this distance. */
+#define EVENT_LINE_MAX_LENGTH      2e-9     /* [h] A straight line replaces the solution up to this distance. */
 #define EVENT_CHORD                1e-5     /* [h] Half the distance of the two points of a difference quotient. */
-#define EVENT_SLOPE_ERROR          32.0     /* [1] The relative error of a slope divided by that of the curve. */
+#define EVENT_SLOPE_ERROR          32.0     /* [1] The slope of a line has this many times the curve's error. */
 /* A correction of theta is short if it is at most EVENT_SHORT_CORRECTION, and at most EVENT_SHORT_CORRECTION_PART of
  * the distance from the corrected theta to the nearer end of the bracket. */
-#define EVENT_SHORT_CORRECTION      1e-6 /* [h] */
-#define EVENT_SHORT_CORRECTION_PART 1e-3 /* [1] */
+#define EVENT_SHORT_CORRECTION      1e-6 /* [h] A short correction of theta is at most this. */
+#define EVENT_SHORT_CORRECTION_PART 1e-3 /* [1] A short correction is at most this part of the way to an end. */
 /* Near an event the solution is replaced by a straight line through one of its states, the origin of the line
  * (finder.h). An estimated root of g on the line lies in a small bracket, whose ends move outwards until g changes its
  * sign. */
-#define EVENT_SURE_DISTANCE        0x1p-50    /* [h] The distance of the first ends from the estimate. */
-#define EVENT_BRACKET_GROWTH       16.0       /* [1] The quotient of two movements of an end that follow each other. */
-#define EVENT_BRACKET_MAX_DISTANCE (1.0 / 16) /* [h] No end is farther from the state through which the line goes. */
+#define EVENT_SURE_DISTANCE        0x1p-50    /* [h] A bracket's ends are first this far from the estimated root. */
+#define EVENT_BRACKET_GROWTH       16.0       /* [1] Each next move of a bracket's end is this many times as long. */
+#define EVENT_BRACKET_MAX_DISTANCE (1.0 / 16) /* [h] An end of a bracket is at most this far from the line's origin. */
 
 /* ---- The suggested step (tvi_suggest_step): make suggest. A constant without a unit is [1] ----------------------- */
 
-/* Trials aim at a part of the wanted error. In a rescaled system the part is smaller, since another passage of a
- * pericentre may be worse than the passage in the trial. */
-#define SUGGEST_AIM          0.08
-#define SUGGEST_AIM_RESCALED 0.06
+/* In a rescaled system trials aim lower, since another passage of a pericentre may be worse than that in the trial. */
+#define SUGGEST_AIM          0.08 /* Trials aim at this part of the wanted error. */
+#define SUGGEST_AIM_RESCALED 0.06 /* Trials of rescaled systems aim at this part of the wanted error. */
 /* The step size of a trial, divided by that of the trial before; after the last trial, the suggested step size divided
  * by that of the trial. */
-#define SUGGEST_FAILED_FACTOR          0.88 /* After a failed step or a large error. */
-#define SUGGEST_FAILED_FACTOR_RESCALED 0.7  /* After a failed step in a rescaled system. */
-#define SUGGEST_UNKNOWN_FACTOR         0.8  /* A further factor of the suggestion, if no estimate was near the aim. */
-#define SUGGEST_MIN_FACTOR             0.25 /* Otherwise the quotient is at least this, and at most 1 / this. */
+#define SUGGEST_FAILED_FACTOR          0.88 /* A trial's step size over the last, after a failure or a large error. */
+#define SUGGEST_FAILED_FACTOR_RESCALED 0.7  /* A trial's step size over the last, after a failed step if rescaled. */
+#define SUGGEST_UNKNOWN_FACTOR         0.8  /* A suggested step has this factor if no estimate was near the aim. */
+#define SUGGEST_MIN_FACTOR             0.25 /* A trial's step size over the last is at least this, at most 1 / this. */
 #define SUGGEST_MIN_AIM_PER_ERROR      1e-3 /* The aim divided by the error of a trial counts as at least this. */
 /* The error of a trial is roundoff if SUGGEST_ROUNDOFF_DOUBT is above the distance of its orbits, and if a step size
  * that should reduce the error to the part SUGGEST_EXPECTED_DECREASE does not reduce it by the factor
  * SUGGEST_ROUNDOFF_DECREASE. */
 #define SUGGEST_ROUNDOFF          1e-13 /* A smaller distance of two orbits may be roundoff alone. */
-#define SUGGEST_ROUNDOFF_DOUBT    1e-10
-#define SUGGEST_ROUNDOFF_DECREASE 3
-#define SUGGEST_EXPECTED_DECREASE 0.01
+#define SUGGEST_ROUNDOFF_DOUBT    1e-10 /* An error may be roundoff if the orbits' distance is below this. */
+#define SUGGEST_ROUNDOFF_DECREASE 3     /* An error that falls by less than this factor may be roundoff alone. */
+#define SUGGEST_EXPECTED_DECREASE 0.01  /* A shorter step tests for roundoff if it should reduce errors to this part. */
 /* The first trial supposes that a step that just resolves the orbit has the error SUGGEST_RESOLVED_ERROR tail^a, with a
  * = order / degree. */
 #define SUGGEST_RESOLVED_ERROR 0.1
@@ -363,17 +363,17 @@
 #define SUGGEST_TIME_BIAS        3.0
 /* The scout and all trials together make at most the part TRIALS_PART_OF_RUN of the steps of the run. */
 #define TRIALS_PART_OF_RUN 0.04
-#define TRIALS_MIN_STEPS   60   /* [steps] The limit is at least this. */
-#define TRIALS_MAX_STEPS   6000 /* [steps] The limit is at most this. */
+#define TRIALS_MIN_STEPS   60   /* [steps] The scout and all trials may make at least this many steps together. */
+#define TRIALS_MAX_STEPS   6000 /* [steps] The scout and all trials make at most this many steps together. */
 #define TRIAL_ERROR_BAND   30.0 /* A trial ends if its estimate and the aim differ by more than this factor. */
-#define TRIAL_EQUAL_LENGTH 0.8  /* A trial that covers this part of the longest trial counts as much as that one. */
+#define TRIAL_EQUAL_LENGTH 0.8  /* A trial counts as much as the longest one if it covers this part of it. */
 #define TRIAL_MAX_DISTANCE 0.05 /* A larger distance of two orbits does not grow as a power of the step size. */
 #define TRIAL_END          1e-9 /* A trial that leaves out a smaller part of the run covers the whole run. */
 /* Errors grow as t^a with the time t of a run. */
-#define TRIAL_GROWTH_EXPONENT          1.25       /* a; in a driven system a is measured, and is at most this. */
-#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1        /* a in a rescaled system. */
-#define TRIAL_GROWTH_FIRST_STEP        8          /* [steps] a is measured after this many steps in a driven system. */
-#define TRIAL_GROWTH_INTERVAL          4          /* [steps] a is measured again after every further interval. */
+#define TRIAL_GROWTH_EXPONENT          1.25       /* Errors grow as t^this. In driven systems it is the upper limit. */
+#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1        /* Errors of rescaled systems grow as t^this. */
+#define TRIAL_GROWTH_FIRST_STEP        8          /* [steps] Driven systems: errors' growth is measured from here on. */
+#define TRIAL_GROWTH_INTERVAL          4          /* [steps] Driven systems: errors' growth is measured this often. */
 #define TRIAL_MIN_STEPS                4          /* [steps] A large estimate does not end a trial of fewer steps. */
 #define TRIAL_MAX_HARDEST_PART         0.6        /* The hardest part ends by this part of a trial from the start. */
 #define TRIAL_COMPANION_MIN_EXPLORED   0.5        /* The companion orbit needs a scout that saw this part of the run. */
@@ -385,15 +385,15 @@
 #define SCOUT_RESOLVING_TAIL 0.003
 #define SCOUT_MAX_TAIL       0.03 /* A step with a larger tail is undone and repeated. */
 /* The size of the scout's next step, divided by that of the last one. */
-#define SCOUT_FIRST_FAILED_FACTOR  0.125 /* After a first step that fails. */
-#define SCOUT_FAILED_FACTOR        0.6   /* After a later step that fails. */
-#define SCOUT_MAX_GROWTH           1.6   /* The largest quotient after a success. */
-#define SCOUT_MIN_RESOLVING_FACTOR 0.4   /* The least quotient if the next step just resolves the orbit. */
-#define SCOUT_MAX_RESOLVING_FACTOR 8.0   /* The largest quotient if the next step just resolves the orbit. */
+#define SCOUT_FIRST_FAILED_FACTOR  0.125 /* The scout's next step is this part of a first step that fails. */
+#define SCOUT_FAILED_FACTOR        0.6   /* The scout's next step is this part of a later step that fails. */
+#define SCOUT_MAX_GROWTH           1.6   /* The scout's next step is at most this many times the last one. */
+#define SCOUT_MIN_RESOLVING_FACTOR 0.4   /* A resolving step size is taken as at least this part of the last step. */
+#define SCOUT_MAX_RESOLVING_FACTOR 8.0   /* A resolving step size is taken as at most this many times the last step. */
 #define SCOUT_HARDER_FACTOR        0.9   /* A harder position has a resolving step below this part of the least. */
-#define SCOUT_MAX_ENERGY_CHANGE    0.1   /* The largest relative change of the energy in the first step. */
-#define SCOUT_MAX_DISTANCE         0.25  /* The largest relative distance of the first step from two half steps. */
+#define SCOUT_MAX_ENERGY_CHANGE    0.1   /* The scout's first step may change the energy by this part. */
+#define SCOUT_MAX_DISTANCE         0.25  /* The scout's first step and two half steps may differ by this part. */
 #define SCOUT_ERROR_POWER          4.0   /* A position's weight: its resolving step size to minus this power. */
-#define SCOUT_MIN_WEIGHT           0.02  /* The least weight, in weights of the hardest position. */
+#define SCOUT_MIN_WEIGHT           0.02  /* The least weight of a position, in weights of the hardest position. */
 
 #endif

@@ -43,8 +43,8 @@ typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand_index);
 /* The orders of the partner from which order k of z is computed. Values (order 0) need no partner. */
 typedef enum {
     W_NONE,  /* The operation has no partner. */
-    W_LOWER, /* Orders 0..k-1. */
-    W_SAME   /* Orders 0..k; only for operations with one operand. */
+    W_LOWER, /* Order k of z needs orders 0..k-1 of the partner. */
+    W_SAME   /* Order k of z needs orders 0..k of the partner; only for operations with one operand. */
 } jet_partner_orders;
 
 /* The rule of one operation. */

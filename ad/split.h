@@ -8,8 +8,10 @@
 
 /* Says which runs are split. */
 typedef enum {
-    JET_SPLIT_NONE, /* Splits no run. */
-    JET_SPLIT_SUMS, /* Splits LINEAR runs and runs with scattered operands. */
+    JET_SPLIT_NONE, /* Leaves all runs of the tape as they are. */
+    /* Makes single operations of all runs in which each operation has a list of operands of its own: of sums (LINEAR),
+     * and of products whose operands are not adjacent (jet_run.is_scattered). Other runs stay as they are. */
+    JET_SPLIT_SUMS,
     /* Splits all runs, on tapes of values. Each operation follows its operands, and is followed directly by those
      * operations whose operands are then all computed. */
     JET_SPLIT_ALL

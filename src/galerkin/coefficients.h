@@ -35,7 +35,7 @@ void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, 
 
 typedef struct {
     int node_count, lane_count;
-    double *node_weight, *node_abscissa; /* [lanes] */
+    double *node_weight, *node_abscissa; /* [lanes] the weights b_j and the nodes c_j of the quadrature on [0, 1] */
     /* The reciprocal 1 / b_j for the first and the last node, whose weights are equal. */
     double inverse_outermost_weight;
     /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a

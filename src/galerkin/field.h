@@ -26,7 +26,7 @@ typedef struct {
     int pass_input_row_count;
     /* The step size h for which the weights and scales of the nodes were computed; 0 before the first step. */
     double step_size;
-    double *node_weight; /* [lanes] */
+    double *node_weight; /* [lanes] the quadrature weights b_j; 0 for lanes that repeat the last node */
     /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
     int *rate_row_of_unknown;
     /* [unknowns] The factor 1/h of impulses in rates: impulse_scale of the nodes whose unknowns are the rates, in the

@@ -46,19 +46,19 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.rate_row_of_unknown = galerkin_rate_row_of_unknown;
     passes.rate_slot[false] = galerkin_value_slot;
     passes.rate_slot[true] = galerkin_hessian_slot;
-    passes.inner_iterations.hessian_column_count = GALERKIN_HESSIAN_COLUMNS;
-    passes.inner_iterations.hessian_row_count = GALERKIN_HESSIAN_ROWS;
-    passes.inner_iterations.unknown_of_row = galerkin_unknown_of_row;
-    passes.inner_iterations.hessian_index = galerkin_hessian_index;
-    passes.inner_iterations.hessian_block = passes.tape_blocks.hessian_block;
+    passes.newton_inner_iteration_data.hessian_column_count = GALERKIN_HESSIAN_COLUMNS;
+    passes.newton_inner_iteration_data.hessian_row_count = GALERKIN_HESSIAN_ROWS;
+    passes.newton_inner_iteration_data.unknown_of_row = galerkin_unknown_of_row;
+    passes.newton_inner_iteration_data.hessian_index = galerkin_hessian_index;
+    passes.newton_inner_iteration_data.hessian_block = passes.tape_blocks.hessian_block;
     if (IS_PACKED) {
-        passes.inner_iterations.packed_hessian = packed;
-        passes.inner_iterations.unknown_size = size;
-        passes.inner_iterations.inverse_unknown_size = per_size;
-        passes.inner_iterations.last_unknown_change = change;
-        passes.inner_iterations.total_unknown_change = total;
-        passes.inner_iterations.last_impulse_change = impulse;
-        passes.inner_iterations.total_impulse_change = all;
+        passes.newton_inner_iteration_data.packed_hessian = packed;
+        passes.newton_inner_iteration_data.unknown_size = size;
+        passes.newton_inner_iteration_data.inverse_unknown_size = per_size;
+        passes.newton_inner_iteration_data.last_unknown_change = change;
+        passes.newton_inner_iteration_data.total_unknown_change = total;
+        passes.newton_inner_iteration_data.last_impulse_change = impulse;
+        passes.newton_inner_iteration_data.total_impulse_change = all;
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_hamiltonian_pass, hamiltonian_predict_unknowns, NULL,
                                                     &passes};

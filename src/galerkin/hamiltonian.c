@@ -48,11 +48,11 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     work.passes.rate_nodes.drift_values = work.passes.rate_nodes.drift_values_low =
         tvi_arena_allocate_doubles(arena, unknowns * lanes);
     work.passes.rate_nodes.impulse_scale = field->rate_per_impulse;
-    work.passes.inner_iterations.unknown_of_row = work.unknown_of_row =
+    work.passes.newton_inner_iteration_data.unknown_of_row = work.unknown_of_row =
         tvi_arena_allocate(arena, unknowns * sizeof(int));
-    work.passes.inner_iterations.hessian_index = work.hessian_index =
+    work.passes.newton_inner_iteration_data.hessian_index = work.hessian_index =
         tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
-    allocate_inner_iterations(&work.passes.inner_iterations, arena, unknowns, lanes);
+    allocate_inner_iterations(&work.passes.newton_inner_iteration_data, arena, unknowns, lanes);
     work.passes.impulse_changes = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++)
         work.passes.rate_slot[i] = work.rate_slot[i] = tvi_arena_allocate(arena, unknowns * sizeof(int));
@@ -142,7 +142,7 @@ static void prepare_hamiltonian_field(galerkin_field *field)
     hamiltonian_work *work = field->form_work;
     hamiltonian_passes *passes = &work->passes;
     tvi_galerkin_prepare_sparse_hessian(&work->sparse_hessian, field);
-    prepare_inner_iterations(field, work, &passes->inner_iterations);
+    prepare_inner_iterations(field, work, &passes->newton_inner_iteration_data);
     for (int u = 0; u < field->nodes.unknown_count; u++) {
         field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
         work->rate_slot[false][u] = field->system->field_values->output_slot[find_gradient_component_of_rate(field, u)];
@@ -187,7 +187,7 @@ static tvi_status make_hamiltonian_pass(galerkin_field *field, double *movement,
 static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
 {
     const hamiltonian_work *work = field->form_work;
-    const lanes_inner_iterations *inner = &work->passes.inner_iterations;
+    const lanes_inner_iterations *inner = &work->passes.newton_inner_iteration_data;
     const int unknowns = field->nodes.unknown_count;
     tvi_galerkin_emit_sparse_hessian(text, &work->sparse_hessian);
     jet_text_append(text, "enum { GALERKIN_HESSIAN_COLUMNS = %d, GALERKIN_HESSIAN_ROWS = %d };\n",

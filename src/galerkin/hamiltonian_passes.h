@@ -27,7 +27,7 @@ typedef struct {
     /* [unknowns] The slot of each unknown's rate: rate_slot[false] is for values_block, rate_slot[true] for
      * hessian_block. */
     const int *rate_slot[2];
-    lanes_inner_iterations inner_iterations;
+    lanes_inner_iterations newton_inner_iteration_data;
     /* [unknowns][lanes] The changes of the impulses that the inner iterations make. */
     double *impulse_changes;
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
@@ -54,7 +54,7 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
 
 static inline void hamiltonian_set_unknown_sizes(const hamiltonian_passes *passes)
 {
-    const lanes_inner_iterations *inner = &passes->inner_iterations;
+    const lanes_inner_iterations *inner = &passes->newton_inner_iteration_data;
     for (int i = 0; i < inner->hessian_row_count; i++) {
         inner->inverse_unknown_size[i] = passes->nodes->inverse_unknown_size[inner->unknown_of_row[i]];
         inner->unknown_size[i] = 1 / inner->inverse_unknown_size[i];
@@ -75,8 +75,8 @@ static inline bool hamiltonian_make_pass(hamiltonian_passes *passes, galerkin_sw
                                                               nodes->values + numbers / 2);
     if (!rates) return false;
     if (is_first) hamiltonian_set_unknown_sizes(passes);
-    GALERKIN_KERNEL(passes->kernels, run_inner_iterations, nodes, &passes->inner_iterations, rates, slot, !serves,
-                    passes->last_pass_movement_square, least, passes->impulse_changes);
+    GALERKIN_KERNEL(passes->kernels, run_inner_iterations, nodes, &passes->newton_inner_iteration_data, rates, slot,
+                    !serves, passes->last_pass_movement_square, least, passes->impulse_changes);
     passes->last_pass_movement_square = GALERKIN_KERNEL(passes->kernels, move_with_changes, nodes,
                                                         passes->impulse_matrix, rates, passes->impulse_changes, slot);
     return true;

@@ -99,7 +99,7 @@ static void prepare_lagrangian_field(galerkin_field *field)
     prepare_lagrangian_passes(&work->passes, field, &work->sparse_hessian);
     work->passes.invert_with_row_exchanges = tvi_galerkin_invert_with_row_exchanges;
     work->passes.inverse_in_library_arrays = &work->passes.velocity_hessian_inverse;
-    work->passes.lu_factor = &work->legendre_transform.jacobian_factor;
+    work->passes.velocity_hessian_lu_factor = &work->legendre_transform.jacobian_factor;
     for (int u = 0; u < field->nodes.unknown_count; u++) field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
 }
 

@@ -41,7 +41,8 @@ typedef struct {
      * velocity_hessian_inverse. */
     bool (*invert_with_row_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
     const lanes_matrix_inverse *inverse_in_library_arrays;
-    void *lu_factor;
+    /* The tvi_lu_factor in which invert_with_row_exchanges factors L_vv of one node after the other. */
+    void *velocity_hessian_lu_factor;
     int inversion_count; /* the number of times that L_vv was inverted */
     /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
     double last_pass_movement_square;
@@ -162,7 +163,8 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     /* The called function must not get the address of a local array of generated code. Otherwise a compiler would have
      * to assume that other pointers may point to the array, too. */
     memmove(passes->inverse_in_library_arrays->matrix, a, bytes);
-    if (passes->invert_with_row_exchanges(passes->inverse_in_library_arrays, lanes, passes->lu_factor)) {
+    if (passes->invert_with_row_exchanges(passes->inverse_in_library_arrays, lanes,
+                                          passes->velocity_hessian_lu_factor)) {
         memmove(passes->velocity_hessian_inverse.inverse, passes->inverse_in_library_arrays->inverse, bytes);
         return LAGRANGIAN_PASSED;
     }

@@ -207,7 +207,7 @@ typedef struct {
 enum { LANES_ROWS_PER_GROUP = 4 };
 typedef struct {
     int hessian_column_count, hessian_row_count;
-    const int *unknown_of_row; /* [hessian_row_count] */
+    const int *unknown_of_row; /* [hessian_row_count] the unknown of each row of the matrix */
     /* [hessian_column_count][rows of the group] for each group of rows: the index of each matrix element in
      * hessian_block. */
     const int *hessian_index;

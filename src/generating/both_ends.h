@@ -14,11 +14,11 @@ typedef struct {
     /* The action of this curve; the tables of the start curve's action serve the nodes of both curves. */
     tvi_action action;
     double *momentum_coefficients;    /* [degree][n] the coefficients P_k of the momentum */
-    double sign_in_difference;        /* 1 for a, -1 for b: the sign of the curve in a - b */
+    double sign_in_difference;        /* the sign of this curve in the difference a - b: 1 for a, -1 for b */
     double other_end_s;               /* the scaled time of the other end: 1 or -1 */
     tvi_combination q_increment;      /* q at the other end less q at this end: a(1) - q0 or b(-1) - q1 */
     tvi_combination u_at_own_end;     /* the scaled momentum U_0 at this end */
-    tvi_combination dense_q, dense_u; /* the increments to one point of dense output */
+    tvi_combination dense_q, dense_u; /* the increments of q and u to one point of dense output */
     double *node_blend_weight;        /* [points] the weight of this curve in the blend at each node: w or 1 - w */
     double *seed;                     /* [degree + 1][n] the derivatives of the action by the coefficients Q_k */
     double *action_gradient;          /* [2n] the derivative of the action by z, in defect form (action.h) */

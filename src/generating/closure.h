@@ -24,7 +24,7 @@ typedef enum { TVI_FIRST_COLUMNS, TVI_LAST_COLUMNS } tvi_column_half;
 typedef struct {
     /* The combinations whose Jacobians are in A; second_combination is NULL if A is a block. */
     const tvi_combination *first_combination, *second_combination;
-    tvi_column_half jacobian_column_half; /* the columns of the Jacobian that are A, if A is a block */
+    tvi_column_half jacobian_column_half; /* if A is an n x n block of the Jacobian: its columns */
 } tvi_transposed_equations;
 
 /* A solver of the equations A^T x = D_z, by matrices (matrices.c) or by products (products.c). The functions
@@ -60,7 +60,7 @@ typedef struct tvi_closure {
      * q+)/(end_s - start_s), with the ends of the span in scaled time. The last one has no term in Q_1; it is the mean
      * of the ends if the curve is expanded at the midpoint. */
     tvi_combination q_at_start, q_at_end, q_increment, q_mean;
-    tvi_combination u_at_start, u_at_end, u_increment, u_mean; /* the same combinations of the scaled momentum u */
+    tvi_combination u_at_start, u_at_end, u_increment, u_mean; /* the combinations of U_k for the scaled momentum */
     /* The degree to which the momentum is summed. */
     int p_degree;
     /* [n] The sum of |P_k| over all orders k, with P_k the coefficient of s^k in the momentum. momentum_abs_weights are
@@ -69,8 +69,10 @@ typedef struct tvi_closure {
     tvi_combination momentum_abs_weights;
     tvi_correct_ends_fn *correct_ends; /* computes the corrections by the equations of the generating function */
     const tvi_end_correction_factors *end_factors; /* the factors by which the solution (x, y) enters the corrections */
-    double *seed_Q, *seed_U;                       /* [highest_order + 1][n] the seeds of D_z */
-    double *gradient_then_solution;                /* [2n] first D_z, then the solution of the equations */
+    /* [highest_order + 1][n] The derivatives of the discrete action, in defect form, by the coefficients Q_k of the
+     * position and U_k of the scaled momentum: D_z = sum_k (dQ_k/dz)^T (those by Q_k) + (dU_k/dz)^T (those by U_k). */
+    double *action_gradient_by_coefficients_Q, *action_gradient_by_coefficients_U;
+    double *gradient_then_solution; /* [2n] first D_z, then the solution of the equations */
     const tvi_closure_solver *solver;
     void *solver_data; /* the memory of the solver: tvi_jacobian_factors or tvi_conjugate_residuals */
     /* [n] The corrections of the start of the step and of its increments (see the head of this file). */

@@ -74,7 +74,8 @@ static void prepare_batch(void *work)
  * which it continues in later runs. Plain Taylor steps of a given size do not use their history. */
 static double *get_history_of_members(const tvi_curve_workspace *work)
 {
-    return work->has_corrections ? work->newton.max_contraction_ratio_growth_of_member : work->last_adapted_step_size;
+    return work->corrects_step_ends ? work->newton.max_contraction_ratio_growth_of_member
+                                    : work->last_adapted_step_size;
 }
 
 static void copy_lane_history_to_member(const void *work, int lane, void *member_work)

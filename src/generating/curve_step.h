@@ -60,7 +60,7 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
  * and returns true. */
 static inline bool step_corrects_curve_ends(const tvi_curve_workspace *work)
 {
-    return CURVE_SIZE(true, work->has_corrections);
+    return CURVE_SIZE(true, work->corrects_step_ends);
 }
 
 /* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
@@ -209,12 +209,13 @@ static inline bool step_run_corrector_pass(step_state *state, bool is_first)
     curve_set_centre_state(&closure->curve, x);
     tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&closure->curve);
     if (!step_drop_failed_members(state, status, false)) return false;
-    status = functions->compute_seeds(&work->action, &closure->curve, closure->seed_Q, closure->seed_U);
+    status = functions->compute_seeds(&work->action, &closure->curve, closure->action_gradient_by_coefficients_Q,
+                                      closure->action_gradient_by_coefficients_U);
     if (!step_drop_failed_members(state, status, true)) return false;
     if (due_count > 0) step_factor_jacobians(state, due_count, x);
     if (step_count_iterating_members(state) == 0) return false;
-    CURVE_CALL(multiply_transposed_jacobians_by_seeds, &closure->curve, closure->seed_Q, closure->seed_U,
-               closure->gradient_then_solution);
+    CURVE_CALL(multiply_transposed_jacobians_by_seeds, &closure->curve, closure->action_gradient_by_coefficients_Q,
+               closure->action_gradient_by_coefficients_U, closure->gradient_then_solution);
     linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_factor,
                                       closure->gradient_then_solution);
     closure_set_end_corrections(closure);

@@ -63,7 +63,8 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
     tvi_status status = expand_curve(attempt, z, compute_centre_time(attempt));
     if (status != TVI_OK) return status;
     attempt->stats->force_evaluations += w->options->quadrature_points;
-    status = tvi_compute_action_seeds(&w->action, &c->curve, c->seed_Q, c->seed_U);
+    status = tvi_compute_action_seeds(&w->action, &c->curve, c->action_gradient_by_coefficients_Q,
+                                      c->action_gradient_by_coefficients_U);
     if (status != TVI_OK) return status;
     status = c->solver->compute_corrections(c, z, w->newton.scale, attempt->stats);
     const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
@@ -142,7 +143,7 @@ static void compute_plain_taylor_increments(work *w, double h, const tvi_increme
  * its orders are summed, and its ends are not corrected. */
 static bool is_step_plain_taylor_curve(const work *w)
 {
-    return !w->has_corrections && w->closure.span.start_s == 0 && w->q_degree > 1 &&
+    return !w->corrects_step_ends && w->closure.span.start_s == 0 && w->q_degree > 1 &&
            w->closure.curve.highest_order == w->q_degree;
 }
 
@@ -153,7 +154,7 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
     step_attempt attempt = {w, origin, w->closure.span.tau_over_h * h, stats};
     if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict_centre_state(&attempt);
-    if (status == TVI_OK && w->has_corrections) status = run_corrector(&attempt);
+    if (status == TVI_OK && w->corrects_step_ends) status = run_corrector(&attempt);
     else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_state, compute_centre_time(&attempt));
     if (status != TVI_OK) return status;
     if (is_step_plain_taylor_curve(w)) {
@@ -258,10 +259,10 @@ static double bound_energy_change(const void *workspace)
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool corrects_step_ends = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
     return tvi_curve_find_used_tapes(system, options, shape.orders - 1, shape.points,
-                                     has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
+                                     corrects_step_ends ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)

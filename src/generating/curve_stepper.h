@@ -25,8 +25,8 @@ const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *ta
 
 typedef struct tvi_curve_workspace {
     tvi_closure closure;
-    bool has_corrections;
-    bool needs_extra_pass; /* whether each step makes one pass more than seems needed (newton.h) */
+    bool corrects_step_ends; /* whether the method corrects the ends of the curve by a generating function */
+    bool needs_extra_pass;   /* whether each step makes one pass more than seems needed (newton.h) */
     const tvi_options *options;
     int q_degree;
     tvi_action action;
@@ -37,7 +37,7 @@ typedef struct tvi_curve_workspace {
     /* The centre state q and tau v, or p of a Hamiltonian, as values of the curve that starts at (q0, p0). */
     tvi_combination q_at_centre_weights, velocity_at_centre_weights;
     tvi_combination scaled_end_velocity; /* of a Lagrangian: tau v at the end of the step */
-    tvi_combination dense_q, dense_u;    /* the increments to one point of dense output */
+    tvi_combination dense_q, dense_u;    /* the increments of q and u up to one point of dense output */
     double *predicted_state;             /* [2n] the predicted centre state */
     /* [n] of a Lagrangian: the first guess of the velocity in the next predictor; part of the history. */
     double *velocity_guess;
@@ -47,7 +47,7 @@ typedef struct tvi_curve_workspace {
     double tolerance, log_tolerance;           /* the tolerance of the last adapted step, and its logarithm */
     double *scratch;                           /* [n] */
     tvi_increment_refinement refinement;
-    tvi_quick_step_fn *quick_step;                   /* the quick step (curve_step.h), or NULL */
+    tvi_quick_step_fn *quick_step; /* makes a whole step faster (curve_step.h); NULL if the method has none */
     const struct tvi_member_stepper *single_stepper; /* only in batches: makes the step of a single member */
 } tvi_curve_workspace;
 

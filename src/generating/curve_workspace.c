@@ -9,12 +9,12 @@
 typedef tvi_curve_workspace work;
 
 static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                             bool has_corrections, int width)
+                             bool corrects_step_ends, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const tvi_action sizes = tvi_create_unallocated_action(system, options, 1);
     const size_t n = (size_t)system->n * (size_t)width;
-    const tvi_jacobians jacobians = has_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
+    const tvi_jacobians jacobians = corrects_step_ends ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
     c->n = system->n;
     c->span = definition->span;
@@ -35,13 +35,13 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
                                     &c->increment_correction_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
         *corrections[i] = tvi_arena_allocate_doubles(arena, n);
-    if (!has_corrections) return;
+    if (!corrects_step_ends) return;
     const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
     c->momentum_term_abs_sum = tvi_arena_allocate_doubles(arena, n);
     c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
     solver->allocate(c, arena);
-    c->seed_Q = tvi_arena_allocate_doubles(arena, seeds);
-    c->seed_U = tvi_arena_allocate_doubles(arena, seeds);
+    c->action_gradient_by_coefficients_Q = tvi_arena_allocate_doubles(arena, seeds);
+    c->action_gradient_by_coefficients_U = tvi_arena_allocate_doubles(arena, seeds);
 }
 
 /* Allocates what the method "taylor" has: a curve without corrections, whose steps may adapt to a tolerance. */
@@ -61,13 +61,13 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool corrects_step_ends = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n * (size_t)width;
-    work w = {.has_corrections = has_corrections,
+    work w = {.corrects_step_ends = corrects_step_ends,
               .needs_extra_pass = definition->needs_extra_pass,
               .options = options,
               .q_degree = options->degree};
-    allocate_closure(&w.closure, arena, system, options, has_corrections, width);
+    allocate_closure(&w.closure, arena, system, options, corrects_step_ends, width);
     const tvi_curve *curve = &w.closure.curve;
     tvi_combination *const combinations[] = {&w.q_start_minus_centre_weights,
                                              &w.q_at_centre_weights,
@@ -84,7 +84,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena, width);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
-    if (has_corrections) {
+    if (corrects_step_ends) {
         tvi_allocate_action(&w.action, arena, system, options, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quick_step = tvi_choose_quick_step(&w.closure, options);
@@ -129,7 +129,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
     tvi_combination_set_power_weights(&c->momentum_abs_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_predictor_combinations(w);
-    if (!w->has_corrections) return;
+    if (!w->corrects_step_ends) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant, so that passes correct q and p alternately. The contraction of the first pass
      * then does not show that of the later ones. */

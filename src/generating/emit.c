@@ -54,7 +54,8 @@ static void emit_velocity_dependence_macro(jet_text *text, const tvi_system *sys
 /* Emits the macros by which the seeds evaluate the field and its tangents at the nodes; code without seeds gets macros
  * that do nothing. Tangents are needed only to find the momenta of given velocities. They are the derivatives of H_p by
  * p, and the tape of the series computes them. */
-static void emit_node_field_macros(jet_text *text, const tvi_system *system, const tvi_action *action, bool has_seeds)
+static void emit_macros_evaluating_field_at_nodes(jet_text *text, const tvi_system *system, const tvi_action *action,
+                                                  bool has_seeds)
 {
     const jet_tape *field = tvi_select_node_tape(system, action);
     const bool has_velocities = has_seeds && field == system->field_series;
@@ -99,7 +100,7 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     emit_curve_sizes(text, system, options, lanes);
     emit_output_slot_table(text, system->field_series, "code_output", "CURVE_SLOT");
     if (system->form == TVI_LAGRANGIAN) emit_velocity_dependence_macro(text, system);
-    emit_node_field_macros(text, system, &action, has_seeds);
+    emit_macros_evaluating_field_at_nodes(text, system, &action, has_seeds);
     emit_action_sizes(text, &action);
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"

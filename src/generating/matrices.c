@@ -61,7 +61,8 @@ static void compute_residual_in_rows_not_solved(tvi_closure *closure, const tvi_
 static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_multiply_transposed_jacobians_by_seeds(&closure->curve, closure->seed_Q, closure->seed_U,
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&closure->curve, closure->action_gradient_by_coefficients_Q,
+                                                     closure->action_gradient_by_coefficients_U,
                                                      closure->gradient_then_solution);
     if (factors->jacobian_computations_at_factorisation != factors->jacobian_computations_in_step) {
         factors->jacobian_computations_at_factorisation = factors->jacobian_computations_in_step;

@@ -19,8 +19,8 @@ typedef struct {
     double *end_jacobian; /* [n][2n] scratch for Jacobians of the ends */
     /* [2n][2n] for several members: the corrector's Jacobian of each, which may be older for some than for others. */
     double *corrector_jacobian;
-    tvi_lu_factor jacobian_block_factor; /* the factor of the n x n block; a method uses this or full_factor */
-    tvi_lu_factor full_factor;           /* the factor of the 2n x 2n matrix */
+    tvi_lu_factor jacobian_block_factor; /* the factored n x n block of the Jacobian, or unused */
+    tvi_lu_factor full_factor;           /* the factored whole 2n x 2n Jacobian; a method uses one of the two factors */
 } tvi_jacobian_factors;
 
 static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solver_data; }
@@ -128,14 +128,15 @@ static inline void matrices_bound_stale_jacobian_error(const tvi_closure *closur
                                                        double error_per_distance[])
 {
     const tvi_curve *curve = &closure->curve;
-    const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? closure->seed_U : NULL;
+    const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? closure->action_gradient_by_coefficients_U : NULL;
     for (int m = 0; m < curve_width(curve); m++) error_per_distance[m] = 0;
     closure_compute_momentum_sizes(closure);
     for (int i = 0; i < curve_dimension(curve); i++) {
         matrices_raise_largest_relative_size(curve, i, closure->start_correction_q, closure->increment_correction_q,
                                              fabs(curve->kappa[i]), seed_U, scale, error_per_distance);
         matrices_raise_largest_relative_size(curve, i, closure->start_correction_p, closure->increment_correction_p, 1,
-                                             closure->seed_Q, closure->momentum_term_abs_sum, error_per_distance);
+                                             closure->action_gradient_by_coefficients_Q, closure->momentum_term_abs_sum,
+                                             error_per_distance);
     }
 }
 

@@ -30,7 +30,7 @@ typedef struct tvi_action {
     bool has_gradient_by_p; /* gradient_by_p = dg/ds - tau H_p can differ from 0 */
     int q_degree, p_degree; /* the degrees to which position and momentum are summed */
     int points;             /* the number of nodes, with those that pad a half */
-    int orders;             /* highest_order + 1 */
+    int orders;             /* the number of orders of the curve, highest_order + 1 */
     int width;              /* the number of members; rows of nodes are [points][width] */
     /* [points] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
     double *node_scaled_time, *node_weight;

@@ -125,7 +125,7 @@ typedef struct {
     double squared_image_norm[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction_image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
     double *inverse_unknown_size;
-    double *scratch, *product;            /* [2n] */
+    double *scratch, *product;            /* [2n] scratch vectors, the second for products of Jacobians with vectors */
     double *largest_position_coefficient; /* [highest_order + 1] for each k the largest |component| of Q_k */
     bool has_initial_guess;
 } tvi_conjugate_residuals;
@@ -279,7 +279,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
         memset(iteration->solution, 0, (size_t)products_get_padded_row_count(closure) * sizeof *iteration->solution);
     tvi_transposed_product_terms residual =
         products_get_equation_matrix_terms(closure, equations, -1, iteration->solution);
-    residual.seed_Q = closure->seed_Q;
+    residual.seed_Q = closure->action_gradient_by_coefficients_Q;
     products_multiply_by_transposed_jacobians(&closure->curve, curve_highest_order(&closure->curve), &residual,
                                               iteration->residual);
     for (int direction_index = 0; direction_index < PRODUCTS_MAX_ITERATIONS; direction_index++) {
@@ -386,8 +386,9 @@ static inline void products_set_unknown_sizes(tvi_closure *closure)
         products_set_subsystem_unknown_sizes(closure, parts->component, first, parts->end[k]);
 }
 
-/* Computes the corrections of the ends of the step. The sizes of the unknowns are set in the first pass, and kept in
- * later ones. */
+/* Computes the corrections of the ends of the step in one pass of the corrector. The first pass of a step also computes
+ * the magnitudes by which the unknowns of the linear equations are divided (inverse_unknown_size); later passes of the
+ * step use the same magnitudes. */
 static inline tvi_status products_compute_corrections(tvi_closure *closure, const double z[], const double scale[],
                                                       tvi_stats *stats)
 {

@@ -30,7 +30,7 @@ typedef struct {
     /* The functions of generated code, or NULL if the library's own are used. */
     const struct tvi_curve_code *generated_code;
     tvi_jacobians jacobian_method;
-    int n, highest_order; /* the highest order of Q that is computed */
+    int n, highest_order; /* the number of coordinates, and the highest order of Q that is computed */
     int width;            /* the number of members, each with a curve; the member is the fastest index of all arrays */
     double tau;           /* the time unit: t = time of the centre + tau s */
     double *kappa;        /* [n] the scale of the momentum, U_k = kappa P_k */

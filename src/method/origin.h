@@ -21,8 +21,8 @@ typedef struct {
  * degrees of freedom, it is rescaled; q[n] is then the time, and p[n] is e = -H. The arrays q_low and p_low are the
  * low-order parts of the compensated sums. */
 typedef struct {
-    double *q, *q_low; /* [N + 1] */
-    double *p, *p_low; /* [N] */
+    double *q, *q_low; /* [N + 1] coordinates and independent variable, and their low-order parts */
+    double *p, *p_low; /* [N] the momenta, and their low-order parts */
 } tvi_run_state;
 
 /* The increments of a step, in two parts: dq + dq_low and dp + dp_low. The second parts are 0 if the method rounds

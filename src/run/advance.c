@@ -1,5 +1,6 @@
-/* advance.c - Provides the loops of advance.h for batches of several members. The file is compiled once for each
- * instruction set, and step.c calls the version for the processor at hand. */
+/* advance.c - Adds the increments of a step to the states of a batch of members, and finds members whose new state
+ * would not be finite. The file is compiled once for each instruction set, and step.c calls the version for the
+ * processor at hand. The loops are in advance.h. */
 #include "run/advance.h"
 #include "rule.h"
 

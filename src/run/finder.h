@@ -13,8 +13,8 @@ typedef struct {
     tvi_rates_evaluator rates_evaluator;    /* evaluates dq/dt and dp/dt at a state */
     int state_size;                         /* 2n + 1, the number of components of a state */
     double *line_origin, line_origin_theta; /* the state after the last partial step, and its theta */
-    /* The derivative dx/dtheta of the solution, and the distance in theta up to which the line is accurate to
-     * roundoff. */
+    /* The slope of the line, dx/dtheta of the solution, and the distance in theta from line_origin_theta up to which
+     * the line is accurate to roundoff. */
     double *line_direction, accurate_distance;
     double *chord_midpoint;    /* the midpoint of the chord of the curve whose slope is line_direction */
     bool is_chord_inside_step; /* true if both ends of this chord lie inside the step */

@@ -29,7 +29,7 @@ static bool has_energy_change_bound(const tvi_integrator *it)
 /* ---- The reference energy ---------------------------------------------------------------------------------------- */
 
 /* A potential has an arbitrary constant, so |H| is no measure of the size of a motion. The guard measures the energy
- * of a member from a reference level, which is an energy of the system at rest, H(q, 0):
+ * of a member from a reference level (zero_level_of_energy), which is an energy of the system at rest, H(q, 0):
  *   - the limit of H(c q, 0) for large c, if there is one, as for bodies that attract each other. q is the position at
  *     the end of the step; the start is not used, since q = 0 would give a constant H(c q, 0).
  *   - Without a limit it is the lowest energy at rest along straight lines from the state, up to the point from which
@@ -163,12 +163,15 @@ static void set_reference_level_and_scale(tvi_integrator *it, int member, double
     tvi_reference_energy *reference = &it->reference_energy[member];
     const double limit = limit_of_energy_at_rest_for_large_q(it, member, H, roundoff);
     const bool has_rest = is_energy_even_in_p(it, member), has_limit = has_rest && !isnan(limit);
-    reference->level = has_limit ? limit : has_rest ? lowest_energy_at_rest_nearby(it, member, roundoff) : 0;
-    reference->scale = has_rest ? fabs(H - reference->level) : energy_magnitude_at_run_start(it, member);
+    reference->zero_level_of_energy = has_limit  ? limit
+                                      : has_rest ? lowest_energy_at_rest_nearby(it, member, roundoff)
+                                                 : 0;
+    reference->scale = has_rest ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it, member);
     reference->was_level_searched = true;
     reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
     reference->may_level_be_lowered = reference->has_scale && has_rest && !has_limit;
-    if (!reference->has_scale) reference->level = reference->scale = 0; /* H at the start of the run may be NAN */
+    if (!reference->has_scale)
+        reference->zero_level_of_energy = reference->scale = 0; /* H at the start of the run may be NAN */
 }
 
 /* Lowers the reference level to the energy of the member at rest at the start of its step, if that is lower. A level
@@ -177,9 +180,9 @@ static void lower_reference_level(tvi_integrator *it, int member)
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
     if (!reference->may_level_be_lowered) return;
-    const double fall = reference->level - energy_at_rest_at_step_start(it, member);
+    const double fall = reference->zero_level_of_energy - energy_at_rest_at_step_start(it, member);
     if (!(fall > 0) || !isfinite(fall)) return;
-    reference->level -= fall;
+    reference->zero_level_of_energy -= fall;
     reference->scale += fall;
 }
 
@@ -227,7 +230,7 @@ static double energy_roundoff(const tvi_integrator *it, int member, double H)
 static double energy_change_scale(const tvi_reference_energy *reference, double energy_before, double p_dot_velocity)
 {
     if (reference->scale <= GUARD_MIN_PART_OF_ACTION * p_dot_velocity) return GUARD_PART_OF_ACTION * p_dot_velocity;
-    return fmax(reference->scale, fabs(energy_before - reference->level));
+    return fmax(reference->scale, fabs(energy_before - reference->zero_level_of_energy));
 }
 
 /* Tells whether the energy after the step differs from that before it by more than a step that follows the motion

@@ -12,13 +12,13 @@
 
 /* The energies of a member with which the guard (guard.c) compares the change of the energy in a step. */
 typedef struct {
-    double level;              /* the reference level: the guard measures energies from it, as H - level */
-    double scale;              /* |H - level| when the level was set, plus the amounts by which it was lowered since */
-    double H;                  /* the member's energy at its current state */
-    long was_level_searched;   /* true if a level and a scale have been searched for */
-    long has_scale;            /* true if the level and the scale are set; otherwise both are 0 */
-    long may_level_be_lowered; /* true if the level is an estimate from above, which may be lowered */
-    long is_H_known;           /* true if H is set */
+    double zero_level_of_energy; /* the guard measures energies from this value of H, as H - zero_level_of_energy */
+    double scale; /* |H - zero_level_of_energy| when this level was set, plus all amounts by which it was lowered */
+    double H;     /* the member's energy at its current state */
+    long was_level_searched;   /* true if guard.c has tried to find zero_level_of_energy and scale */
+    long has_scale;            /* true if zero_level_of_energy and scale are set; otherwise both are 0 */
+    long may_level_be_lowered; /* true if zero_level_of_energy is an upper estimate, which may be lowered */
+    long is_H_known;           /* true if H is the energy at the member's current state; false if H is unset */
 } tvi_reference_energy;
 
 /* The memory for tangent vectors, which is allocated when they are first used (tangent.c). */
@@ -29,7 +29,7 @@ typedef struct tvi_tangent tvi_tangent;
  * |g|, which is at most its roundoff. A stop is part of a saved state, and each member of an ensemble has one. */
 enum { TVI_STOP_EVENTS = 32 };
 typedef struct {
-    int64_t is_set, event_count;            /* 1 if a run was stopped; the number of events reported there */
+    int64_t is_set, event_count; /* 1 if events stopped a run, else 0; the number of events reported at the stop */
     uint64_t event_hashes[TVI_STOP_EVENTS]; /* [event_count] the hashes of these events (tvi_event.hash) */
     double state[];                         /* [2n + 1] q, p and t of the stop */
 } tvi_event_stop;

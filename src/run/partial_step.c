@@ -10,12 +10,13 @@
 #include <string.h>
 
 tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
-                                 bool uses_history_at_end)
+                                 bool uses_corrector_history_of_full_step_end)
 {
     const size_t n = (size_t)full_step_integrator->system->n, wide = 2 * (n + 1) + 1;
-    *partial_step = (tvi_partial_step){.full_step_integrator = full_step_integrator,
-                                       .uses_history_at_end = uses_history_at_end,
-                                       .parameter_version = full_step_integrator->parameter_version};
+    *partial_step =
+        (tvi_partial_step){.full_step_integrator = full_step_integrator,
+                           .uses_corrector_history_of_full_step_end = uses_corrector_history_of_full_step_end,
+                           .parameter_version = full_step_integrator->parameter_version};
     partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
     if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
     partial_step->p = partial_step->q + n;
@@ -50,14 +51,16 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
 
 /* Sets the history from which the partial step starts: the low-order parts of the state, and the numbers from which the
  * corrector predicts. The low-order parts are those at the start of the full step. The numbers of the corrector are
- * those at the start of the full step, too; with uses_history_at_end they are those at the end of the full step, or
- * those of the partial step before if it ended near `offset`. */
+ * those at the start of the full step, too; with uses_corrector_history_of_full_step_end they are those at the end of
+ * the full step, or those of the partial step before if it ended near `offset`. */
 static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    const size_t state = partial_step->uses_history_at_end ? it->state_bytes : it->copied_history_bytes;
-    const bool is_near = partial_step->uses_history_at_end && partial_step->full_step_number == it->stats.steps &&
-                         partial_step->offset != it->h && partial_step->offset != 0 &&
+    const size_t state =
+        partial_step->uses_corrector_history_of_full_step_end ? it->state_bytes : it->copied_history_bytes;
+    const bool is_near = partial_step->uses_corrector_history_of_full_step_end &&
+                         partial_step->full_step_number == it->stats.steps && partial_step->offset != it->h &&
+                         partial_step->offset != 0 &&
                          fabs(offset - partial_step->offset) < PARTIAL_STEP_NEAR * fabs(it->h);
     tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
     if (!is_near)

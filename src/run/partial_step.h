@@ -14,9 +14,9 @@ typedef struct {
     /* The integrator that makes the partial steps. It starts from the state and the history at the start of the last
      * full step. */
     tvi_integrator *partial_step_integrator;
-    /* If true, partial steps use the corrector's history from the end of the full step. This saves corrector passes,
-     * but changes the roundoff of the results. */
-    bool uses_history_at_end;
+    /* If true, the corrector of a partial step begins with what it had learned by the end of the full step, and not
+     * with what it knew at the start of that step. This saves passes, but changes the roundoff of the results. */
+    bool uses_corrector_history_of_full_step_end;
     double t, *q, *p;                    /* the state (t, q[n], p[n]) that was computed last */
     tvi_rates_evaluator rates_evaluator; /* evaluates dq/ds and dp/ds of a rescaled system; unused otherwise */
     double *rates_input, *rates_output;  /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
@@ -27,7 +27,7 @@ typedef struct {
 
 /* Creates the integrator for the partial steps, and allocates the memory. */
 TVI_NODISCARD tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
-                                               bool uses_history_at_end);
+                                               bool uses_corrector_history_of_full_step_end);
 void tvi_partial_step_close(tvi_partial_step *partial_step);
 
 /* Copies the parameters of the last full step to the integrator of the partial steps, if they have changed since the

@@ -142,7 +142,8 @@ bool tvi_loaded_history_is_valid(const tvi_integrator *it)
     bool is_sound = tvi_all_finite(rows + width, state->q) && tvi_all_finite(rows + width, state->q_low) &&
                     tvi_all_finite(rows, state->p) && tvi_all_finite(rows, state->p_low);
     for (int m = 0; m < width; m++)
-        is_sound = is_sound && isfinite(it->reference_energy[m].level) && isfinite(it->reference_energy[m].scale) &&
+        is_sound = is_sound && isfinite(it->reference_energy[m].zero_level_of_energy) &&
+                   isfinite(it->reference_energy[m].scale) &&
                    (!it->reference_energy[m].is_H_known || isfinite(it->reference_energy[m].H));
     bool (*const of_work)(const void *) = batch ? batch->is_history_valid : it->stepper->is_history_valid;
     return is_sound && (!of_work || of_work(it->work));

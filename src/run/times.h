@@ -8,7 +8,7 @@
 /* The progress of a run along the times that the user has given: which of them have been reported. */
 typedef struct tvi_times_progress {
     tvi_integrator *integrator;
-    const tvi_single_run *run;     /* run->plan->times are the given times */
+    const tvi_single_run *run;     /* the run, whose plan (run->plan->times) lists the given times */
     int next_time_index;           /* index of the first time that has not been reported */
     tvi_partial_step partial_step; /* computes the states at times inside the last step */
     bool is_stopped_by_observer;

@@ -30,12 +30,13 @@ typedef struct {
     const double *start_state;         /* [2n + 1] q, p and t at start_position */
     long reserved_step_count;          /* steps of the budget that are kept for the companion orbit (step_doubling.h) */
     double run_length_in_steps;        /* sum_of_step_sizes_to_run_end divided by the current step size */
-    double largest_covered_error_part; /* the largest part of the run's error that a trial has covered */
+    double largest_covered_error_part; /* the largest share of the expected error that the stretch of one trial has */
 } tvi_trials;
 
 /* A trial of one step size, and the error that it estimates. */
 typedef struct {
-    /* The step size, and the part of the run's error that the trial covers, 0 to 1. */
+    /* The step size; and the share, 0 to 1, of the run's expected error that arises in the stretch of the orbit that
+     * the trial has integrated (tvi_scout_weighted_length). */
     double h, covered_error_part;
     /* The position at which the trial ends: the sum of the step sizes from the start of the run (tvi_orbit_scout). */
     double end_position;
@@ -48,7 +49,7 @@ typedef struct {
     double estimated_error;
     bool has_passed_hardest_position;   /* true if the trial has passed the scout's hardest position */
     bool is_finished, covers_whole_run; /* true if the trial has ended; true if it went through the whole run */
-    tvi_status status;                  /* the status of the last step */
+    tvi_status status;                  /* the status of the last step of the trial */
 } tvi_step_size_trial;
 
 /* Makes a trial with steps of size h. */

@@ -50,8 +50,8 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
 
 /* Records a row of g f'' + g' f'^T + f' g'^T, and the component g f' + f g' of the field in the same row. The row and
  * the component are recorded one after the other, since they share operations. */
-static tvi_status record_product_hessian_row(tvi_system *system, int row, const jet factor[2], const jet gradient_g[],
-                                             const jet gradient_f[], jet **jets)
+static tvi_status record_second_derivatives_row(tvi_system *system, int row, const jet factor[2],
+                                                const jet gradient_g[], const jet gradient_f[], jet **jets)
 {
     const jet *hessian_row = append_gradient(system, gradient_f[row], jets);
     if (!hessian_row) return TVI_ENOMEM;
@@ -64,8 +64,9 @@ static tvi_status record_product_hessian_row(tvi_system *system, int row, const 
     return TVI_OK;
 }
 
-/* Records all rows of g f'' + g' f'^T + f' g'^T, which is K'' at states with f = 0. */
-static tvi_status record_product_hessian(tvi_system *system, const jet factor[2], jet **jets)
+/* Records all rows of g f'' + g' f'^T + f' g'^T, with (g, f) = factor: at states with f = 0 this is the matrix K'' of
+ * second derivatives of the product K = g f. The recorded rows follow the components of the field in *jets. */
+static tvi_status record_second_derivatives_of_product(tvi_system *system, const jet factor[2], jet **jets)
 {
     const int rows = 2 * system->n;
     jet *gradient_g = malloc(2 * (size_t)rows * sizeof *gradient_g), *gradient_f = gradient_g + rows;
@@ -75,7 +76,7 @@ static tvi_status record_product_hessian(tvi_system *system, const jet factor[2]
     tvi_status status = derived ? TVI_OK : TVI_ENOMEM;
     system->hessian_entry_count = 0;
     for (int row = 0; row < rows && status == TVI_OK; row++)
-        status = record_product_hessian_row(system, row, factor, gradient_g, gradient_f, jets);
+        status = record_second_derivatives_row(system, row, factor, gradient_g, gradient_f, jets);
     free(gradient_g);
     return status == TVI_OK ? jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets)
                             : status;
@@ -108,7 +109,7 @@ tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2]
     }
     system->hessian_is_complete = system->hessian_entry_count > 0;
     if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
-    status = record_product_hessian(system, factor, jets);
+    status = record_second_derivatives_of_product(system, factor, jets);
     return status == TVI_OK ? drop_hessian_if_expensive(system, *jets) : status;
 }
 
