@@ -82,7 +82,7 @@ struct jet_node {
     double number;      /* CONST and PARAMETER: the value. POW: the exponent. LINEAR: the constant term. */
     struct jet_node *a; /* The first operand; NULL: there is none. */
     struct jet_node *b; /* The second operand; NULL: there is none. */
-    struct jet_node *w; /* The partner, a node computed together with this one; NULL: there is none. */
+    struct jet_node *w; /* The partner, another series that the recurrence needs; NULL: there is none. */
     jet_term *terms;    /* LINEAR: the terms of the sum, [count]. */
     int count;          /* Number of terms. Poison node: its jet_reason. */
     int scratch;        /* Scratch of the function that runs: the index of a term, or a flag. */

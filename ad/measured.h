@@ -270,7 +270,7 @@
  * the line. A step from rest that is too large may be a billion times as long as it should be. */
 #define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* The search for the zero level of energy begins this far from a state. */
 #define GUARD_LEVEL_MAX_DISTANCE 0x1p12  /* The search for the zero level of energy ends this far from a state. */
-#define GUARD_LEVEL_RATIO        2       /* [1] Distances of this search grow by this factor from point to point. */
+#define GUARD_LEVEL_RATIO        2       /* [1] The distances of the search for the zero level grow by this factor. */
 
 /* ---- Runs: suites times and plans of build/check/events ---------------------------------------------------------- */
 

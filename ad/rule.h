@@ -49,7 +49,7 @@ typedef enum {
 
 /* The rule of one operation. */
 typedef struct {
-    int operand_count; /* 1 or 2 */
+    int operand_count; /* The number of operands of the operation, 1 or 2. */
     jet_partner_orders partner_orders;
     jet_values_rule *compute_values;
     jet_series_rule *compute_series_order;

@@ -62,10 +62,10 @@ typedef struct {
     jet_run *runs;
     double *constant_values;        /* [constant_count] Values of the constants, whose slots follow the inputs. */
     jet_tape_parameter *parameters; /* [parameter_count] The constants that may be replaced. */
-    double *constant_terms;         /* [linear_operation_count] Constant terms of the LINEAR operations. */
-    int *term_slot, *term_slot_b;   /* [term_count] Slots of the terms, or of the factors of products. */
-    double *term_coefficient;       /* [term_count] Coefficients of the terms. */
-    int *output_slot;               /* [output_count] Slots of the outputs. */
+    double *constant_terms;         /* [linear_operation_count] The constant term of each sum (LINEAR). */
+    int *term_slot, *term_slot_b; /* [term_count] The slots that terms of sums, or factors a and b of products, read. */
+    double *term_coefficient;     /* [term_count] The coefficient of each term of a sum or of a sum of products. */
+    int *output_slot;             /* [output_count] The slot of each output of the tape. */
     /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
     int *recording_index;
     /* Name of the operations that are not the user's own (jet_graph_begin_derived_part), or NULL. */

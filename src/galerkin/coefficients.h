@@ -15,7 +15,7 @@ typedef struct {
     const jet_sweeps *sweeps; /* the functions for the instruction set, of which `combine` is called */
     /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
     double *legendre_coefficient;
-    long double reciprocal_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] 1 / k */
+    long double reciprocal_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] the number 1 / k */
     /* [k] 1 / (4 k + 2), a factor in integrals of Legendre's polynomials. */
     long double legendre_integral_factor[TVI_GALERKIN_MAX_LANES + 1];
     /* [j][lanes] legendre_coefficient, transposed: a row holds the factors of P_0, P_1, .. for one node */
@@ -35,7 +35,7 @@ void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, 
 
 typedef struct {
     int node_count, lane_count;
-    double *node_weight, *node_abscissa; /* [lanes] the weights b_j and the nodes c_j of the quadrature on [0, 1] */
+    double *node_weight, *node_abscissa; /* [lanes] weights b_j and nodes c_j of the quadrature on [0, 1] */
     /* The reciprocal 1 / b_j for the first and the last node, whose weights are equal. */
     double inverse_outermost_weight;
     /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a

@@ -53,7 +53,7 @@ typedef struct {
     double *start_correction_p;     /* [n] the correction p0 - p_a(0) */
     double *increment_correction_p; /* [n] the correction (p1 - p0) - (p_b(0) - p_a(0)) */
     double *dq, *dp;                /* [n] the increments of the last step */
-    double *scratch;                /* [n] */
+    double *scratch;                /* [n] scratch: one vector */
 } tvi_both_ends_workspace;
 
 /* Computes action_gradient of both curves, in defect form (action.h). Returns TVI_EDOMAIN, TVI_ENONFINITE,

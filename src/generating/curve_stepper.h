@@ -45,7 +45,7 @@ typedef struct tvi_curve_workspace {
     double *end_field_block;        /* of separable systems: the block of the field at the end of an adapted step */
     tvi_roundoff_estimator end_field_roundoff; /* the roundoff of the field at the end of an adapted step */
     double tolerance, log_tolerance;           /* the tolerance of the last adapted step, and its logarithm */
-    double *scratch;                           /* [n] */
+    double *scratch;                           /* [n] scratch: one vector */
     tvi_increment_refinement refinement;
     tvi_quick_step_fn *quick_step; /* makes a whole step faster (curve_step.h); NULL if the method has none */
     const struct tvi_member_stepper *single_stepper; /* only in batches: makes the step of a single member */

@@ -136,7 +136,7 @@ static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve 
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
     const int points = action->points, N = action->q_degree;
-    seeds_subtract_rows(action, n, action->node_force, action->gradient_by_q); /* the defect */
+    seeds_subtract_rows(action, n, action->node_force, action->gradient_by_q); /* gradient_by_q becomes the defect */
     for (int i = 0; i < n; i++) {
         const double *defect = action->gradient_by_q + i * lanes, *force = action->node_force + i * lanes;
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);

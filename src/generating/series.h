@@ -47,7 +47,7 @@ typedef struct {
     double *product_direction;    /* [2n] the direction set by tvi_curve_set_product_direction */
     double *product_with_dU;      /* [2n] scratch: sum_k (dU_k/dz)^T g_k, with g_k the derivatives of a scalar by U_k */
     double *combination_jacobian; /* [n][2n] scratch: the Jacobian of a combination's sum */
-    double *reciprocal_integer, *log_integer; /* [highest_order + 2] 1 / k and log k */
+    double *reciprocal_integer, *log_integer; /* [highest_order + 2] the numbers 1 / k and log k for each order k */
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;
     double *movement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */

@@ -19,7 +19,7 @@ enum {
  * forms. */
 typedef struct {
     int form_mask;
-    const char *refusal_text; /* NULL: no form is refused. */
+    const char *refusal_text; /* The error message for a form that is not in form_mask; NULL: no form is refused. */
 } tvi_supported_forms;
 
 /* All forms (tvi_supports_all), the forms of methods that need a Lagrangian (tvi_supports_type1), and the forms of

@@ -10,7 +10,7 @@
 typedef struct tvi_member_stepper {
     const tvi_stepper *stepper;
     const tvi_system *system;
-    void *stepper_work; /* The memory of `stepper`. */
+    void *stepper_work; /* The memory in which `stepper` makes the step of one member. */
     /* The first block in the list of the stepper's blocks (algebra/block.h). The parameters of the member are set in
      * all blocks of the list. */
     const tvi_block *first_block;

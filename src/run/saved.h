@@ -16,7 +16,7 @@
  * eight bytes, so that there are no gaps. A machine with another byte order reads another version number, so it refuses
  * the state. */
 typedef struct {
-    char magic[8]; /* "tvistate" */
+    char magic[8]; /* "tvistate", by which saved states are recognized */
     /* The version of the format, the size of the saved state in bytes, and the number of coordinates of the system. */
     int64_t format_version, total_bytes, n;
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */

@@ -7,9 +7,9 @@
 
 /* A suggested step size, and the trial that it rests on. */
 typedef struct {
-    double h;                      /* the suggested step size */
+    double h;                      /* the step size that tvi_suggest_step returns */
     double tried_step_size;        /* the step size of the longest trial, on which the suggestion rests */
-    double covered_error_part;     /* the share of the run's expected error that arises in its stretch, 0 to 1 */
+    double covered_error_part;     /* the share of the run's expected error in the stretch of this trial, 0 to 1 */
     double estimated_error;        /* the error at the end of a run with tried_step_size */
     double explored_duration_part; /* the part of the run's duration that was explored, 0 to 1 */
     long step_count;               /* the number of steps of all trials, including those of size h/2 */

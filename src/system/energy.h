@@ -9,7 +9,7 @@
 typedef struct {
     const tvi_system *system;
     double *tape_block;    /* The block of the energy's tape. Each state is a lane of it. */
-    int lane_count;        /* The number of states. */
+    int lane_count;        /* The number of states whose energies are computed at once. */
     tvi_legendre legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
     /* [n] The velocities of a Lagrangian, which Newton's method finds from the momenta. */
     double *velocity;

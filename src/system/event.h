@@ -13,8 +13,8 @@ struct tvi_event {
     bool is_terminal;
     jet_graph *graph; /* The recording of g, to which nothing is added any more. */
     jet output;       /* The value of g in the graph. */
-    jet_tape *tape;   /* Computes g from q, p, t. */
-    jet_tape *series; /* Computes the Taylor series of g. */
+    jet_tape *tape;   /* Computes the value of the event function g from q, p, t. */
+    jet_tape *series; /* Computes the Taylor series of the event function g. */
     /* The hash of the tape. Equal functions have equal hashes, also if their events have different directions. */
     uint64_t hash;
 };

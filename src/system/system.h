@@ -11,8 +11,8 @@
  * becomes separable when it is created, and then costs as little as a potential. */
 typedef enum {
     TVI_SEPARABLE,  /* M q'' = F(q, t), with M diagonal and constant */
-    TVI_LAGRANGIAN, /* d/dt L_v = L_q                           */
-    TVI_HAMILTONIAN /* q' = H_p, p' = -H_q                      */
+    TVI_LAGRANGIAN, /* d/dt L_v = L_q, with L(q, v, t)          */
+    TVI_HAMILTONIAN /* q' = H_p, p' = -H_q, with H(q, p, t)     */
 } tvi_form;
 
 /* The row and column of a second derivative: the numbers of two inputs, row >= column. */
@@ -30,7 +30,7 @@ struct tvi_system {
     tvi_form form;
     /* The number of inputs of the field without the time. If the time is used, it is the next input. */
     int input_count;
-    bool uses_time; /* The field depends on t. */
+    bool uses_time; /* The field depends on the time t, which then is an input of its tape. */
     bool is_driven; /* The field contains forces that do not come from the energy. */
     /* [n] The masses of a separable system, and of others with has_masses. */
     double *mass;
