@@ -60,7 +60,7 @@ static jet scale(const jet q[], const jet p[], jet t, void *ctx) { return hard_k
 /* Unless it says otherwise a row has compensated sums and must hold. */
 const longrun_line longrun_lines[] = {
     {KEPLER, GALERKIN, .h = 0.1, .orbits = 96},
-    {KEPLER, GALERKIN, .h = 0.25, .orbits = 192},
+    {KEPLER, GALERKIN, .h = 0.25, .orbits = 96},
     {SOLAR(100, CENTURIES / 100), GALERKIN, .orbits = 128},
     {SOLAR(250, CENTURIES / 250), GALERKIN, .orbits = 256},
     {SOLAR(400, CENTURIES / 400), GALERKIN, .orbits = 256},

@@ -11,9 +11,8 @@ typedef struct {
     /* The sizes of the last three corrections. A pass moves each size to the next field. */
     REAL size, previous_size, size_two_passes_before;
     /* A correction above the roundoff level is significant. `ratio` is the ratio of the last significant correction
-     * to the one before it. `slowest_ratio` is the larger one of the last two such ratios. At first both are the ratio
-     * of an earlier iteration, since the first ratio of an iteration may be far smaller than the later ones, which
-     * roundoff hides. They are 0 if that ratio is unknown, as is `ratio` if it is not to be trusted. */
+     * to the one before it. `slowest_ratio` is the larger one of the last two such ratios; at first it is the ratio
+     * of an earlier iteration, or 0 if that is unknown. */
     REAL ratio, slowest_ratio;
     /* The size of the last correction; if roundoff hides it, an estimate of the size without roundoff. */
     REAL size_without_roundoff;

@@ -53,30 +53,16 @@ typedef enum {
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 
-/* Returns the ratio if it is small enough to be trusted, otherwise 0. */
-static inline double tvi_passes_trusted_ratio(const tvi_passes_rule *rule, double ratio)
-{
-    return ratio < rule->max_trusted_ratio ? ratio : 0;
-}
-
-/* Begins an iteration of which nothing is known. The fields are set one by one, since compilers would clear the
- * structure by an instruction that starts slowly. */
-static inline void tvi_passes_begin(tvi_passes *passes)
+/* Begins an iteration. `slowest_ratio` is the ratio of corrections in an earlier iteration, or 0 if it is unknown.
+ * The fields are set one by one, since compilers would clear the structure by an instruction that starts slowly. */
+static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
 {
     passes->count = 0;
     passes->size = passes->previous_size = passes->size_two_passes_before = INFINITY;
-    passes->ratio = passes->slowest_ratio = passes->expected_next_size = passes->roundoff = 0;
+    passes->ratio = passes->expected_next_size = passes->roundoff = 0;
     passes->size_without_roundoff = INFINITY;
     passes->contraction_ratio_growth = 1;
-}
-
-/* Begins an iteration, where `slowest_ratio` is that of an earlier iteration, or 0 if it is unknown. It is the ratio
- * before the first one that this iteration shows. */
-static inline void tvi_passes_begin_with_history(tvi_passes *passes, const tvi_passes_rule *rule, double slowest_ratio)
-{
-    tvi_passes_begin(passes);
     passes->slowest_ratio = slowest_ratio;
-    passes->ratio = tvi_passes_trusted_ratio(rule, slowest_ratio);
 }
 
 /* Adds a pass whose correction has this size, and returns the outcome of the pass. */

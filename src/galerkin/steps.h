@@ -131,9 +131,7 @@ JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_dat
     for (int m = 0; m < nodes->member_count; m++) {
         iteration->correction[m] = iteration->previous_correction[m] = iteration->correction_without_roundoff[m] =
             INFINITY;
-        iteration->contraction_ratio[m] =
-            tvi_passes_trusted_ratio(step_data->passes_rule, iteration->largest_contraction_ratio[m]);
-        iteration->pass_count_as_double[m] = 0;
+        iteration->contraction_ratio[m] = iteration->pass_count_as_double[m] = 0;
         iteration->converged_mask[m] = 0;
         left -= (int)iteration->moving_mask[m];
     }
@@ -150,8 +148,7 @@ JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_data *step_da
 {
     const int most = step_data->passes_rule->max_passes;
     bool is_stuck = false;
-    tvi_passes_begin_with_history(&iteration->convergence_test, step_data->passes_rule,
-                                  iteration->convergence.largest_contraction_ratio);
+    tvi_passes_begin(&iteration->convergence_test, iteration->convergence.largest_contraction_ratio);
     iteration->pass_count = 0;
     iteration->status = most > 0 ? TVI_ENOCONV : TVI_OK;
     *movement = 0;

@@ -57,8 +57,8 @@ typedef struct {
 static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max_contraction_ratio_growth,
                                            const tvi_newton_rules *rules, bool needs_extra_pass)
 {
-    tvi_passes_begin(&passes->by_unknown);
-    tvi_passes_begin(&passes->by_group);
+    tvi_passes_begin(&passes->by_unknown, 0);
+    tvi_passes_begin(&passes->by_group, 0);
     passes->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
     passes->unconfirmed_ratio_growth = 0;
     passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 && rules->by_unknown.max_trusted_ratio > 0 &&

@@ -104,7 +104,7 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     const int count = curve_dimension(curve) * action->points;
     double *p = action->field_block + count;
     tvi_passes passes;
-    tvi_passes_begin(&passes);
+    tvi_passes_begin(&passes, 0);
     memcpy(p, action->node_momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,

@@ -274,7 +274,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
     double goal = CURVE_NEGLIGIBLE_ERROR;
     tvi_passes passes;
-    tvi_passes_begin(&passes);
+    tvi_passes_begin(&passes, 0);
     if (!iteration->has_initial_guess)
         memset(iteration->solution, 0, (size_t)products_get_padded_row_count(closure) * sizeof *iteration->solution);
     tvi_transposed_product_terms residual =

@@ -133,7 +133,7 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     double scale = tvi_largest_magnitude(n, y, 1), reuse_limit = -1;
     tvi_passes passes;
     bool was_singular = false;
-    tvi_passes_begin(&passes);
+    tvi_passes_begin(&passes, 0);
     tvi_status status = tvi_legendre_evaluate(legendre, t, q, x, legendre->transform_of_x);
     if (status == TVI_OK) scale = fmax(scale, tvi_largest_magnitude(n, legendre->transform_of_x, 1));
     for (int step = 0; step < LEGENDRE_MAX_ITERATIONS && status == TVI_OK; step++) {

@@ -71,21 +71,6 @@ static const passes_case cases[] = {
      .known = 1e-8,
      .sizes = {1e-6, 1e-9, 1e-12, 1e-15, 1e-15, 1e-15},
      .verdicts = ".....E"},
-    {.name = "the slower one is the known one",
-     .rule = {NOISE},
-     .known = 1e-3,
-     .sizes = {1e-8, 2e-14, 2e-15, 2.1e-15, 2.2e-15},
-     .verdicts = "....E"},
-    {.name = "the known one is no longer the slower one",
-     .rule = {NOISE},
-     .known = 1e-3,
-     .sizes = {1e-2, 1e-8, 2e-14, 2e-15},
-     .verdicts = "...E"},
-    {.name = "one that is known to be slow says nothing of later ones",
-     .rule = {NOISE},
-     .known = 0.6,
-     .sizes = {1e-8, 2e-14, 2e-15},
-     .verdicts = "..E"},
     {.name = "stuck", .rule = {HALVES}, .sizes = {1e-3, 5e-4, 2.6e-4}, .verdicts = "..S"},
     {.name = "all is left",
      .rule = {.stall_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 1},
@@ -110,7 +95,7 @@ START_TEST(each_number)
     tvi_passes passes;
     char verdicts[MOST + 1] = "";
     memset(&passes, 0xff, sizeof passes);
-    tvi_passes_begin_with_history(&passes, &c->rule, c->known);
+    tvi_passes_begin(&passes, c->known);
     passes.roundoff = c->measured;
     for (size_t i = 0; i < strlen(c->verdicts); i++)
         verdicts[i] = letters[tvi_passes_add_and_judge(&passes, &c->rule, c->sizes[i])];
@@ -138,7 +123,7 @@ START_TEST(measured_later)
 {
     const tvi_passes_rule rule = {HALVES};
     tvi_passes passes;
-    tvi_passes_begin(&passes);
+    tvi_passes_begin(&passes, 0);
     ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
     ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
     ck_assert(!tvi_passes_set_roundoff(&passes, 1e-10));
