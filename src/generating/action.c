@@ -12,7 +12,7 @@
 
 double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
 {
-    const int n = curve->n, points = action->points;
+    const int n = curve->n, points = action->node_count;
     tvi_roundoff_estimator *roundoff = &action->field_roundoff;
     if (tvi_curve_factor_velocity_hessian(curve) != TVI_OK) return 0;
     (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_block, points, points);
@@ -31,11 +31,10 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
     const tvi_system *system = curve->system;
     const double *output_roundoff = action->field_roundoff.output_roundoff;
     const bool separable = system->form == TVI_SEPARABLE;
-    const int n = curve->n, points = action->points;
+    const int n = curve->n, points = action->node_count;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
     memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_may_exceed_step_motion(system, h, q, p, action->field_block, action->node_momentum, points,
-                                             points))
+    if (!tvi_roundoff_may_exceed_step_motion(system, h, q, p, action->field_block, action->p_at_nodes, points, points))
         return 0;
     const int values =
         tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_block, points, points);
@@ -52,54 +51,55 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
 tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
                                             const double p[])
 {
-    const size_t panel = (size_t)(curve->n * action->points) * sizeof *q;
+    const size_t panel = (size_t)(curve->n * action->node_count) * sizeof *q;
     memcpy(action->field_block, q, panel);
     memcpy(action->gradient_by_v, v, panel);
-    memcpy(action->node_momentum, p, panel);
+    memcpy(action->p_at_nodes, p, panel);
     seeds_set_node_times(action, curve, action->field_block);
-    return seeds_compute_lagrange_action_terms(action, curve);
+    return seeds_compute_lagrange_node_gradient(action, curve);
 }
 
 /* Computes the derivatives of the action's terms at truncated nodes. There q_i lacks the highest term of the curve, and
  * q'_i = H_p(q_i, p_i). The derivatives are gradient_by_q = tau (H_qp p - H_q), gradient_by_p = tau H_pp p and
  * gradient_by_v = -p. */
-static tvi_status compute_truncated_node_terms(tvi_action *action, const tvi_curve *curve)
+static tvi_status compute_action_gradient_at_truncated_nodes(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
-    const int n = curve->n, points = action->points;
+    const int n = curve->n, points = action->node_count;
     const size_t panel = (size_t)(n * points) * sizeof(double);
     const bool separable = system->form == TVI_SEPARABLE;
-    if (!separable) memcpy(action->field_block + n * points, action->node_momentum, panel);
+    if (!separable) memcpy(action->field_block + n * points, action->p_at_nodes, panel);
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
     if (status != TVI_OK) return status;
     seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
     if (!separable) {
-        memcpy(action->second_derivative_block, action->field_block,
+        memcpy(action->hessian_product_block, action->field_block,
                (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
-        memcpy(action->second_derivative_block + (2 * n + 1) * points, action->node_momentum, panel);
-        if (!jet_sweep_values(system->r_dot_Hp_values, action->second_derivative_block, points)) return TVI_EDOMAIN;
+        memcpy(action->hessian_product_block + (2 * n + 1) * points, action->p_at_nodes, panel);
+        if (!jet_sweep_values(system->r_dot_Hp_values, action->hessian_product_block, points)) return TVI_EDOMAIN;
     }
     for (int i = 0; i < n; i++)
         for (int node = 0; node < points; node++) {
             const int place = i * points + node;
             if (separable) {
-                action->gradient_by_p[place] = curve->tau * action->node_momentum[place] / system->mass[i];
+                action->gradient_by_p[place] = curve->tau * action->p_at_nodes[place] / system->mass[i];
             } else {
                 action->gradient_by_q[place] +=
-                    curve->tau * seeds_get_field_output_row(action, system->r_dot_Hp_values,
-                                                            action->second_derivative_block, i)[node];
+                    curve->tau *
+                    seeds_get_field_output_row(action, system->r_dot_Hp_values, action->hessian_product_block, i)[node];
                 action->gradient_by_p[place] =
                     curve->tau * seeds_get_field_output_row(action, system->r_dot_Hp_values,
-                                                            action->second_derivative_block, n + i)[node];
+                                                            action->hessian_product_block, n + i)[node];
             }
-            action->gradient_by_v[place] = -action->node_momentum[place];
+            action->gradient_by_v[place] = -action->p_at_nodes[place];
         }
     return TVI_OK;
 }
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+static tvi_status compute_seeds_without_finite_check(tvi_action *action, tvi_curve *curve, double seed_Q[],
+                                                     double seed_U[])
 {
     if (seeds_need_no_second_derivatives(action)) {
         if (!curve->generated_code || !curve->generated_code->compute_seeds)
@@ -110,12 +110,12 @@ static tvi_status compute_unchecked_seeds(tvi_action *action, tvi_curve *curve, 
         if (status == TVI_ENOCONV)
             return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
-            (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->points);
+            (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->node_count);
         return status;
     }
     seeds_clear_and_evaluate_curve(action, curve, seed_Q, seed_U);
-    const tvi_status status = compute_truncated_node_terms(action, curve);
-    if (status == TVI_OK) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_action_gradient_at_truncated_nodes(action, curve);
+    if (status == TVI_OK) seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
     return status;
 }
 
@@ -123,7 +123,7 @@ tvi_status tvi_compute_action_seeds(tvi_action *action, tvi_curve *curve, double
 {
     const int seeds = (curve->highest_order + 1) * curve->n;
     const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const tvi_status status = compute_unchecked_seeds(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_seeds_without_finite_check(action, curve, seed_Q, seed_U);
     if (status != TVI_OK) return status;
     return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }

@@ -29,13 +29,13 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
                         .has_gradient_by_p = uses_hamilton_principle && (!is_separable || p_degree >= degree),
                         .q_degree = degree,
                         .p_degree = p_degree,
-                        .points = points,
-                        .orders = degree + one_more + 1,
+                        .node_count = points,
+                        .order_count = degree + one_more + 1,
                         .width = width};
     if (definition->span.start_s == -definition->span.end_s && seeds_need_no_second_derivatives(&sizes) &&
         tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
         sizes.half_node_count = choose_padded_half_node_count(system, points, width);
-        sizes.points = 2 * sizes.half_node_count;
+        sizes.node_count = 2 * sizes.half_node_count;
     }
     return sizes;
 }
@@ -48,9 +48,9 @@ const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action 
 
 static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const tvi_action *action)
 {
-    const size_t half_rows = (size_t)seeds_round_up_to_vectors((action->orders + 1) / 2) *
+    const size_t half_rows = (size_t)seeds_round_up_to_vectors((action->order_count + 1) / 2) *
                              (size_t)seeds_round_up_to_vectors(action->half_node_count);
-    table->all_orders = tvi_arena_allocate_doubles(arena, (size_t)(action->orders * action->points));
+    table->all_orders = tvi_arena_allocate_doubles(arena, (size_t)(action->order_count * action->node_count));
     table->even_orders = tvi_arena_allocate_doubles(arena, half_rows);
     table->odd_orders = tvi_arena_allocate_doubles(arena, half_rows);
 }
@@ -59,23 +59,24 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
                          int width)
 {
     *action = tvi_create_unallocated_action(system, options, width);
-    const size_t orders = (size_t)action->orders, points = (size_t)action->points, n = (size_t)(system->n * width);
+    const size_t orders = (size_t)action->order_count, points = (size_t)action->node_count,
+                 n = (size_t)(system->n * width);
     action->field_tape = tvi_select_node_tape(system, action);
     action->node_scaled_time = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
     tvi_node_table *const tables[] = {
-        &action->power_table,          &action->slope_table,          &action->second_derivative_table,
-        &action->position_power_table, &action->weighted_power_table, &action->weighted_slope_table};
+        &action->power_table,        &action->slope_table,          &action->power_second_derivative_table,
+        &action->node_q_power_table, &action->weighted_power_table, &action->weighted_slope_table};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) allocate_node_table(tables[i], arena, action);
     action->order_sums = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
         action->summation_by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
-    action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->points * width, 0);
+    action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->node_count * width, 0);
     if (system->form == TVI_HAMILTONIAN && action->uses_hamilton_principle && action->omits_highest_order_at_nodes)
-        action->second_derivative_block =
-            tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->points, 0);
+        action->hessian_product_block =
+            tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->node_count, 0);
     action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);
-    double **const panels[] = {&action->node_momentum, &action->node_force, &action->gradient_by_q,
+    double **const panels[] = {&action->p_at_nodes, &action->dp_ds_at_nodes, &action->gradient_by_q,
                                &action->gradient_by_v, &action->gradient_by_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
         *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
@@ -101,15 +102,16 @@ static double compute_quadrature_error(int order, int points, const long double 
 
 static void set_tables_of_node(tvi_action *action, int node, long double s, bool is_end_of_step)
 {
-    for (int k = 2; k < action->orders; k++)
-        action->second_derivative_table.all_orders[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
+    for (int k = 2; k < action->order_count; k++)
+        action->power_second_derivative_table.all_orders[k * action->node_count + node] =
+            (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
-        const int place = k * action->points + node, weighted = node * action->orders + k;
+        const int place = k * action->node_count + node, weighted = node * action->order_count + k;
         const bool left_out = action->omits_highest_order_at_nodes && k == action->q_degree && !is_end_of_step;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
         action->power_table.all_orders[place] = power;
         action->slope_table.all_orders[place] = slope;
-        action->position_power_table.all_orders[place] = left_out ? 0 : power;
+        action->node_q_power_table.all_orders[place] = left_out ? 0 : power;
         action->weighted_power_table.all_orders[weighted] = action->node_weight[node] * power;
         action->weighted_slope_table.all_orders[weighted] = action->node_weight[node] * slope;
     }
@@ -120,14 +122,14 @@ static void set_tables_of_node(tvi_action *action, int node, long double s, bool
 static void split_table_by_order_parity(const tvi_action *action, tvi_node_table *table, bool is_weighted,
                                         double mirror_sign)
 {
-    const int half = action->half_node_count, orders = action->orders,
+    const int half = action->half_node_count, orders = action->order_count,
               width = seeds_round_up_to_vectors((orders + 1) / 2);
     table->mirror_sign = mirror_sign;
     for (int k = 0; k < orders; k++)
         for (int node = 0; node < half; node++) {
             double *rows = k % 2 == 0 ? table->even_orders : table->odd_orders;
             if (is_weighted) rows[node * width + k / 2] = table->all_orders[node * orders + k];
-            else rows[k / 2 * half + node] = table->all_orders[k * action->points + node];
+            else rows[k / 2 * half + node] = table->all_orders[k * action->node_count + node];
         }
 }
 
@@ -147,7 +149,7 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     const int count = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, count);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
     tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
-    for (int point = 0; point < action->points; point++) {
+    for (int point = 0; point < action->node_count; point++) {
         double weight_fraction;
         const int i = find_node_and_weight_fraction(action, count, point, &weight_fraction);
         const bool is_end_of_step = s[i] == -1 || s[i] == 1;
@@ -163,13 +165,13 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     }
     split_table_by_order_parity(action, &action->power_table, false, 1);
     split_table_by_order_parity(action, &action->slope_table, false, -1);
-    split_table_by_order_parity(action, &action->second_derivative_table, false, 1);
-    split_table_by_order_parity(action, &action->position_power_table, false, 1);
+    split_table_by_order_parity(action, &action->power_second_derivative_table, false, 1);
+    split_table_by_order_parity(action, &action->node_q_power_table, false, 1);
     split_table_by_order_parity(action, &action->weighted_power_table, true, 1);
     split_table_by_order_parity(action, &action->weighted_slope_table, true, -1);
     if (!action->summation_by_parts_error) return;
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)
-            action->summation_by_parts_error[k * action->orders + j] =
+            action->summation_by_parts_error[k * action->order_count + j] =
                 j + k == 0 ? 0 : (j + k) * compute_quadrature_error(order, count, s, weight, j + k - 1, span);
 }

@@ -29,20 +29,21 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     plain.nodes = TVI_NODES_ON_CURVE;
     const int r = options->degree;
     const size_t n = (size_t)system->n;
-    x->sign_in_difference = x->other_end_s = sign;
+    x->sign_in_curve_difference = x->other_end_scaled_time = sign;
     tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
     tvi_allocate_action(&x->action, arena, system, &plain, 1);
-    tvi_combination *const combinations[] = {&x->q_increment, &x->u_at_own_end, &x->dense_q, &x->dense_u};
+    tvi_combination *const combinations[] = {&x->q_increment_weights, &x->u_at_own_end_weights,
+                                             &x->dense_output_q_weights, &x->dense_output_u_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&x->curve, arena);
     x->node_blend_weight = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
     x->momentum_coefficients = tvi_arena_allocate_doubles(arena, (size_t)r * n);
-    x->seed = tvi_arena_allocate_doubles(arena, ((size_t)r + 1) * n);
-    x->action_gradient = tvi_arena_allocate_doubles(arena, 2 * n);
-    x->other_end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    x->multiplier = tvi_arena_allocate_doubles(arena, n);
+    x->action_gradient_by_coefficients_Q = tvi_arena_allocate_doubles(arena, ((size_t)r + 1) * n);
+    x->action_gradient_by_z = tvi_arena_allocate_doubles(arena, 2 * n);
+    x->q_increment_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
+    x->end_condition_multiplier = tvi_arena_allocate_doubles(arena, n);
     x->unapplied_dz = tvi_arena_allocate_doubles(arena, 2 * n);
-    tvi_factor_allocate(&x->velocity_jacobian_factor, arena, system->n, 1);
+    tvi_factor_allocate(&x->jacobian_by_velocity_factor, arena, system->n, 1);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -62,14 +63,20 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
         tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity_guess = tvi_arena_allocate_in_copied_history(arena, n * sizeof *w.velocity_guess);
     }
-    w.q_at_end = tvi_combination_allocate(&w.start_curve.curve, arena);
-    w.velocity_at_end = tvi_combination_allocate(&w.start_curve.curve, arena);
-    double **const panels[] = {&w.node_position, &w.node_velocity, &w.node_momentum,         &w.node_force,
-                               &w.gradient_by_q, &w.gradient_by_v, &w.gradient_by_difference};
+    w.q_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
+    w.velocity_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
+    double **const panels[] = {&w.q_at_nodes,
+                               &w.v_at_nodes,
+                               &w.p_at_nodes,
+                               &w.dp_ds_at_nodes,
+                               &w.action_gradient_by_q,
+                               &w.action_gradient_by_v,
+                               &w.action_gradient_by_difference};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
         *panels[i] = tvi_arena_allocate_doubles(arena, n * points);
     w.series_value_at_node = tvi_arena_allocate_doubles(arena, points);
-    double **const vectors[] = {&w.start_z, &w.start_correction_p, &w.increment_correction_p, &w.dq, &w.dp, &w.scratch};
+    double **const vectors[] = {&w.start_curve_z, &w.start_correction_p, &w.increment_correction_p,
+                                &w.last_step_dq,  &w.last_step_dp,       &w.scratch};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_allocate_doubles(arena, 2 * n);
     if (workspace) *workspace = w;
@@ -79,14 +86,14 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
-    for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_s, k);
+    for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_scaled_time, k);
     tvi_curve_fill_constant_tables(&x->curve);
-    tvi_curve_set_tail_degrees(&x->curve, w->degree, w->degree - 1);
+    tvi_curve_set_summed_degrees(&x->curve, w->degree, w->degree - 1);
     tvi_prepare_action_tables(&x->action, w->options, span);
-    tvi_combination_set_weights(&x->q_increment, &x->curve, false, powers);
-    tvi_combination_set_weights(&x->u_at_own_end, &x->curve, true, zeroth);
+    tvi_combination_set_weights(&x->q_increment_weights, &x->curve, false, powers);
+    tvi_combination_set_weights(&x->u_at_own_end_weights, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++)
-        x->node_blend_weight[node] = 1 - x->other_end_s * x->action.node_scaled_time[node];
+        x->node_blend_weight[node] = 1 - x->other_end_scaled_time * x->action.node_scaled_time[node];
 }
 
 static void prepare_stepper(void *workspace)
@@ -101,48 +108,51 @@ static void prepare_stepper(void *workspace)
         ones[k] = 1;
         slopes[k] = k;
     }
-    tvi_combination_set_weights(&w->q_at_end, &w->start_curve.curve, false, ones);
-    tvi_combination_set_weights(&w->velocity_at_end, &w->start_curve.curve, hamiltonian, hamiltonian ? ones : slopes);
+    tvi_combination_set_weights(&w->q_at_end_weights, &w->start_curve.curve, false, ones);
+    tvi_combination_set_weights(&w->velocity_at_end_weights, &w->start_curve.curve, hamiltonian,
+                                hamiltonian ? ones : slopes);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* Solves B^T multiplier = R_v. B is the Jacobian of the position at the curve's other end by the velocity at its own
  * end, and R_v is the action's gradient by that velocity. */
-static tvi_status solve_for_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_stats *stats)
+static tvi_status solve_for_end_condition_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x,
+                                                     tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
-    tvi_curve_sum_combination_jacobian(&x->curve, &x->q_increment, x->other_end_jacobian);
+    tvi_curve_sum_combination_jacobian(&x->curve, &x->q_increment_weights, x->q_increment_jacobian);
     for (size_t i = 0; i < n; i++)
-        memcpy(x->velocity_jacobian_factor.lu + i * n, x->other_end_jacobian + i * 2 * n + n, n * sizeof(double));
-    memcpy(x->multiplier, x->action_gradient + n, n * sizeof(double));
+        memcpy(x->jacobian_by_velocity_factor.lu + i * n, x->q_increment_jacobian + i * 2 * n + n, n * sizeof(double));
+    memcpy(x->end_condition_multiplier, x->action_gradient_by_z + n, n * sizeof(double));
     stats->factorisations++;
-    const tvi_status status = tvi_factor_compute(&x->velocity_jacobian_factor);
-    if (status == TVI_OK) tvi_factor_solve_transposed(&x->velocity_jacobian_factor, x->multiplier);
+    const tvi_status status = tvi_factor_compute(&x->jacobian_by_velocity_factor);
+    if (status == TVI_OK) tvi_factor_solve_transposed(&x->jacobian_by_velocity_factor, x->end_condition_multiplier);
     return status;
 }
 
 /* Returns component j of (A - I)^T multiplier, with A the Jacobian of the position at the curve's other end by the
  * position at its own end. */
-static double multiply_jacobian_column_by_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
+static double compute_jacobian_column_dot_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
 {
     double sum = 0;
-    for (int i = 0; i < w->n; i++) sum += x->other_end_jacobian[i * 2 * w->n + j] * x->multiplier[i];
+    for (int i = 0; i < w->n; i++) sum += x->q_increment_jacobian[i * 2 * w->n + j] * x->end_condition_multiplier[i];
     return sum;
 }
 
 static tvi_status compute_momentum_corrections(tvi_both_ends_workspace *w, tvi_stats *stats)
 {
-    tvi_status status = solve_for_multiplier(w, &w->start_curve, stats);
-    if (status == TVI_OK) status = solve_for_multiplier(w, &w->end_curve, stats);
+    tvi_status status = solve_for_end_condition_multiplier(w, &w->start_curve, stats);
+    if (status == TVI_OK) status = solve_for_end_condition_multiplier(w, &w->end_curve, stats);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n; i++) {
-        const double at_a = multiply_jacobian_column_by_multiplier(w, &w->start_curve, i),
-                     at_b = multiply_jacobian_column_by_multiplier(w, &w->end_curve, i);
+        const double at_a = compute_jacobian_column_dot_multiplier(w, &w->start_curve, i),
+                     at_b = compute_jacobian_column_dot_multiplier(w, &w->end_curve, i);
         w->start_correction_p[i] =
-            -w->start_curve.action_gradient[i] + at_a + (w->start_curve.multiplier[i] - w->end_curve.multiplier[i]);
+            -w->start_curve.action_gradient_by_z[i] + at_a +
+            (w->start_curve.end_condition_multiplier[i] - w->end_curve.end_condition_multiplier[i]);
         w->increment_correction_p[i] =
-            w->start_curve.action_gradient[i] + w->end_curve.action_gradient[i] - at_a - at_b;
+            w->start_curve.action_gradient_by_z[i] + w->end_curve.action_gradient_by_z[i] - at_a - at_b;
     }
     return TVI_OK;
 }
@@ -183,14 +193,14 @@ static void compute_unknown_scales(void *self, double scale[])
 }
 
 /* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + start_correction_p - p0)). */
-static void compute_end_differences(const step_attempt *attempt, const double q1[], double r[])
+static void compute_end_condition_residual(const step_attempt *attempt, const double q1[], double r[])
 {
     tvi_both_ends_workspace *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     const int n = w->n;
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment, r);
-    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_increment, r + n);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end, r + 2 * n);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment_weights, r);
+    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_increment_weights, r + n);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights, r + 2 * n);
     const double pi = w->has_momentum_terms ? 1 : 0;
     for (int i = 0; i < n; i++) {
         const double kappa = w->start_curve.curve.kappa[i], change = q1[i] - origin->q[i];
@@ -207,9 +217,9 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
     tvi_both_ends_workspace *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
     const size_t n = (size_t)w->n;
-    memcpy(w->start_z, origin->q, n * sizeof *x);
-    memcpy(w->start_z + n, x, n * sizeof *x);
-    tvi_status status = expand_end_curve(attempt, &w->start_curve, w->start_z, origin->t + origin->t_low);
+    memcpy(w->start_curve_z, origin->q, n * sizeof *x);
+    memcpy(w->start_curve_z + n, x, n * sizeof *x);
+    tvi_status status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
     if (status == TVI_OK)
         status = expand_end_curve(attempt, &w->end_curve, x + n, origin->t + (origin->t_low + attempt->h));
     if (status != TVI_OK) return status;
@@ -218,7 +228,7 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
     status = tvi_both_ends_compute_action_gradient(w, attempt->stats);
     if (status == TVI_OK) status = compute_momentum_corrections(w, attempt->stats);
     if (status != TVI_OK) return status;
-    compute_end_differences(attempt, x + n, r);
+    compute_end_condition_residual(attempt, x + n, r);
     return TVI_OK;
 }
 
@@ -230,16 +240,17 @@ static bool compute_jacobian(void *self, double matrix[])
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_combination_jacobian(&w->start_curve.curve, &w->start_curve.u_at_own_end,
-                                       w->end_curve.other_end_jacobian);
+    tvi_curve_sum_combination_jacobian(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights,
+                                       w->end_curve.q_increment_jacobian);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
-            matrix[(2 * n + i) * row + j] = w->end_curve.other_end_jacobian[i * 2 * n + n + j];
-    tvi_curve_sum_combination_jacobian(&w->end_curve.curve, &w->end_curve.q_increment, w->end_curve.other_end_jacobian);
+            matrix[(2 * n + i) * row + j] = w->end_curve.q_increment_jacobian[i * 2 * n + n + j];
+    tvi_curve_sum_combination_jacobian(&w->end_curve.curve, &w->end_curve.q_increment_weights,
+                                       w->end_curve.q_increment_jacobian);
     for (size_t i = 0; i < n; i++) {
-        memcpy(matrix + i * row, w->start_curve.other_end_jacobian + i * 2 * n + n, n * sizeof *matrix);
+        memcpy(matrix + i * row, w->start_curve.q_increment_jacobian + i * 2 * n + n, n * sizeof *matrix);
         matrix[i * row + n + i] = -1;
-        memcpy(matrix + (n + i) * row + n, w->end_curve.other_end_jacobian + i * 2 * n, 2 * n * sizeof *matrix);
+        memcpy(matrix + (n + i) * row + n, w->end_curve.q_increment_jacobian + i * 2 * n, 2 * n * sizeof *matrix);
         matrix[(n + i) * row + n + i] += 1;
     }
     return true;
@@ -271,12 +282,12 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
     const size_t n = (size_t)w->n;
     const tvi_step_origin *origin = attempt->origin;
     tvi_status status = tvi_legendre_compute_curve_start(&w->legendre, w->system, attempt->h, origin->t, origin->q,
-                                                         origin->p, w->velocity_guess, w->start_z);
+                                                         origin->p, w->velocity_guess, w->start_curve_z);
     if (status != TVI_OK) return status;
-    status = expand_end_curve(attempt, &w->start_curve, w->start_z, origin->t + origin->t_low);
-    memcpy(w->newton.x, w->start_z + n, n * sizeof(double));
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->q_at_end, w->newton.x + n);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->velocity_at_end, w->newton.x + 2 * n);
+    status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
+    memcpy(w->newton.x, w->start_curve_z + n, n * sizeof(double));
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->q_at_end_weights, w->newton.x + n);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->velocity_at_end_weights, w->newton.x + 2 * n);
     return status;
 }
 
@@ -297,15 +308,15 @@ static void store_unapplied_correction(tvi_both_ends_workspace *w, const tvi_ste
 static void compute_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
 {
     const int n = w->n;
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment, dq);
-    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.q_increment, w->scratch);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment_weights, dq);
+    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.q_increment_weights, w->scratch);
     for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
-    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.u_at_own_end, dp);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
+    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.u_at_own_end_weights, dp);
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights, w->scratch);
     for (int i = 0; i < n; i++) dp[i] = w->has_momentum_terms ? dp[i] - w->scratch[i] : 0;
-    tvi_curve_multiply_jacobian_by_direction(&w->end_curve.curve, &w->end_curve.u_at_own_end, w->scratch);
+    tvi_curve_multiply_jacobian_by_direction(&w->end_curve.curve, &w->end_curve.u_at_own_end_weights, w->scratch);
     for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
-    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.u_at_own_end, w->scratch);
+    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights, w->scratch);
     for (int i = 0; i < n; i++)
         dp[i] = (dp[i] - w->scratch[i]) / w->start_curve.curve.kappa[i] + w->increment_correction_p[i];
 }
@@ -326,8 +337,8 @@ static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origi
     if (status != TVI_OK) return status;
     store_unapplied_correction(w, origin);
     compute_increments(w, increments->dq, increments->dp);
-    memcpy(w->dq, increments->dq, bytes);
-    memcpy(w->dp, increments->dp, bytes);
+    memcpy(w->last_step_dq, increments->dq, bytes);
+    memcpy(w->last_step_dp, increments->dp, bytes);
     tvi_curve_compute_movement_sizes(&w->start_curve.curve);
     tvi_curve_compute_movement_sizes(&w->end_curve.curve);
     stats->tail = fmax(tvi_curve_compute_tail(&w->start_curve.curve), tvi_curve_compute_tail(&w->end_curve.curve));
@@ -338,11 +349,11 @@ static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origi
 static void add_weighted_curve_increments(tvi_both_ends_workspace *w, tvi_end_curve *x, double s, double weight,
                                           double dq[], double dp[])
 {
-    tvi_combination_set_power_weights(&x->dense_q, &x->curve, false, w->degree, 1, s, -1, 0);
-    tvi_combination_set_power_weights(&x->dense_u, &x->curve, true, w->degree - 1, 1, s, -1, 0);
-    tvi_curve_sum_combination(&x->curve, &x->dense_q, w->scratch);
+    tvi_combination_set_power_weights(&x->dense_output_q_weights, &x->curve, false, w->degree, 1, s, -1, 0);
+    tvi_combination_set_power_weights(&x->dense_output_u_weights, &x->curve, true, w->degree - 1, 1, s, -1, 0);
+    tvi_curve_sum_combination(&x->curve, &x->dense_output_q_weights, w->scratch);
     for (int i = 0; i < w->n; i++) dq[i] += weight * w->scratch[i];
-    tvi_curve_sum_combination(&x->curve, &x->dense_u, w->scratch);
+    tvi_curve_sum_combination(&x->curve, &x->dense_output_u_weights, w->scratch);
     for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.kappa[i];
 }
 
@@ -352,8 +363,8 @@ static void compute_dense_output(void *workspace, double theta, double dq[], dou
 {
     tvi_both_ends_workspace *w = workspace;
     for (int i = 0; i < w->n; i++) {
-        dq[i] = theta * w->dq[i];
-        dp[i] = theta * w->dp[i];
+        dq[i] = theta * w->last_step_dq[i];
+        dp[i] = theta * w->last_step_dp[i];
     }
     add_weighted_curve_increments(w, &w->start_curve, theta, 1 - theta, dq, dp);
     add_weighted_curve_increments(w, &w->end_curve, theta - 1, theta, dq, dp);

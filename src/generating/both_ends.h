@@ -13,22 +13,27 @@ typedef struct {
     tvi_curve curve;
     /* The action of this curve; the tables of the start curve's action serve the nodes of both curves. */
     tvi_action action;
-    double *momentum_coefficients;    /* [degree][n] the coefficients P_k of the momentum */
-    double sign_in_difference;        /* the sign of this curve in the difference a - b: 1 for a, -1 for b */
-    double other_end_s;               /* the scaled time of the other end: 1 or -1 */
-    tvi_combination q_increment;      /* q at the other end less q at this end: a(1) - q0 or b(-1) - q1 */
-    tvi_combination u_at_own_end;     /* the scaled momentum U_0 at this end */
-    tvi_combination dense_q, dense_u; /* the increments of q and u to one point of dense output */
-    double *node_blend_weight;        /* [points] the weight of this curve in the blend at each node: w or 1 - w */
-    double *seed;                     /* [degree + 1][n] the derivatives of the action by the coefficients Q_k */
-    double *action_gradient;          /* [2n] the derivative of the action by z, in defect form (action.h) */
-    /* [n][2n] The Jacobian of q_increment by z. With the identity added to its first n columns it is the Jacobian of q
-     * at the other end. */
-    double *other_end_jacobian;
-    double *multiplier;   /* [n] the multiplier of the condition that the curve ends where the other one starts */
+    double *momentum_coefficients;   /* [degree][n] the coefficients P_k of the momentum */
+    double sign_in_curve_difference; /* the sign of this curve in the difference a - b: 1 for a, -1 for b */
+    double other_end_scaled_time;    /* the scaled time of the other end: 1 or -1 */
+    /* The weights of the Q_k for the difference of q at the other end and at this end: a(1) - q0 or b(-1) - q1. */
+    tvi_combination q_increment_weights;
+    tvi_combination u_at_own_end_weights; /* the weights of the U_k for the scaled momentum at this end, which is U_0 */
+    /* The weights for the increments of q and of u from this end to one point of dense output. */
+    tvi_combination dense_output_q_weights, dense_output_u_weights;
+    double *node_blend_weight; /* [points] the weight of this curve in the blend at each node: w or 1 - w */
+    /* [degree + 1][n] The derivatives of the action by the coefficients Q_k. */
+    double *action_gradient_by_coefficients_Q;
+    double *action_gradient_by_z; /* [2n] the derivative of the action by z, in defect form (action.h) */
+    /* [n][2n] The Jacobian of q at the other end less q at this end, by z. With the identity added to its first n
+     * columns it is the Jacobian of q at the other end. */
+    double *q_increment_jacobian;
+    /* [n] The Lagrange multiplier of the condition that this curve ends where the other curve starts: l of the start
+     * curve, and m of the end curve (both_ends.c). */
+    double *end_condition_multiplier;
     double *unapplied_dz; /* [2n] the correction of z that is applied to first order after the passes */
     /* The factors of the Jacobian of the position at the other end by the velocity at this end. */
-    tvi_lu_factor velocity_jacobian_factor;
+    tvi_lu_factor jacobian_by_velocity_factor;
 } tvi_end_curve;
 
 typedef struct {
@@ -39,24 +44,24 @@ typedef struct {
     tvi_end_curve start_curve, end_curve;
     tvi_newton newton; /* the corrector; its unknowns are v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;
-    /* The combinations of the start curve's coefficients that predict the centre state of the end curve: q and tau v
-     * (of a Hamiltonian p) at the end of the step. */
-    tvi_combination q_at_end, velocity_at_end;
-    /* [n][points] Position y, velocity v, momentum pi and dpi/ds of the blend of both curves at the nodes. */
-    double *node_position, *node_velocity, *node_momentum, *node_force;
+    /* The weights of the start curve's coefficients for q and tau v (of a Hamiltonian p) at the end of the step. They
+     * predict the centre state of the end curve. */
+    tvi_combination q_at_end_weights, velocity_at_end_weights;
+    /* [n][points] The blend of both curves at the nodes: coordinates y, velocities v, momenta pi and dpi/ds. */
+    double *q_at_nodes, *v_at_nodes, *p_at_nodes, *dp_ds_at_nodes;
     /* [n][points] The derivatives of the action by y_i, v_i and by the difference a - b of the curves at node i. */
-    double *gradient_by_q, *gradient_by_v, *gradient_by_difference;
+    double *action_gradient_by_q, *action_gradient_by_v, *action_gradient_by_difference;
     double *series_value_at_node; /* [points] scratch: one component of a series at the nodes */
-    double *start_z;              /* [2n] the centre state of the start curve */
+    double *start_curve_z;        /* [2n] the centre state of the start curve */
     /* [n] a Lagrangian's velocity at the last predictor, from which the next search begins; part of the history. */
     double *velocity_guess;
-    double *start_correction_p;     /* [n] the correction p0 - p_a(0) */
-    double *increment_correction_p; /* [n] the correction (p1 - p0) - (p_b(0) - p_a(0)) */
-    double *dq, *dp;                /* [n] the increments of the last step */
-    double *scratch;                /* [n] scratch: one vector */
+    double *start_correction_p;          /* [n] the correction p0 - p_a(0) */
+    double *increment_correction_p;      /* [n] the correction (p1 - p0) - (p_b(0) - p_a(0)) */
+    double *last_step_dq, *last_step_dp; /* [n] the increments of the last step */
+    double *scratch;                     /* [n] scratch: one vector */
 } tvi_both_ends_workspace;
 
-/* Computes action_gradient of both curves, in defect form (action.h). Returns TVI_EDOMAIN, TVI_ENONFINITE,
+/* Computes action_gradient_by_z of both curves, in defect form (action.h). Returns TVI_EDOMAIN, TVI_ENONFINITE,
  * TVI_ESINGULAR or TVI_ENOCONV. */
 TVI_NODISCARD tvi_status tvi_both_ends_compute_action_gradient(tvi_both_ends_workspace *work, tvi_stats *stats);
 

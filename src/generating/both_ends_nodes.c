@@ -34,7 +34,7 @@ static void add_curve_to_difference(tvi_both_ends_workspace *w, const tvi_end_cu
 {
     evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
     for (int node = 0; node < w->points; node++)
-        out[node] -= x->sign_in_difference * w->series_value_at_node[node] + order_zero_difference / 2;
+        out[node] -= x->sign_in_curve_difference * w->series_value_at_node[node] + order_zero_difference / 2;
 }
 
 /* Adds one curve's part to component i of the blended position y, velocity v (dy/ds), momentum pi and its derivative
@@ -47,20 +47,20 @@ static void add_curve_to_blend(tvi_both_ends_workspace *w, tvi_end_curve *x, int
     const double Q0_difference = tvi_curve_position_coefficients(&w->start_curve.curve, 0)[i] -
                                  tvi_curve_position_coefficients(&w->end_curve.curve, 0)[i];
     const double P0_difference = w->start_curve.momentum_coefficients[i] - w->end_curve.momentum_coefficients[i];
-    add_blended_series(w, x, w->degree, Q, stride, power, w->node_position + place);
-    add_blended_series(w, x, w->degree, Q, stride, slope, w->node_velocity + place);
+    add_blended_series(w, x, w->degree, Q, stride, power, w->q_at_nodes + place);
+    add_blended_series(w, x, w->degree, Q, stride, slope, w->v_at_nodes + place);
     if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_curve_to_difference(w, x, w->degree, Q, stride, Q0_difference, w->node_velocity + place);
-    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->node_momentum + place);
-    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->node_force + place);
-    add_curve_to_difference(w, x, w->degree - 1, P, (size_t)w->n, P0_difference, w->node_force + place);
+        add_curve_to_difference(w, x, w->degree, Q, stride, Q0_difference, w->v_at_nodes + place);
+    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->p_at_nodes + place);
+    add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->dp_ds_at_nodes + place);
+    add_curve_to_difference(w, x, w->degree - 1, P, (size_t)w->n, P0_difference, w->dp_ds_at_nodes + place);
 }
 
 /* Computes the blended position y, velocity v, momentum pi and its derivative dpi/ds at the nodes. */
 static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
-    double *const panels[] = {w->node_position, w->node_velocity, w->node_momentum, w->node_force};
+    double *const panels[] = {w->q_at_nodes, w->v_at_nodes, w->p_at_nodes, w->dp_ds_at_nodes};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) memset(panels[i], 0, panel);
     curve_compute_momentum_coefficients(&w->start_curve.curve, w->degree - 1, w->start_curve.momentum_coefficients);
     curve_compute_momentum_coefficients(&w->end_curve.curve, w->degree - 1, w->end_curve.momentum_coefficients);
@@ -68,7 +68,7 @@ static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
         add_curve_to_blend(w, &w->start_curve, i);
         add_curve_to_blend(w, &w->end_curve, i);
     }
-    for (int i = 0; i < w->n * w->points; i++) w->node_velocity[i] /= w->start_curve.curve.tau;
+    for (int i = 0; i < w->n * w->points; i++) w->v_at_nodes[i] /= w->start_curve.curve.tau;
 }
 
 /* Computes the seeds of one curve: the derivatives of the action by each coefficient Q_k of its position. */
@@ -81,12 +81,12 @@ static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_cu
             double sum = 0;
             for (int node = 0; node < w->points; node++) {
                 const int place = i * w->points + node;
-                const double blended = x->node_blend_weight[node] *
-                                       (power[node] * w->gradient_by_q[place] + slope[node] * w->gradient_by_v[place]);
+                const double blended = x->node_blend_weight[node] * (power[node] * w->action_gradient_by_q[place] +
+                                                                     slope[node] * w->action_gradient_by_v[place]);
                 sum += w->start_curve.action.node_weight[node] *
-                       (blended + x->sign_in_difference * power[node] * w->gradient_by_difference[place]);
+                       (blended + x->sign_in_curve_difference * power[node] * w->action_gradient_by_difference[place]);
             }
-            x->seed[k * w->n + i] = sum;
+            x->action_gradient_by_coefficients_Q[k * w->n + i] = sum;
         }
 }
 
@@ -97,20 +97,21 @@ tvi_status tvi_both_ends_compute_action_gradient(tvi_both_ends_workspace *w, tvi
     compute_blend_at_nodes(w);
     stats->force_evaluations += w->points;
     const tvi_status status = tvi_evaluate_lagrangian_at_nodes(&w->start_curve.action, &w->start_curve.curve,
-                                                               w->node_position, w->node_velocity, w->node_momentum);
+                                                               w->q_at_nodes, w->v_at_nodes, w->p_at_nodes);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n * w->points; i++) {
-        w->gradient_by_q[i] = nodes->gradient_by_q[i] - (w->has_momentum_terms ? w->node_force[i] : 0);
-        w->gradient_by_v[i] = nodes->gradient_by_v[i] + (w->has_momentum_terms ? 0 : w->node_momentum[i]);
-        w->gradient_by_difference[i] = on_curve                ? -w->gradient_by_v[i]
-                                       : w->has_momentum_terms ? w->node_momentum[i]
-                                                               : 0;
+        w->action_gradient_by_q[i] = nodes->gradient_by_q[i] - (w->has_momentum_terms ? w->dp_ds_at_nodes[i] : 0);
+        w->action_gradient_by_v[i] = nodes->gradient_by_v[i] + (w->has_momentum_terms ? 0 : w->p_at_nodes[i]);
+        w->action_gradient_by_difference[i] = on_curve                ? -w->action_gradient_by_v[i]
+                                              : w->has_momentum_terms ? w->p_at_nodes[i]
+                                                                      : 0;
     }
     compute_end_curve_seeds(w, &w->start_curve);
     compute_end_curve_seeds(w, &w->end_curve);
-    tvi_curve_multiply_transposed_jacobians_by_seeds(&w->start_curve.curve, w->start_curve.seed, NULL,
-                                                     w->start_curve.action_gradient);
-    tvi_curve_multiply_transposed_jacobians_by_seeds(&w->end_curve.curve, w->end_curve.seed, NULL,
-                                                     w->end_curve.action_gradient);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&w->start_curve.curve,
+                                                     w->start_curve.action_gradient_by_coefficients_Q, NULL,
+                                                     w->start_curve.action_gradient_by_z);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(
+        &w->end_curve.curve, w->end_curve.action_gradient_by_coefficients_Q, NULL, w->end_curve.action_gradient_by_z);
     return TVI_OK;
 }

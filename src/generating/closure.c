@@ -3,7 +3,7 @@
  * `correct_ends` call it. */
 #include "generating/closure.h"
 
-static tvi_status correct_ends(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status correct_ends(tvi_closure *closure, const tvi_correction_equations *equations)
 {
     const tvi_status status = closure->solver->solve(closure, equations);
     if (status == TVI_OK) closure_set_end_corrections(closure);
@@ -12,12 +12,13 @@ static tvi_status correct_ends(tvi_closure *closure, const tvi_transposed_equati
 
 tvi_status tvi_correct_ends_by_mean(tvi_closure *closure)
 {
-    return correct_ends(closure, &(tvi_transposed_equations){&closure->q_mean, closure_get_second_combination(closure),
-                                                             TVI_FIRST_COLUMNS});
+    return correct_ends(closure,
+                        &(tvi_correction_equations){&closure->q_mean_weights, closure_get_second_combination(closure),
+                                                    TVI_FIRST_COLUMNS});
 }
 
 tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination,
                                      tvi_column_half column_half)
 {
-    return correct_ends(closure, &(tvi_transposed_equations){combination, NULL, column_half});
+    return correct_ends(closure, &(tvi_correction_equations){combination, NULL, column_half});
 }

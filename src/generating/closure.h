@@ -22,10 +22,10 @@ typedef enum { TVI_FIRST_COLUMNS, TVI_LAST_COLUMNS } tvi_column_half;
 /* The linear equations A^T x = D_z for the corrections of the ends. A is one n x n block of the Jacobian of an end of
  * the curve by z; or it consists of two such Jacobians, n x 2n each, one above the other. */
 typedef struct {
-    /* The combinations whose Jacobians are in A; second_combination is NULL if A is a block. */
+    /* The combinations whose Jacobians form A; second_combination is NULL if A is one block. */
     const tvi_combination *first_combination, *second_combination;
     tvi_column_half jacobian_column_half; /* if A is an n x n block of the Jacobian: its columns */
-} tvi_transposed_equations;
+} tvi_correction_equations;
 
 /* A solver of the equations A^T x = D_z, by matrices (matrices.c) or by products (products.c). The functions
  * tvi_correct_ends_fn of the generating functions are the same for both solvers. */
@@ -42,7 +42,7 @@ typedef struct tvi_closure_solver {
      * replaces D_z. If A is an n x n block of a Jacobian J [n][2n], x replaces the half of D_z that belongs to the
      * columns of this block (jacobian_column_half). The other half of D_z is then replaced by its residual D_z - K^T x,
      * where K is the other n x n block of J. Returns TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV if it fails. */
-    tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed_equations *equations);
+    tvi_status (*solve)(struct tvi_closure *closure, const tvi_correction_equations *equations);
     /* The corrector uses one of the next two functions; the other is NULL. `jacobian` writes J = d(q-, u-)/dz [2n][2n],
      * or returns false if the corrector may reuse the Jacobian before it; `correct` multiplies the correction by an
      * approximate J^-1. */
@@ -56,11 +56,12 @@ typedef struct tvi_closure {
     int n;
     tvi_scaled_span span; /* the ends of the step in scaled time */
     tvi_curve curve;
-    /* The combinations of Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (end_s q- - start_s
-     * q+)/(end_s - start_s), with the ends of the span in scaled time. The last one has no term in Q_1; it is the mean
-     * of the ends if the curve is expanded at the midpoint. */
-    tvi_combination q_at_start, q_at_end, q_increment, q_mean;
-    tvi_combination u_at_start, u_at_end, u_increment, u_mean; /* the combinations of U_k for the scaled momentum */
+    /* The weights of the coefficients Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (end_s q- -
+     * start_s q+)/(end_s - start_s), with the ends of the span in scaled time. The last sum has no term in Q_1; it is
+     * the mean of q- and q+ if the curve is expanded at the midpoint. */
+    tvi_combination q_at_start_weights, q_at_end_weights, q_increment_weights, q_mean_weights;
+    /* The weights of the coefficients U_k for the same four sums of the scaled momentum u = kappa p. */
+    tvi_combination u_at_start_weights, u_at_end_weights, u_increment_weights, u_mean_weights;
     /* The degree to which the momentum is summed. */
     int p_degree;
     /* [n] The sum of |P_k| over all orders k, with P_k the coefficient of s^k in the momentum. momentum_abs_weights are
@@ -83,11 +84,11 @@ typedef struct tvi_closure {
  * scaled momenta, or the difference of their coordinates. */
 static inline const tvi_combination *closure_get_second_combination(const tvi_closure *closure)
 {
-    return closure->end_factors->uses_mean_momentum ? &closure->u_mean : &closure->q_increment;
+    return closure->end_factors->uses_mean_momentum ? &closure->u_mean_weights : &closure->q_increment_weights;
 }
 
-/* Solves [J1; J2]^T (x, y) = D_z, with J1 the Jacobian of the mean of the ends' coordinates (q_mean) and J2 that of the
- * second combination, and computes the corrections from (x, y) by end_factors. */
+/* Solves [J1; J2]^T (x, y) = D_z, with J1 the Jacobian of the mean of the ends' coordinates (q_mean_weights) and J2
+ * that of the second combination, and computes the corrections from (x, y) by end_factors. */
 tvi_correct_ends_fn tvi_correct_ends_by_mean;
 
 /* Solves J^T x = D_z in half of the rows: J is the n x n block of the combination's Jacobian with the columns
@@ -121,7 +122,7 @@ static inline void closure_set_end_corrections(const tvi_closure *closure)
 
 /* Computes momentum_term_abs_sum, the sums of the magnitudes of the momenta's terms, relative to which corrections of p
  * are measured. */
-static inline void closure_compute_momentum_sizes(const tvi_closure *closure)
+static inline void closure_compute_momentum_term_abs_sums(const tvi_closure *closure)
 {
     curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, &closure->curve, &closure->momentum_abs_weights,
                                      closure->momentum_term_abs_sum);

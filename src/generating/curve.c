@@ -39,10 +39,10 @@ static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
     if (curve->jacobian_method == TVI_JACOBIAN_MATRICES) {
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots * tangent_lanes);
         curve->product_direction = tvi_arena_allocate_doubles(arena, 2 * numbers);
-        curve->dQ = tvi_arena_allocate_doubles(arena, jacobian);
-        curve->product_with_dU = tvi_arena_allocate_doubles(arena, 2 * numbers);
+        curve->dQ_dz = tvi_arena_allocate_doubles(arena, jacobian);
+        curve->product_with_dU_dz = tvi_arena_allocate_doubles(arena, 2 * numbers);
         curve->combination_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * numbers);
-        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
+        curve->dU_dz = system->form == TVI_SEPARABLE ? NULL : tvi_arena_allocate_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_allocate(&curve->velocity_hessian, arena, system->n, 1);
@@ -68,7 +68,8 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->tail_share = tvi_arena_allocate_doubles(arena, numbers);
     curve->tail_ratio = tvi_arena_allocate_doubles(arena, numbers);
-    curve->due_mask = tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->due_mask : 0);
+    curve->due_jacobian_mask =
+        tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->due_jacobian_mask : 0);
     curve->q_size_weights = tvi_combination_allocate(curve, arena);
     curve->u_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
@@ -147,7 +148,7 @@ void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *co
     else curve_sum_combination(curve, combination, out);
 }
 
-void tvi_curve_set_tail_degrees(tvi_curve *curve, int q_degree, int p_degree)
+void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     curve->q_degree = q_degree;
@@ -173,13 +174,13 @@ double tvi_curve_compute_tail(const tvi_curve *curve)
 
 static bool has_generated_functions(const tvi_curve *curve)
 {
-    return curve->generated_code && curve->generated_code->usable_step;
+    return curve->generated_code && curve->generated_code->largest_usable_s;
 }
 
-double tvi_curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)
+double tvi_curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance)
 {
-    return has_generated_functions(curve) ? curve->generated_code->usable_step(curve, log_tolerance)
-                                          : curve_estimate_usable_step(curve, log_tolerance);
+    return has_generated_functions(curve) ? curve->generated_code->largest_usable_s(curve, log_tolerance)
+                                          : curve_estimate_largest_usable_s(curve, log_tolerance);
 }
 
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])

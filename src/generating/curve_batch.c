@@ -33,7 +33,7 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
 {
     if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN : !can_batch_corrected_steps(system, options))
         return 1;
-    const int orders = tvi_create_unallocated_action(system, options, 1).orders,
+    const int orders = tvi_create_unallocated_action(system, options, 1).order_count,
               blocks = is_plain_taylor_method(options) ? 1 : 2;
     const int bytes = blocks * system->field_series->slot_count * orders * (int)sizeof(double);
     int width = BATCH_MIN_WIDTH;
@@ -74,8 +74,8 @@ static void prepare_batch(void *work)
  * which it continues in later runs. Plain Taylor steps of a given size do not use their history. */
 static double *get_history_of_members(const tvi_curve_workspace *work)
 {
-    return work->corrects_step_ends ? work->newton.max_contraction_ratio_growth_of_member
-                                    : work->last_adapted_step_size;
+    return work->has_end_corrections ? work->newton.max_contraction_ratio_growth_of_member
+                                     : work->last_adapted_step_size;
 }
 
 static void copy_lane_history_to_member(const void *work, int lane, void *member_work)

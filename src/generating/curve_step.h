@@ -45,7 +45,7 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
     const int numbers = curve_vector_length(&closure->curve), width = curve_width(&closure->curve);
     const double *Q0 = tvi_curve_position_coefficients(&closure->curve, 0);
     CURVE_CALL(sum_combination, &closure->curve, &work->q_start_minus_centre_weights, r);
-    CURVE_CALL(sum_combination, &closure->curve, &closure->u_at_start, r + numbers);
+    CURVE_CALL(sum_combination, &closure->curve, &closure->u_at_start_weights, r + numbers);
     for (int i = 0; i < curve_dimension(&closure->curve); i++) {
         const double kappa = closure->curve.kappa[i];
         for (int at = i * width; at < (i + 1) * width; at++) {
@@ -58,9 +58,9 @@ static inline void step_compute_residual(const tvi_curve_workspace *work, const 
 
 /* Returns whether the method corrects the ends of the curve. Generated code has quick steps only of methods that do,
  * and returns true. */
-static inline bool step_corrects_curve_ends(const tvi_curve_workspace *work)
+static inline bool step_has_end_corrections(const tvi_curve_workspace *work)
 {
-    return CURVE_SIZE(true, work->corrects_step_ends);
+    return CURVE_SIZE(true, work->has_end_corrections);
 }
 
 /* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
@@ -69,25 +69,25 @@ static inline void step_sum_combination_with_correction(const tvi_curve_workspac
                                                         const tvi_combination *combination, double out[])
 {
     CURVE_CALL(sum_combination, &work->closure.curve, combination, out);
-    if (!step_corrects_curve_ends(work)) return;
+    if (!step_has_end_corrections(work)) return;
     CURVE_CALL(multiply_jacobian_by_direction, &work->closure.curve, combination, work->scratch);
     for (int i = 0; i < curve_vector_length(&work->closure.curve); i++) out[i] += work->scratch[i];
 }
 
 /* Computes the increments dq = (q+ - q-) + increment_correction_q and dp = (p+ - p-) + increment_correction_p. For
- * increments to a point within the step (dense output), q_increment and u_increment end there, and correction_fraction
- * of the corrections is added. */
-static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_increment,
-                                           const tvi_combination *u_increment, double correction_fraction, double dq[],
-                                           double dp[])
+ * increments to a point within the step (dense output), q_increment_weights and u_increment_weights end there, and
+ * correction_fraction of the corrections is added. */
+static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_increment_weights,
+                                           const tvi_combination *u_increment_weights, double correction_fraction,
+                                           double dq[], double dp[])
 {
     const tvi_closure *closure = &work->closure;
     const int width = curve_width(&closure->curve);
-    step_sum_combination_with_correction(work, q_increment, dq);
-    step_sum_combination_with_correction(work, u_increment, dp);
+    step_sum_combination_with_correction(work, q_increment_weights, dq);
+    step_sum_combination_with_correction(work, u_increment_weights, dp);
     for (int i = 0; i < curve_vector_length(&closure->curve); i++) {
         dp[i] /= closure->curve.kappa[i / width];
-        if (!step_corrects_curve_ends(work)) continue;
+        if (!step_has_end_corrections(work)) continue;
         dq[i] += correction_fraction * closure->increment_correction_q[i];
         dp[i] += correction_fraction * closure->increment_correction_p[i];
     }
@@ -98,7 +98,7 @@ static inline void step_store_end_velocity(const tvi_curve_workspace *work)
 {
     const tvi_curve *curve = &work->closure.curve;
     if (curve_form(curve) != TVI_LAGRANGIAN) return;
-    CURVE_CALL(sum_combination, curve, &work->scaled_end_velocity, work->velocity_guess);
+    CURVE_CALL(sum_combination, curve, &work->scaled_end_velocity_weights, work->velocity_guess);
     for (int i = 0; i < curve_dimension(curve); i++) work->velocity_guess[i] /= curve->tau;
 }
 
@@ -113,7 +113,7 @@ static inline void step_compute_increments_and_tails(const tvi_curve_workspace *
                                                      double tail[])
 {
     const tvi_curve *curve = &work->closure.curve;
-    step_compute_increments(work, &work->closure.q_increment, &work->closure.u_increment, 1, dq, dp);
+    step_compute_increments(work, &work->closure.q_increment_weights, &work->closure.u_increment_weights, 1, dq, dp);
     step_store_end_velocity(work);
     CURVE_CALL(compute_movement_sizes, curve);
     step_compute_tails(curve, tail);
@@ -138,37 +138,39 @@ typedef struct {
     const step_curve_functions *functions;
     const tvi_batch_origin *origin;
     long long *iterating_mask;
-    long factorisations;
-} step_state;
+    long factorisation_count;
+} quick_step_progress;
 
 /* Returns the number of members whose passes have not ended. */
-static inline int step_count_iterating_members(const step_state *state)
+static inline int step_count_iterating_members(const quick_step_progress *progress)
 {
     int count = 0;
-    for (int m = 0; m < curve_width(&state->work->closure.curve); m++) count += state->iterating_mask[m] != 0;
+    for (int m = 0; m < curve_width(&progress->work->closure.curve); m++) count += progress->iterating_mask[m] != 0;
     return count;
 }
 
 /* Ends the passes of members for which an evaluation, at the nodes or of the series, failed with this status. Returns
  * false if the failed step is of a single member. If it is of several members, only those outside of the domain are
  * dropped, and the step continues. */
-static inline bool step_drop_failed_members(const step_state *state, tvi_status status, bool at_nodes)
+static inline bool step_continue_without_failed_members(const quick_step_progress *progress, tvi_status status,
+                                                        bool at_nodes)
 {
     if (status == TVI_OK) return true;
-    if (curve_width(&state->work->closure.curve) == 1) return false;
-    state->functions->drop_members_outside_domain(state->work, at_nodes, state->iterating_mask);
+    if (curve_width(&progress->work->closure.curve) == 1) return false;
+    progress->functions->drop_members_outside_domain(progress->work, at_nodes, progress->iterating_mask);
     return true;
 }
 
 /* Finds the members whose Jacobians must be computed anew at z, and returns their number. */
-static inline int step_find_members_with_due_jacobians(const step_state *state, const double z[])
+static inline int step_find_members_with_due_jacobians(const quick_step_progress *progress, const double z[])
 {
-    tvi_closure *closure = &state->work->closure;
+    tvi_closure *closure = &progress->work->closure;
     const int width = curve_width(&closure->curve);
-    long long is_one_due, *due_mask = width > 1 ? closure->curve.due_mask : &is_one_due;
+    long long is_one_due, *due_jacobian_mask = width > 1 ? closure->curve.due_jacobian_mask : &is_one_due;
     int count = 0;
-    matrices_find_members_with_due_jacobians(closure, z, state->work->newton.scale, state->iterating_mask, due_mask);
-    for (int m = 0; m < width; m++) count += (due_mask[m] & state->iterating_mask[m]) != 0;
+    matrices_find_members_with_due_jacobians(closure, z, progress->work->newton.scale, progress->iterating_mask,
+                                             due_jacobian_mask);
+    for (int m = 0; m < width; m++) count += (due_jacobian_mask[m] & progress->iterating_mask[m]) != 0;
     if (width > 1)
         closure->curve.keeps_old_jacobians =
             count < width && matrices_get_factors(closure)->jacobian_computations_in_step > 0;
@@ -179,47 +181,48 @@ static inline int step_find_members_with_due_jacobians(const step_state *state, 
  * Rows of one unit are scaled together. In two cases the rows of the second half have another unit than those of the
  * first: in a Hamiltonian's equations, if the second equations are of coordinates, and in a Lagrangian's corrector. The
  * passes of a member end if its factors need row exchanges. */
-static inline void step_factor_jacobians(step_state *state, int due_count, const double z[])
+static inline void step_factor_jacobians(quick_step_progress *progress, int due_count, const double z[])
 {
-    const tvi_closure *closure = &state->work->closure;
+    const tvi_closure *closure = &progress->work->closure;
     const tvi_form form = curve_form(&closure->curve);
     const int n = curve_dimension(&closure->curve), size = 2 * n, width = curve_width(&closure->curve);
     const bool uses_momenta = closure->end_factors->uses_mean_momentum;
-    tvi_lu_factor *full = &matrices_get_factors(closure)->full_factor, *back = &state->work->newton.factor;
-    matrices_record_jacobian_state(closure, z);
-    matrices_stack_combination_jacobians(closure, &closure->q_mean, closure_get_second_combination(closure), full->lu);
-    const int renewed = matrices_renew_and_count_jacobians(closure, state->iterating_mask, back->lu);
+    tvi_lu_factor *full = &matrices_get_factors(closure)->full_jacobian_factor, *back = &progress->work->newton.factor;
+    matrices_record_z_of_jacobians(closure, z);
+    matrices_stack_combination_jacobians(closure, &closure->q_mean_weights, closure_get_second_combination(closure),
+                                         full->lu);
+    const int renewed = matrices_renew_corrector_jacobians(closure, progress->iterating_mask, back->lu);
     linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
-                            state->iterating_mask);
+                            progress->iterating_mask);
     if (renewed > 0)
-        linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, state->iterating_mask);
-    state->factorisations += due_count + renewed;
+        linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, progress->iterating_mask);
+    progress->factorisation_count += due_count + renewed;
 }
 
 /* Computes the corrections of the unknowns in one pass, but does not add them. Returns false if no member continues. */
-static inline bool step_run_corrector_pass(step_state *state, bool is_first)
+static inline bool step_run_corrector_pass(quick_step_progress *progress, bool is_first)
 {
-    tvi_curve_workspace *work = state->work;
-    const step_curve_functions *functions = state->functions;
+    tvi_curve_workspace *work = progress->work;
+    const step_curve_functions *functions = progress->functions;
     tvi_closure *closure = &work->closure;
     tvi_newton *newton = &work->newton;
     const int size = 2 * curve_dimension(&closure->curve), width = curve_width(&closure->curve);
     double *x = newton->x, *r = newton->correction;
-    const int due_count = step_find_members_with_due_jacobians(state, x);
+    const int due_count = step_find_members_with_due_jacobians(progress, x);
     curve_set_centre_state(&closure->curve, x);
     tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&closure->curve);
-    if (!step_drop_failed_members(state, status, false)) return false;
+    if (!step_continue_without_failed_members(progress, status, false)) return false;
     status = functions->compute_seeds(&work->action, &closure->curve, closure->action_gradient_by_coefficients_Q,
                                       closure->action_gradient_by_coefficients_U);
-    if (!step_drop_failed_members(state, status, true)) return false;
-    if (due_count > 0) step_factor_jacobians(state, due_count, x);
-    if (step_count_iterating_members(state) == 0) return false;
+    if (!step_continue_without_failed_members(progress, status, true)) return false;
+    if (due_count > 0) step_factor_jacobians(progress, due_count, x);
+    if (step_count_iterating_members(progress) == 0) return false;
     CURVE_CALL(multiply_transposed_jacobians_by_seeds, &closure->curve, closure->action_gradient_by_coefficients_Q,
                closure->action_gradient_by_coefficients_U, closure->gradient_then_solution);
-    linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_factor,
+    linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_jacobian_factor,
                                       closure->gradient_then_solution);
     closure_set_end_corrections(closure);
-    step_compute_residual(work, state->origin, r);
+    step_compute_residual(work, progress->origin, r);
     if (is_first) {
         step_compute_unknown_scales(closure, newton->scale);
         for (int m = 0; m < width; m++) newton_raise_scales_of_small_unknowns(newton, m);
@@ -231,15 +234,15 @@ static inline bool step_run_corrector_pass(step_state *state, bool is_first)
 
 /* Judges the correction of member m. The passes of the member end if this was its last correction, or if its step is
  * left to curve_stepper.c, for example because a number is not finite. */
-static inline void step_judge_correction(const step_state *state, tvi_newton_passes *passes,
+static inline void step_judge_correction(const quick_step_progress *progress, tvi_newton_passes *passes,
                                          const tvi_correction_sizes *sizes, int m,
                                          const tvi_quick_step_results *results)
 {
-    const tvi_newton *newton = &state->work->newton;
+    const tvi_newton *newton = &progress->work->newton;
     tvi_passes_verdict verdict = TVI_PASSES_STUCK;
     if (isfinite(sizes->largest_relative_correction[m]))
         verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
-    if (verdict != TVI_PASSES_GO_ON) state->iterating_mask[m] = 0;
+    if (verdict != TVI_PASSES_GO_ON) progress->iterating_mask[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
     newton->max_contraction_ratio_growth_of_member[m] =
         tvi_larger(newton->max_contraction_ratio_growth_of_member[m], passes->contraction_ratio_growth);
@@ -248,41 +251,41 @@ static inline void step_judge_correction(const step_state *state, tvi_newton_pas
 }
 
 /* Adds the corrections to the unknowns of the members whose passes continue. */
-static inline void step_apply_corrections(const step_state *state)
+static inline void step_apply_corrections(const quick_step_progress *progress)
 {
-    const tvi_newton *newton = &state->work->newton;
-    const int width = curve_width(&state->work->closure.curve);
+    const tvi_newton *newton = &progress->work->newton;
+    const int width = curve_width(&progress->work->closure.curve);
     const double *correction = newton->correction;
     double *restrict x = newton->x;
     for (int i = 0; i < newton_count_unknowns(newton); i++, x += width, correction += width)
-        for (int m = 0; m < width; m++) x[m] = state->iterating_mask[m] ? x[m] + correction[m] : x[m];
+        for (int m = 0; m < width; m++) x[m] = progress->iterating_mask[m] ? x[m] + correction[m] : x[m];
 }
 
 /* Runs passes of the corrector until the passes of every member may end. */
-static inline void step_run_corrector_passes(step_state *state, const tvi_quick_step_results *results)
+static inline void step_run_corrector_passes(quick_step_progress *progress, const tvi_quick_step_results *results)
 {
-    const tvi_newton *newton = &state->work->newton;
-    const int width = curve_width(&state->work->closure.curve);
+    const tvi_newton *newton = &progress->work->newton;
+    const int width = curve_width(&progress->work->closure.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
         tvi_newton_begin_passes(&passes[m], newton->max_contraction_ratio_growth_of_member[m], &newton->rules,
                                 newton->needs_extra_pass);
-    matrices_discard_factors(&state->work->closure);
+    matrices_discard_factors(&progress->work->closure);
     for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {
         tvi_correction_sizes sizes;
-        if (!step_run_corrector_pass(state, count == 1)) return;
+        if (!step_run_corrector_pass(progress, count == 1)) return;
         newton_measure_corrections(newton, newton->scale, &sizes);
         for (int m = 0; m < width; m++)
-            if (state->iterating_mask[m]) step_judge_correction(state, &passes[m], &sizes, m, results);
-        if (step_count_iterating_members(state) == 0) return;
-        step_apply_corrections(state);
+            if (progress->iterating_mask[m]) step_judge_correction(progress, &passes[m], &sizes, m, results);
+        if (step_count_iterating_members(progress) == 0) return;
+        step_apply_corrections(progress);
     }
 }
 
 /* Finds the velocity of a Lagrangian that belongs to the momentum, as accurately as predictors need it. Newton's method
  * begins with the velocity at the end of the last step. Returns false if it has not converged after a few corrections.
  * */
-static inline bool step_find_velocity(tvi_curve_workspace *work, const double p[], double v[])
+static inline bool step_try_to_find_velocity(tvi_curve_workspace *work, const double p[], double v[])
 {
     tvi_curve *curve = &work->closure.curve;
     const int n = curve_dimension(curve);
@@ -316,27 +319,27 @@ static inline bool step_set_centre_state_to_start(tvi_curve_workspace *work, con
     curve_set_centre_state(curve, z);
     curve_set_centre_time(curve, origin->t, origin->t_low, 0);
     if (curve_form(curve) != TVI_LAGRANGIAN) return true;
-    return step_find_velocity(work, origin->p, tvi_curve_inputs_of_order(curve, 0) + n);
+    return step_try_to_find_velocity(work, origin->p, tvi_curve_field_inputs_of_order(curve, 0) + n);
 }
 
 /* Makes the steps of the members whose passes converge as usual, for the generating functions that
  * tvi_correct_ends_by_mean serves. Returns whether any member's step was made; curve_stepper.c makes the other steps.
  * */
-static inline bool step_make_quick_steps(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
-                                         const tvi_batch_origin *origin, const tvi_quick_step_results *results,
-                                         tvi_stats *stats)
+static inline bool step_try_quick_steps(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
+                                        const tvi_batch_origin *origin, const tvi_quick_step_results *results,
+                                        tvi_stats *stats)
 {
     tvi_curve *curve = &work->closure.curve;
-    step_state state = {work, functions, origin, results->iterating_mask, 0};
+    quick_step_progress progress = {work, functions, origin, results->iterating_mask, 0};
     int steps = 0, passes = 0;
     curve_set_time_unit(curve, tau);
     for (int m = 0; m < curve_width(curve); m++) results->pass_counts[m] = TVI_NOT_MADE;
     if (!step_set_centre_state_to_start(work, origin, work->newton.x) ||
-        !step_drop_failed_members(&state, functions->expand(curve), false))
+        !step_continue_without_failed_members(&progress, functions->expand(curve), false))
         return false;
     step_compute_state_at_centre(work, work->newton.x);
     curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.start_s * tau);
-    step_run_corrector_passes(&state, results);
+    step_run_corrector_passes(&progress, results);
     for (int m = 0; m < curve_width(curve); m++) {
         if (results->pass_counts[m] == TVI_NOT_MADE) continue;
         steps++;
@@ -347,7 +350,7 @@ static inline bool step_make_quick_steps(tvi_curve_workspace *work, const step_c
     step_compute_increments_and_tails(work, results->dq, results->dp, results->tail);
     stats->passes += passes;
     stats->expansions += steps + passes;
-    stats->factorisations += state.factorisations;
+    stats->factorisations += progress.factorisation_count;
     stats->force_evaluations += passes * work->options->quadrature_points;
     return true;
 }

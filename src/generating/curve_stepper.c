@@ -143,7 +143,7 @@ static void compute_plain_taylor_increments(work *w, double h, const tvi_increme
  * its orders are summed, and its ends are not corrected. */
 static bool is_step_plain_taylor_curve(const work *w)
 {
-    return !w->corrects_step_ends && w->closure.span.start_s == 0 && w->q_degree > 1 &&
+    return !w->has_end_corrections && w->closure.span.start_s == 0 && w->q_degree > 1 &&
            w->closure.curve.highest_order == w->q_degree;
 }
 
@@ -154,7 +154,7 @@ static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *o
     step_attempt attempt = {w, origin, w->closure.span.tau_over_h * h, stats};
     if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict_centre_state(&attempt);
-    if (status == TVI_OK && w->corrects_step_ends) status = run_corrector(&attempt);
+    if (status == TVI_OK && w->has_end_corrections) status = run_corrector(&attempt);
     else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_state, compute_centre_time(&attempt));
     if (status != TVI_OK) return status;
     if (is_step_plain_taylor_curve(w)) {
@@ -187,7 +187,7 @@ static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double g
         if (status == TVI_OK) status = expand_curve(attempt, w->predicted_state, compute_centre_time(attempt));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
-        if (status == TVI_OK) usable_s = tvi_curve_estimate_usable_step(curve, w->log_tolerance);
+        if (status == TVI_OK) usable_s = tvi_curve_estimate_largest_usable_s(curve, w->log_tolerance);
         *usable_step = fmin(usable_s * fabs(attempt->tau), least_usable_step);
         if (usable_s >= 1 / STEP_SIZE_MAX_TAU_RATIO && (usable_s <= STEP_SIZE_MAX_TAU_RATIO || exponent >= highest))
             return TVI_OK;
@@ -246,9 +246,11 @@ static void compute_dense_output(void *workspace, double theta, double dq[], dou
     work *w = workspace;
     const tvi_closure *c = &w->closure;
     const double at = c->span.start_s + theta * (c->span.end_s - c->span.start_s);
-    tvi_combination_set_power_weights(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.start_s);
-    tvi_combination_set_power_weights(&w->dense_u, &c->curve, true, w->closure.p_degree, 1, at, -1, c->span.start_s);
-    step_compute_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
+    tvi_combination_set_power_weights(&w->dense_output_q_weights, &c->curve, false, w->q_degree, 1, at, -1,
+                                      c->span.start_s);
+    tvi_combination_set_power_weights(&w->dense_output_u_weights, &c->curve, true, w->closure.p_degree, 1, at, -1,
+                                      c->span.start_s);
+    step_compute_increments(w, &w->dense_output_q_weights, &w->dense_output_u_weights, theta, dq, dp);
 }
 
 static double bound_energy_change(const void *workspace)
@@ -259,10 +261,10 @@ static double bound_energy_change(const void *workspace)
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool corrects_step_ends = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool has_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
-    return tvi_curve_find_used_tapes(system, options, shape.orders - 1, shape.points,
-                                     corrects_step_ends ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
+    return tvi_curve_find_used_tapes(system, options, shape.order_count - 1, shape.node_count,
+                                     has_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)

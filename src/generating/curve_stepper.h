@@ -17,7 +17,7 @@ typedef struct {
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     tvi_quick_step_fn *quick_step, *quick_step_of_members;
     tvi_quick_step_fn *taylor_step_of_members;
-    const tvi_closure_solver *product_solver;
+    const tvi_closure_solver *matrix_free_solver;
 } tvi_curve_isa_functions;
 extern const tvi_curve_isa_functions tvi_curve_isa_functions_base, tvi_curve_isa_functions_avx2,
     tvi_curve_isa_functions_avx512;
@@ -25,20 +25,23 @@ const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *ta
 
 typedef struct tvi_curve_workspace {
     tvi_closure closure;
-    bool corrects_step_ends; /* whether the method corrects the ends of the curve by a generating function */
-    bool needs_extra_pass;   /* whether each step makes one pass more than seems needed (newton.h) */
+    bool has_end_corrections; /* whether the method corrects the ends of the curve by a generating function */
+    bool needs_extra_pass;    /* whether each step makes one pass more than seems needed (newton.h) */
     const tvi_options *options;
     int q_degree;
     tvi_action action;
     tvi_newton newton;
     tvi_legendre legendre;
-    tvi_combination
-        q_start_minus_centre_weights; /* the difference q- - Q_0 of the positions at the start and at the centre */
-    /* The centre state q and tau v, or p of a Hamiltonian, as values of the curve that starts at (q0, p0). */
+    /* The weights of the Q_k for the difference q- - Q_0 of the coordinates at the start and at the centre. */
+    tvi_combination q_start_minus_centre_weights;
+    /* The weights of the coefficients of the curve that starts at (q0, p0), for q and tau v (of a Hamiltonian p) at the
+     * centre. */
     tvi_combination q_at_centre_weights, velocity_at_centre_weights;
-    tvi_combination scaled_end_velocity; /* of a Lagrangian: tau v at the end of the step */
-    tvi_combination dense_q, dense_u;    /* the increments of q and u up to one point of dense output */
-    double *predicted_state;             /* [2n] the predicted centre state */
+    /* The weights of the Q_k for tau v at the end of a Lagrangian's step. */
+    tvi_combination scaled_end_velocity_weights;
+    /* The weights for the increments of q and of u from the start of the step to one point of dense output. */
+    tvi_combination dense_output_q_weights, dense_output_u_weights;
+    double *predicted_state; /* [2n] the predicted centre state */
     /* [n] of a Lagrangian: the first guess of the velocity in the next predictor; part of the history. */
     double *velocity_guess;
     double *last_adapted_step_size; /* [width] the size of each member's last adapted step, or 0; part of the history */

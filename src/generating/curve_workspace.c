@@ -9,12 +9,12 @@
 typedef tvi_curve_workspace work;
 
 static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                             bool corrects_step_ends, int width)
+                             bool has_end_corrections, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const tvi_action sizes = tvi_create_unallocated_action(system, options, 1);
     const size_t n = (size_t)system->n * (size_t)width;
-    const tvi_jacobians jacobians = corrects_step_ends ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
+    const tvi_jacobians jacobians = has_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
     c->n = system->n;
     c->span = definition->span;
@@ -22,20 +22,23 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     c->correct_ends = definition->correct_ends;
     c->end_factors = &definition->end_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
-    const tvi_closure_solver *solver =
-        has_products ? tvi_choose_curve_isa_functions(system->field_series)->product_solver : &tvi_solver_by_matrices;
-    tvi_curve_allocate(&c->curve, arena, system, sizes.orders - 1, jacobians, width);
-    c->solver = c->curve.generated_code && c->curve.generated_code->solver ? c->curve.generated_code->solver : solver;
-    tvi_combination *const combinations[] = {&c->q_at_start,  &c->q_at_end,   &c->q_increment,
-                                             &c->q_mean,      &c->u_at_start, &c->u_at_end,
-                                             &c->u_increment, &c->u_mean,     &c->momentum_abs_weights};
+    const tvi_closure_solver *solver = has_products
+                                           ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
+                                           : &tvi_solver_by_matrices;
+    tvi_curve_allocate(&c->curve, arena, system, sizes.order_count - 1, jacobians, width);
+    c->solver = c->curve.generated_code && c->curve.generated_code->matrix_free_solver
+                    ? c->curve.generated_code->matrix_free_solver
+                    : solver;
+    tvi_combination *const combinations[] = {&c->q_at_start_weights,  &c->q_at_end_weights,   &c->q_increment_weights,
+                                             &c->q_mean_weights,      &c->u_at_start_weights, &c->u_at_end_weights,
+                                             &c->u_increment_weights, &c->u_mean_weights,     &c->momentum_abs_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->start_correction_q, &c->start_correction_p, &c->increment_correction_q,
                                     &c->increment_correction_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
         *corrections[i] = tvi_arena_allocate_doubles(arena, n);
-    if (!corrects_step_ends) return;
+    if (!has_end_corrections) return;
     const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
     c->momentum_term_abs_sum = tvi_arena_allocate_doubles(arena, n);
     c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
@@ -61,20 +64,17 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool corrects_step_ends = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool has_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n * (size_t)width;
-    work w = {.corrects_step_ends = corrects_step_ends,
+    work w = {.has_end_corrections = has_end_corrections,
               .needs_extra_pass = definition->needs_extra_pass,
               .options = options,
               .q_degree = options->degree};
-    allocate_closure(&w.closure, arena, system, options, corrects_step_ends, width);
+    allocate_closure(&w.closure, arena, system, options, has_end_corrections, width);
     const tvi_curve *curve = &w.closure.curve;
-    tvi_combination *const combinations[] = {&w.q_start_minus_centre_weights,
-                                             &w.q_at_centre_weights,
-                                             &w.velocity_at_centre_weights,
-                                             &w.scaled_end_velocity,
-                                             &w.dense_q,
-                                             &w.dense_u};
+    tvi_combination *const combinations[] = {&w.q_start_minus_centre_weights, &w.q_at_centre_weights,
+                                             &w.velocity_at_centre_weights,   &w.scaled_end_velocity_weights,
+                                             &w.dense_output_q_weights,       &w.dense_output_u_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
@@ -84,7 +84,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
     if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena, width);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
-    if (corrects_step_ends) {
+    if (has_end_corrections) {
         tvi_allocate_action(&w.action, arena, system, options, width);
         tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
         w.quick_step = tvi_choose_quick_step(&w.closure, options);
@@ -107,19 +107,20 @@ static void set_predictor_combinations(work *w)
     tvi_combination_set_weights(&w->velocity_at_centre_weights, curve, hamiltonian, weight);
     tvi_combination_set_power_weights(&w->q_at_centre_weights, curve, false, curve->highest_order, 1, s, 0, 0);
     for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.end_s, k - 1) : 0;
-    tvi_combination_set_weights(&w->scaled_end_velocity, curve, false, weight);
+    tvi_combination_set_weights(&w->scaled_end_velocity_weights, curve, false, weight);
 }
 
 void tvi_curve_workspace_fill_tables(void *workspace)
 {
     work *w = workspace;
     tvi_closure *c = &w->closure;
-    tvi_combination *const ends[2][4] = {{&c->q_at_start, &c->q_at_end, &c->q_increment, &c->q_mean},
-                                         {&c->u_at_start, &c->u_at_end, &c->u_increment, &c->u_mean}};
+    tvi_combination *const ends[2][4] = {
+        {&c->q_at_start_weights, &c->q_at_end_weights, &c->q_increment_weights, &c->q_mean_weights},
+        {&c->u_at_start_weights, &c->u_at_end_weights, &c->u_increment_weights, &c->u_mean_weights}};
     const double from = c->span.start_s, to = c->span.end_s;
     const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
     tvi_curve_fill_constant_tables(&c->curve);
-    tvi_curve_set_tail_degrees(&c->curve, w->q_degree, c->p_degree);
+    tvi_curve_set_summed_degrees(&c->curve, w->q_degree, c->p_degree);
     if (w->refinement.high_order_weight) tvi_prepare_increment_refinement(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++)
         for (int i = 0; i < 4; i++)
@@ -129,7 +130,7 @@ void tvi_curve_workspace_fill_tables(void *workspace)
     tvi_combination_set_power_weights(&c->momentum_abs_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_predictor_combinations(w);
-    if (!w->corrects_step_ends) return;
+    if (!w->has_end_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant, so that passes correct q and p alternately. The contraction of the first pass
      * then does not show that of the later ones. */

@@ -59,7 +59,7 @@ static void emit_macros_evaluating_field_at_nodes(jet_text *text, const tvi_syst
 {
     const jet_tape *field = tvi_select_node_tape(system, action);
     const bool has_velocities = has_seeds && field == system->field_series;
-    const int points = action->points;
+    const int points = action->node_count;
     emit_output_slot_table(text, field, "code_values", "CURVE_VALUES_SLOT");
     if (has_velocities)
         jet_text_append(
@@ -77,13 +77,14 @@ static void emit_macros_evaluating_field_at_nodes(jet_text *text, const tvi_syst
 /* Emits CURVE_ACTION, the initial values of a tvi_action with these sizes. */
 static void emit_action_sizes(jet_text *text, const tvi_action *action)
 {
-    jet_text_append(text,
-                    "#define CURVE_ACTION {.uses_hamilton_principle = %d, .omits_highest_order_at_nodes = %d, "
-                    ".has_gradient_by_v = %d, .has_gradient_by_p = %d, .q_degree = %d, .p_degree = %d, .points = %d, "
-                    ".orders = %d, .half_node_count = %d}\n",
-                    action->uses_hamilton_principle, action->omits_highest_order_at_nodes, action->has_gradient_by_v,
-                    action->has_gradient_by_p, action->q_degree, action->p_degree, action->points, action->orders,
-                    action->half_node_count);
+    jet_text_append(
+        text,
+        "#define CURVE_ACTION {.uses_hamilton_principle = %d, .omits_highest_order_at_nodes = %d, "
+        ".has_gradient_by_v = %d, .has_gradient_by_p = %d, .q_degree = %d, .p_degree = %d, .node_count = %d, "
+        ".order_count = %d, .half_node_count = %d}\n",
+        action->uses_hamilton_principle, action->omits_highest_order_at_nodes, action->has_gradient_by_v,
+        action->has_gradient_by_p, action->q_degree, action->p_degree, action->node_count, action->order_count,
+        action->half_node_count);
 }
 
 /* Emits the functions of a curve with Jacobian matrices, by tangents in `lanes` directions; with lanes = 0 it emits

@@ -98,8 +98,8 @@ JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, do
     sized_action.has_gradient_by_p = code_action.has_gradient_by_p;
     sized_action.q_degree = code_action.q_degree;
     sized_action.p_degree = code_action.p_degree;
-    sized_action.points = code_action.points;
-    sized_action.orders = code_action.orders;
+    sized_action.node_count = code_action.node_count;
+    sized_action.order_count = code_action.order_count;
     sized_action.half_node_count = code_action.half_node_count;
     return seeds_compute_without_second_derivatives(&sized_action, curve, seed_Q, seed_U);
 }
@@ -107,12 +107,12 @@ JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, do
 #endif
 #if CURVE_HAS_STEP
 
-static inline bool code_make_quick_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                                        const tvi_quick_step_results *results, tvi_stats *stats)
+static inline bool code_try_quick_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                       const tvi_quick_step_results *results, tvi_stats *stats)
 {
     static const step_curve_functions functions = {code_expand_series, code_expand_with_tangents, code_compute_seeds,
                                                    NULL};
-    return step_make_quick_steps(work, &functions, tau, origin, results, stats);
+    return step_try_quick_steps(work, &functions, tau, origin, results, stats);
 }
 
 #endif
@@ -120,7 +120,7 @@ static inline bool code_make_quick_step(tvi_curve_workspace *work, double tau, c
 
 static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
                                                .compute_corrections = products_compute_corrections,
-                                               .solve = products_solve_equations,
+                                               .solve = products_solve_correction_equations,
                                                .correct = products_apply_inverse_flow_jacobian};
 
 #endif
@@ -139,7 +139,7 @@ static const tvi_curve_code tvi_loops = {
     .multiply_transposed_jacobians_by_seeds = curve_multiply_transposed_jacobians_by_seeds,
 #endif
 #if CURVE_HAS_PRODUCTS
-    .solver = &code_solver,
+    .matrix_free_solver = &code_solver,
     .set_direction = products_compute_tangents,
     .multiply_jacobian_by_direction = products_multiply_jacobian_by_direction,
 #endif
@@ -147,10 +147,10 @@ static const tvi_curve_code tvi_loops = {
     .compute_seeds = code_compute_seeds,
 #endif
 #if CURVE_HAS_STEP
-    .quick_step = code_make_quick_step,
+    .quick_step = code_try_quick_step,
 #endif
 #if CURVE_HAS_STEP_SIZE
-    .usable_step = curve_estimate_usable_step,
+    .largest_usable_s = curve_estimate_largest_usable_s,
     .rescale_and_sum = curve_rescale_and_sum,
     .energy_change_bound = curve_bound_energy_change,
 #endif

@@ -13,19 +13,19 @@ static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
     tvi_jacobian_factors *allocated = tvi_arena_allocate(arena, sizeof *allocated), m = {0};
-    m.state_of_jacobians = tvi_arena_allocate_doubles(arena, 2 * n * width);
+    m.z_of_last_jacobians = tvi_arena_allocate_doubles(arena, 2 * n * width);
     m.relative_distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
     if (width > 1) m.corrector_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
     m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     tvi_factor_allocate(&m.jacobian_block_factor, arena, closure->n, 1);
-    tvi_factor_allocate(&m.full_factor, arena, 2 * closure->n, closure->curve.width);
+    tvi_factor_allocate(&m.full_jacobian_factor, arena, 2 * closure->n, closure->curve.width);
     if (allocated) *allocated = m;
     closure->solver_data = allocated;
 }
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_jacobian_block(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status factor_jacobian_block(tvi_closure *closure, const tvi_correction_equations *equations)
 {
     const size_t n = (size_t)closure->n, first = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n;
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
@@ -36,17 +36,17 @@ static tvi_status factor_jacobian_block(tvi_closure *closure, const tvi_transpos
     return tvi_factor_compute(&factors->jacobian_block_factor);
 }
 
-static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_correction_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
     matrices_stack_combination_jacobians(closure, equations->first_combination, equations->second_combination,
-                                         factors->full_factor.lu);
-    return tvi_factor_compute(&factors->full_factor);
+                                         factors->full_jacobian_factor.lu);
+    return tvi_factor_compute(&factors->full_jacobian_factor);
 }
 
 /* Subtracts K^T x from the half of gradient_then_solution that was not solved for. The other half is the solution x,
  * and K is the n x n block of the Jacobian whose columns are not jacobian_column_half. */
-static void compute_residual_in_rows_not_solved(tvi_closure *closure, const tvi_transposed_equations *equations)
+static void compute_residual_in_rows_not_solved(tvi_closure *closure, const tvi_correction_equations *equations)
 {
     const size_t n = (size_t)closure->n, solved = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n,
                  other = n - solved;
@@ -58,7 +58,7 @@ static void compute_residual_in_rows_not_solved(tvi_closure *closure, const tvi_
                 closure->gradient_then_solution[solved + i] * G[i * 2 * n + other + j];
 }
 
-static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_equations *equations)
+static tvi_status solve_by_factors(tvi_closure *closure, const tvi_correction_equations *equations)
 {
     tvi_jacobian_factors *factors = matrices_get_factors(closure);
     tvi_curve_multiply_transposed_jacobians_by_seeds(&closure->curve, closure->action_gradient_by_coefficients_Q,
@@ -71,7 +71,7 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
         if (status != TVI_OK) return status;
     }
     if (equations->second_combination) {
-        tvi_factor_solve_transposed(&factors->full_factor, closure->gradient_then_solution);
+        tvi_factor_solve_transposed(&factors->full_jacobian_factor, closure->gradient_then_solution);
     } else {
         tvi_factor_solve_transposed(&factors->jacobian_block_factor,
                                     closure->gradient_then_solution +
@@ -84,18 +84,18 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_transposed_eq
 /* Returns whether the Jacobian was renewed. */
 static bool renew_jacobian_if_outdated(const tvi_closure *closure, double jacobian[])
 {
-    return matrices_renew_and_count_jacobians(closure, &single_iterating_mask, jacobian) > 0;
+    return matrices_renew_corrector_jacobians(closure, &single_iterating_mask, jacobian) > 0;
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
 static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
 {
-    long long due_mask;
-    matrices_find_members_with_due_jacobians(closure, z, scale, &single_iterating_mask, &due_mask);
-    if (due_mask) {
+    long long due_jacobian_mask;
+    matrices_find_members_with_due_jacobians(closure, z, scale, &single_iterating_mask, &due_jacobian_mask);
+    if (due_jacobian_mask) {
         tvi_curve_compute_jacobians(&closure->curve);
-        matrices_record_jacobian_state(closure, z);
+        matrices_record_z_of_jacobians(closure, z);
         stats->factorisations++;
     }
     return closure->correct_ends(closure);

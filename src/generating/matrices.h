@@ -9,7 +9,7 @@
 /* The Jacobians of the curve's ends and their factors. jacobian_computations_in_step counts how often Jacobians are
  * computed, from 0 in each step. A factor is valid if no Jacobians were computed after it. */
 typedef struct {
-    double *state_of_jacobians;                 /* [2n] the centre state z at which the last Jacobians were computed */
+    double *z_of_last_jacobians;                /* [2n] the centre state z at which the last Jacobians were computed */
     int jacobian_computations_in_step;          /* how many times Jacobians were computed in this step */
     int jacobian_computations_at_factorisation; /* jacobian_computations_in_step when the factor was computed */
     bool has_corrector_jacobian;                /* whether the corrector's Jacobian was computed in this step */
@@ -20,7 +20,7 @@ typedef struct {
     /* [2n][2n] for several members: the corrector's Jacobian of each, which may be older for some than for others. */
     double *corrector_jacobian;
     tvi_lu_factor jacobian_block_factor; /* the factored n x n block of the Jacobian, or unused */
-    tvi_lu_factor full_factor;           /* the factored whole 2n x 2n Jacobian; a method uses one of the two factors */
+    tvi_lu_factor full_jacobian_factor;  /* the factored whole 2n x 2n Jacobian; a method uses one of the two factors */
 } tvi_jacobian_factors;
 
 static inline tvi_jacobian_factors *matrices_get_factors(const tvi_closure *closure) { return closure->solver_data; }
@@ -33,13 +33,13 @@ static inline void matrices_discard_factors(tvi_closure *closure)
 }
 
 /* Records that the Jacobians of the curve were computed at the centre state z. */
-static inline void matrices_record_jacobian_state(const tvi_closure *closure, const double z[])
+static inline void matrices_record_z_of_jacobians(const tvi_closure *closure, const double z[])
 {
     const tvi_curve *curve = &closure->curve;
-    double *state_of_jacobians = matrices_get_factors(closure)->state_of_jacobians;
+    double *z_of_last_jacobians = matrices_get_factors(closure)->z_of_last_jacobians;
     const int numbers = 2 * curve_vector_length(curve), width = curve_width(curve);
     for (int at = 0; at < numbers; at += width)
-        curve_store_values_of_due_members(curve, z + at, state_of_jacobians + at);
+        curve_store_values_of_due_members(curve, z + at, z_of_last_jacobians + at);
     matrices_get_factors(closure)->jacobian_computations_in_step++;
 }
 
@@ -53,18 +53,18 @@ static inline void matrices_stack_combination_jacobians(const tvi_closure *closu
 }
 
 /* Returns whether the corrector's Jacobian of member m must be renewed. */
-static inline bool matrices_is_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
+static inline bool matrices_is_corrector_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
     return !matrices->has_corrector_jacobian || matrices->relative_distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
 }
 
 /* Merges the corrector's new Jacobian of member m with the stored one: an outdated stored Jacobian is replaced by the
  * new one, otherwise the stored one replaces the new one in `matrix`. */
-static inline void matrices_merge_member_jacobian(const tvi_closure *closure, int m, double matrix[])
+static inline void matrices_choose_corrector_jacobian_of_member(const tvi_closure *closure, int m, double matrix[])
 {
     const int n = curve_dimension(&closure->curve), width = curve_width(&closure->curve);
     double *corrector_jacobian = matrices_get_factors(closure)->corrector_jacobian;
-    const bool is_far = matrices_is_jacobian_outdated(matrices_get_factors(closure), m);
+    const bool is_far = matrices_is_corrector_jacobian_outdated(matrices_get_factors(closure), m);
     const double *from = is_far ? matrix : corrector_jacobian;
     double *to = is_far ? corrector_jacobian : matrix;
     for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
@@ -73,42 +73,45 @@ static inline void matrices_merge_member_jacobian(const tvi_closure *closure, in
 /* Computes, for the corrector, the Jacobian matrix of the end at s- (q-, u-) by the unknowns z, as
  * corrector_jacobian_of_members [2n][2n][width]. Returns the number of members, among those that iterate, whose
  * Jacobians it renewed. Nothing is computed if all of these members can reuse their Jacobians. */
-static inline int matrices_renew_and_count_jacobians(const tvi_closure *closure, const long long iterating_mask[],
+static inline int matrices_renew_corrector_jacobians(const tvi_closure *closure, const long long iterating_mask[],
                                                      double corrector_jacobian_of_members[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     const int width = curve_width(&closure->curve);
     int count = 0;
-    for (int m = 0; m < width; m++) count += iterating_mask[m] && matrices_is_jacobian_outdated(matrices, m);
+    for (int m = 0; m < width; m++) count += iterating_mask[m] && matrices_is_corrector_jacobian_outdated(matrices, m);
     if (count == 0) return 0;
-    matrices_stack_combination_jacobians(closure, &closure->q_at_start, &closure->u_at_start,
+    matrices_stack_combination_jacobians(closure, &closure->q_at_start_weights, &closure->u_at_start_weights,
                                          corrector_jacobian_of_members);
     if (width > 1)
-        for (int m = 0; m < width; m++) matrices_merge_member_jacobian(closure, m, corrector_jacobian_of_members);
+        for (int m = 0; m < width; m++)
+            matrices_choose_corrector_jacobian_of_member(closure, m, corrector_jacobian_of_members);
     for (int m = 0; m < width; m++)
-        if (matrices_is_jacobian_outdated(matrices, m)) matrices->relative_distance_since_jacobian[m] = 0;
+        if (matrices_is_corrector_jacobian_outdated(matrices, m)) matrices->relative_distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;
     return count;
 }
 
 /* Computes for each member how far z is from the point where the Jacobians were computed, relative to the size of z. */
-static inline void matrices_compute_jacobian_distance(const tvi_closure *closure, const double z[],
-                                                      const double scale[], double distance[])
+static inline void matrices_compute_distance_since_jacobians(const tvi_closure *closure, const double z[],
+                                                             const double scale[], double distance[])
 {
-    const double *state_of_jacobians = matrices_get_factors(closure)->state_of_jacobians;
+    const double *z_of_last_jacobians = matrices_get_factors(closure)->z_of_last_jacobians;
     const int width = curve_width(&closure->curve);
     for (int m = 0; m < width; m++) distance[m] = 0;
     for (int i = 0; i < 2 * curve_vector_length(&closure->curve); i += width)
         for (int m = 0; m < width; m++)
             distance[m] =
-                tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - state_of_jacobians[i + m]), scale[i + m]), distance[m]);
+                tvi_larger(tvi_ratio_or_zero(fabs(z[i + m] - z_of_last_jacobians[i + m]), scale[i + m]), distance[m]);
 }
 
 /* Raises largest [width] to the relative size of component i where that is larger: (|start_correction| +
  * |increment_correction| + seed_factor sum_k |seed_k|) / unit. */
-static inline void matrices_raise_largest_relative_size(const tvi_curve *curve, int i, const double start_correction[],
-                                                        const double increment_correction[], double seed_factor,
-                                                        const double seed[], const double unit[], double largest[])
+static inline void matrices_raise_largest_relative_correction(const tvi_curve *curve, int i,
+                                                              const double start_correction[],
+                                                              const double increment_correction[], double seed_factor,
+                                                              const double seed[], const double unit[],
+                                                              double largest[])
 {
     const int width = curve_width(curve), at = i * width;
     double size[CURVE_MOST_WIDTH] = {0};
@@ -130,13 +133,14 @@ static inline void matrices_bound_stale_jacobian_error(const tvi_closure *closur
     const tvi_curve *curve = &closure->curve;
     const double *seed_U = curve_form(curve) != TVI_SEPARABLE ? closure->action_gradient_by_coefficients_U : NULL;
     for (int m = 0; m < curve_width(curve); m++) error_per_distance[m] = 0;
-    closure_compute_momentum_sizes(closure);
+    closure_compute_momentum_term_abs_sums(closure);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        matrices_raise_largest_relative_size(curve, i, closure->start_correction_q, closure->increment_correction_q,
-                                             fabs(curve->kappa[i]), seed_U, scale, error_per_distance);
-        matrices_raise_largest_relative_size(curve, i, closure->start_correction_p, closure->increment_correction_p, 1,
-                                             closure->action_gradient_by_coefficients_Q, closure->momentum_term_abs_sum,
-                                             error_per_distance);
+        matrices_raise_largest_relative_correction(curve, i, closure->start_correction_q,
+                                                   closure->increment_correction_q, fabs(curve->kappa[i]), seed_U,
+                                                   scale, error_per_distance);
+        matrices_raise_largest_relative_correction(
+            curve, i, closure->start_correction_p, closure->increment_correction_p, 1,
+            closure->action_gradient_by_coefficients_Q, closure->momentum_term_abs_sum, error_per_distance);
     }
 }
 
@@ -145,18 +149,18 @@ static inline void matrices_bound_stale_jacobian_error(const tvi_closure *closur
  * of the last pass, is below roundoff. */
 static inline void matrices_find_members_with_due_jacobians(const tvi_closure *closure, const double z[],
                                                             const double scale[], const long long iterating_mask[],
-                                                            long long due_mask[])
+                                                            long long due_jacobian_mask[])
 {
     tvi_jacobian_factors *matrices = matrices_get_factors(closure);
     double distance[CURVE_MOST_WIDTH], error_per_distance[CURVE_MOST_WIDTH];
     const bool is_first = matrices->jacobian_computations_in_step == 0;
-    if (!is_first) matrices_compute_jacobian_distance(closure, z, scale, distance);
+    if (!is_first) matrices_compute_distance_since_jacobians(closure, z, scale, distance);
     if (!is_first) matrices_bound_stale_jacobian_error(closure, scale, error_per_distance);
     for (int m = 0; m < curve_width(&closure->curve); m++) {
-        due_mask[m] =
+        due_jacobian_mask[m] =
             is_first || (iterating_mask[m] && !(distance[m] * error_per_distance[m] <= CURVE_NEGLIGIBLE_ERROR)) ? -1
                                                                                                                 : 0;
-        if (due_mask[m] && !is_first) matrices->relative_distance_since_jacobian[m] += distance[m];
+        if (due_jacobian_mask[m] && !is_first) matrices->relative_distance_since_jacobian[m] += distance[m];
     }
 }
 

@@ -9,31 +9,33 @@
 enum { MEMBERS_PARTS = 4, MEMBERS_VECTOR = sizeof(jet_widest) / sizeof(double) };
 
 /* Computes vector_count vectors of out as weighted sums of the vectors of the rows. */
-JET_INLINE void members_combine_vectors(int vector_count, int count, const double *c, size_t c_stride, size_t stride,
-                                        const double *row, double *out)
+JET_INLINE void members_combine_vectors(int vector_count, int row_count, const double *weight, size_t weight_stride,
+                                        size_t stride, const double *row, double *out)
 {
     jet_widest sum[MEMBERS_PARTS] = {{0}}, odd[MEMBERS_PARTS] = {{0}};
-    int j = count - 1;
+    int j = row_count - 1;
     for (; j > 0; j -= 2) {
-        const double weight = c[(size_t)j * c_stride], next = c[(size_t)(j - 1) * c_stride];
+        const double this_weight = weight[(size_t)j * weight_stride],
+                     next_weight = weight[(size_t)(j - 1) * weight_stride];
         const jet_widest *x = (const jet_widest *)(row + (size_t)j * stride);
         const jet_widest *y = (const jet_widest *)(row + (size_t)(j - 1) * stride);
-        for (int p = 0; p < vector_count; p++) sum[p] += weight * x[p];
-        for (int p = 0; p < vector_count; p++) odd[p] += next * y[p];
+        for (int p = 0; p < vector_count; p++) sum[p] += this_weight * x[p];
+        for (int p = 0; p < vector_count; p++) odd[p] += next_weight * y[p];
     }
-    for (int p = 0; p < vector_count && j == 0; p++) sum[p] += c[0] * ((const jet_widest *)row)[p];
+    for (int p = 0; p < vector_count && j == 0; p++) sum[p] += weight[0] * ((const jet_widest *)row)[p];
     for (int p = 0; p < vector_count; p++) ((jet_widest *)out)[p] = sum[p] + odd[p];
 }
 
-/* Computes out[width] = sum_{j < count} c_j row_j[width], the last terms first; the width is a multiple of 8. */
-static inline void members_combine_rows(int count, const double *c, size_t c_stride, int width, size_t stride,
-                                        const double *row, double *out)
+/* Computes out[width] = sum_{j < row_count} weight_j row_j[width], the last terms first; the width is a multiple of 8.
+ */
+static inline void members_combine_rows(int row_count, const double *weight, size_t weight_stride, int width,
+                                        size_t stride, const double *row, double *out)
 {
     int here = 0;
     for (; here + MEMBERS_PARTS * MEMBERS_VECTOR <= width; here += MEMBERS_PARTS * MEMBERS_VECTOR)
-        members_combine_vectors(MEMBERS_PARTS, count, c, c_stride, stride, row + here, out + here);
+        members_combine_vectors(MEMBERS_PARTS, row_count, weight, weight_stride, stride, row + here, out + here);
     for (; here < width; here += MEMBERS_VECTOR)
-        members_combine_vectors(1, count, c, c_stride, stride, row + here, out + here);
+        members_combine_vectors(1, row_count, weight, weight_stride, stride, row + here, out + here);
 }
 
 #endif

@@ -76,7 +76,7 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
  * Jacobian. */
 static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *equations, double vector[])
 {
-    if (newton->is_by_differences || equations->jacobian) tvi_factor_solve(&newton->factor, vector);
+    if (newton->is_jacobian_by_differences || equations->jacobian) tvi_factor_solve(&newton->factor, vector);
     else if (equations->solve) equations->solve(equations->self, vector);
 }
 
@@ -133,7 +133,7 @@ static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equat
         newton_raise_scales_of_small_unknowns(newton, 0);
     }
     for (int i = 0; i < newton->unknown_count; i++) newton->correction[i] = -newton->correction[i];
-    if (by_differences || (!newton->is_by_differences && equations->jacobian)) {
+    if (by_differences || (!newton->is_jacobian_by_differences && equations->jacobian)) {
         status = factor_jacobian(newton, equations, by_differences, stats);
         /* The differences have evaluated the equations at other points. A last evaluation makes x the point of the last
          * residual again. */
@@ -158,7 +158,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     bool by_differences = false;
     for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
         refreshes += by_differences;
-        newton->is_by_differences = newton->is_jacobian_allocated && refreshes > 0;
+        newton->is_jacobian_by_differences = newton->is_jacobian_allocated && refreshes > 0;
         const tvi_status status =
             run_newton_pass(newton, equations, count == 1, newton->is_jacobian_allocated && by_differences, stats);
         if (status != TVI_OK) return status;

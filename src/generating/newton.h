@@ -105,8 +105,8 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 }
 
 typedef struct {
-    bool is_jacobian_allocated; /* whether memory for a Jacobian matrix was allocated */
-    bool is_by_differences;     /* the Jacobian in that memory was computed by differences */
+    bool is_jacobian_allocated;      /* whether memory for a Jacobian matrix was allocated */
+    bool is_jacobian_by_differences; /* the Jacobian in that memory was computed by differences */
     bool needs_extra_pass;
     tvi_newton_rules rules;
     int unknown_count;                /* the number of unknowns of one member */

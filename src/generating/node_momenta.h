@@ -16,7 +16,7 @@ enum { MOMENTA_MOST_NODES = 2 * SEEDS_HALF };
 /* Computes H_pp at the nodes, [n][n][points]. */
 static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), points = action->points;
+    const int n = curve_dimension(curve), points = action->node_count;
     const jet_tape *tape = action->field_tape;
     for (int j = 0; j < n; j++) {
         double *direction = action->field_tangent_block + (n + j) * points;
@@ -34,7 +34,7 @@ static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curv
 static inline void momenta_copy_H_pp_of_node(const tvi_action *action, const tvi_curve *curve, int node)
 {
     for (int i = 0; i < curve_dimension(curve) * curve_dimension(curve); i++)
-        curve->velocity_hessian.lu[i] = action->H_pp[i * action->points + node];
+        curve->velocity_hessian.lu[i] = action->H_pp[i * action->node_count + node];
 }
 
 /* Inverts H_pp of a node column by column, with row exchanges. Returns TVI_ESINGULAR or TVI_ENONFINITE. */
@@ -45,7 +45,7 @@ static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action
     for (int j = 0; j < n && status == TVI_OK; j++) {
         for (int i = 0; i < n; i++) curve->right_side_column[i] = i == j;
         CURVE_SOLVE(&curve->velocity_hessian, curve->right_side_column);
-        for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->points + node] = curve->right_side_column[i];
+        for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->node_count + node] = curve->right_side_column[i];
     }
     return status;
 }
@@ -53,7 +53,7 @@ static inline tvi_status momenta_invert_H_pp_by_columns(const tvi_action *action
 /* Replaces H_pp by H_pp^-1 at all nodes. */
 static inline tvi_status momenta_invert_H_pp(const tvi_action *action, tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), points = action->points;
+    const int n = curve_dimension(curve), points = action->node_count;
     tvi_status status = TVI_OK;
     momenta_compute_H_pp(action, curve);
     for (int node = 0; node < points && status == TVI_OK; node++) {
@@ -72,7 +72,7 @@ static inline tvi_status momenta_invert_H_pp(const tvi_action *action, tvi_curve
  * gradient_by_v, which stays unchanged. */
 static inline double momenta_compute_corrections(const tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), points = action->points;
+    const int n = curve_dimension(curve), points = action->node_count;
     double *correction = action->node_momentum_correction, rest[MOMENTA_MOST_NODES];
     memset(correction, 0, (size_t)(n * points) * sizeof *correction);
     for (int j = 0; j < n; j++) {
@@ -89,7 +89,7 @@ static inline double momenta_compute_corrections(const tvi_action *action, const
 /* Returns whether each momentum's last correction is below a unit roundoff of that momentum. */
 static inline bool momenta_are_corrections_roundoff(const tvi_action *action, int n, const double p[])
 {
-    const int points = action->points;
+    const int points = action->node_count;
     for (int i = 0; i < n; i++)
         if (tvi_largest_magnitude(points, action->node_momentum_correction + i * points, 1) >
             DBL_EPSILON * tvi_largest_magnitude(points, p + i * points, 1))
@@ -101,11 +101,11 @@ static inline bool momenta_are_corrections_roundoff(const tvi_action *action, in
  * left in the second input of field_block, and the field is evaluated with them. */
 static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *curve)
 {
-    const int count = curve_dimension(curve) * action->points;
+    const int count = curve_dimension(curve) * action->node_count;
     double *p = action->field_block + count;
     tvi_passes passes;
     tvi_passes_begin(&passes, 0);
-    memcpy(p, action->node_momentum, (size_t)count * sizeof *p);
+    memcpy(p, action->p_at_nodes, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
                                   .max_trusted_ratio = PASSES_MAX_CONTRACTION,

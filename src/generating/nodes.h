@@ -10,10 +10,10 @@
 #include "vector.h"
 
 /* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. all_orders has the rows of
- * nodes, [highest_order + 1][points]. If nodes mirror each other, even_orders and odd_orders have the even and the
- * odd k at the first half of the nodes, [(orders + 1) / 2][half_node_count]; the values at the other half differ by
- * a sign only. Weighted tables are for sums over the nodes; they are transposed, [points][highest_order + 1] and
- * [half_node_count][seeds_round_up_to_vectors((orders + 1) / 2)]. */
+ * nodes, [highest_order + 1][node_count]. If nodes mirror each other, even_orders and odd_orders have the even and the
+ * odd k at the first half of the nodes, [(order_count + 1) / 2][half_node_count]; the values at the other half differ
+ * by a sign only. Weighted tables are for sums over the nodes; they are transposed, [node_count][highest_order + 1] and
+ * [half_node_count][seeds_round_up_to_vectors((order_count + 1) / 2)]. */
 typedef struct {
     double *all_orders, *even_orders, *odd_orders;
     /* The sign by which the rows of even k at a node are multiplied to get those at its mirror node, 1 or -1. It is 1
@@ -29,10 +29,10 @@ typedef struct tvi_action {
     bool has_gradient_by_v; /* gradient_by_v = L_v - p can differ from 0 */
     bool has_gradient_by_p; /* gradient_by_p = dg/ds - tau H_p can differ from 0 */
     int q_degree, p_degree; /* the degrees to which position and momentum are summed */
-    int points;             /* the number of nodes, with those that pad a half */
-    int orders;             /* the number of orders of the curve, highest_order + 1 */
-    int width;              /* the number of members; rows of nodes are [points][width] */
-    /* [points] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
+    int node_count;         /* the number of nodes, with those that pad a half */
+    int order_count;        /* the number of orders of the curve, highest_order + 1 */
+    int width;              /* the number of members; rows of nodes are [node_count][width] */
+    /* [node_count] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
     double *node_scaled_time, *node_weight;
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
      * the seeds need second derivatives. The nodes of the first half are first, and their mirror images follow. A node
@@ -42,10 +42,10 @@ typedef struct tvi_action {
     /* The powers s_i^k and their derivatives; 0 for k > q_degree. */
     tvi_node_table power_table, slope_table;
     /* The second derivatives of the powers, for all orders. */
-    tvi_node_table second_derivative_table;
+    tvi_node_table power_second_derivative_table;
     /* The powers from which the position q_i of a node is summed; at truncated nodes they are 0 for the highest order.
      */
-    tvi_node_table position_power_table;
+    tvi_node_table node_q_power_table;
     /* power_table and slope_table times the weights of the nodes. */
     tvi_node_table weighted_power_table, weighted_slope_table;
     double *order_sums; /* [highest_order + 1] scratch: sums over the nodes for each order */
@@ -55,15 +55,16 @@ typedef struct tvi_action {
     double *field_block; /* the block of the field's tape, with one lane for each node */
     /* The block of the tape that computes the products H_qp p and H_pp p of a Hamiltonian at the nodes, for positions
      * that omit the highest order. */
-    double *second_derivative_block;
+    double *hessian_product_block;
     double *momentum_coefficients; /* [p_degree + 1][n] the coefficients P_k of the momentum */
-    /* [n][points] The curve's momentum p and its derivative dp/ds at the nodes. */
-    double *node_momentum, *node_force;
-    /* [n][points] The derivatives of the action by q_i, tau v_i and p_i at node i, without the weight of the node. */
+    /* [n][node_count] The curve's momentum p and its derivative dp/ds at the nodes. */
+    double *p_at_nodes, *dp_ds_at_nodes;
+    /* [n][node_count] The derivatives of the action by q_i, tau v_i and p_i at node i, without the weight of the node.
+     */
     double *gradient_by_q, *gradient_by_v, *gradient_by_p;
-    /* [n][points] The last correction of the node momenta that belong to given velocities. */
+    /* [n][node_count] The last correction of the node momenta that belong to given velocities. */
     double *node_momentum_correction;
-    double *H_pp; /* [n][n][points] H_pp at the nodes, or its inverse */
+    double *H_pp; /* [n][n][node_count] H_pp at the nodes, or its inverse */
     /* The block of the field's tangent in one direction, with one lane for each node. */
     double *field_tangent_block;
     tvi_roundoff_estimator field_roundoff; /* the roundoff of the field at the nodes */
@@ -76,17 +77,17 @@ enum { SEEDS_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4, SEEDS_MOST_HALF = SEEDS_HALF *
 static inline int seeds_round_up_to_vectors(int count) { return (count + 3) / 4 * 4; }
 
 /* Returns the length of a row: the number of nodes times the number of members. */
-static inline int seeds_count_lanes(const tvi_action *action) { return action->points * CURVE_WIDTH(action); }
+static inline int seeds_count_lanes(const tvi_action *action) { return action->node_count * CURVE_WIDTH(action); }
 
-/* Computes out[o] = sum_{j < count} c_j table[j][o] for o < out_count, with c_j = coefficient[j * stride], for each
- * member. */
-static inline void seeds_combine_rows(const tvi_action *action, int count, const double *coefficient, size_t stride,
-                                      int out_count, const double *table, double *out)
+/* Computes out[o] = sum_{j < row_count} c_j table[j][o] for o < row_length, with c_j = coefficient[j * stride], for
+ * each member. */
+static inline void seeds_combine_rows(const tvi_action *action, int row_count, const double *coefficient, size_t stride,
+                                      int row_length, const double *table, double *out)
 {
     const int width = CURVE_WIDTH(action);
-    if (width == 1) CURVE_COMBINE(action->field_tape, count, coefficient, stride, out_count, table, out);
-    for (int o = 0; width > 1 && o < out_count; o++)
-        CURVE_COMBINE_EACH(count, table + o, (size_t)out_count, width, stride, coefficient, out + o * width);
+    if (width == 1) CURVE_COMBINE(action->field_tape, row_count, coefficient, stride, row_length, table, out);
+    for (int o = 0; width > 1 && o < row_length; o++)
+        CURVE_COMBINE_EACH(row_count, table + o, (size_t)row_length, width, stride, coefficient, out + o * width);
 }
 
 /* Evaluates a series at the nodes: row[node] = sum_{k <= degree} c_k table_k(node), with the coefficients c_k =
@@ -97,7 +98,7 @@ static inline void seeds_evaluate_series_at_nodes(const tvi_action *action, int 
     const int lanes = seeds_count_lanes(action) / 2;
     double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (action->half_node_count == 0) {
-        seeds_combine_rows(action, degree + 1, coefficients, stride, action->points, table->all_orders, row);
+        seeds_combine_rows(action, degree + 1, coefficients, stride, action->node_count, table->all_orders, row);
         return;
     }
     seeds_combine_rows(action, degree / 2 + 1, coefficients, 2 * stride, action->half_node_count, table->even_orders,
@@ -112,20 +113,20 @@ static inline void seeds_evaluate_series_at_nodes(const tvi_action *action, int 
 
 static inline void seeds_set_node_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    double *t = x + curve_input_count(curve) * seeds_count_lanes(action);
+    double *t = x + curve_field_input_count(curve) * seeds_count_lanes(action);
     if (!curve_uses_time(curve)) return;
-    for (int node = 0; node < action->points; node++)
+    for (int node = 0; node < action->node_count; node++)
         for (int m = 0; m < curve_width(curve); m++)
             *t++ = JET_FUSED(jet_v1, curve->tau, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
 }
 
 /* Writes the positions and the times of the nodes into the inputs of the block x. */
-static inline void seeds_set_node_positions(const tvi_action *action, const tvi_curve *curve, double *x)
+static inline void seeds_set_node_coordinates_and_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
     const int width = curve_width(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                       tvi_curve_order_stride(curve), &action->position_power_table,
+                                       tvi_curve_order_stride(curve), &action->node_q_power_table,
                                        x + i * seeds_count_lanes(action));
     seeds_set_node_times(action, curve, x);
 }
@@ -153,7 +154,7 @@ static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curv
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
                                        (size_t)curve_vector_length(curve), &action->power_table,
-                                       action->node_momentum + i * lanes);
+                                       action->p_at_nodes + i * lanes);
 }
 
 /* Divides the row by `divisor`: each number is multiplied by the reciprocal, and the quotient is corrected by the
@@ -170,15 +171,15 @@ static inline void seeds_divide_row(int lanes, double divisor, double row[])
 
 /* Computes dp/ds, the derivative of the curve's momentum by scaled time, at the nodes. For a separable system it is M
  * q'' / tau, with q'' the second derivative in s. */
-static inline void seeds_compute_node_forces(tvi_action *action, const tvi_curve *curve)
+static inline void seeds_compute_dp_ds_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
     const size_t stride = tvi_curve_order_stride(curve);
-    double *force = action->node_force;
+    double *force = action->dp_ds_at_nodes;
     for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
         if (curve_form(curve) == TVI_SEPARABLE) {
             seeds_evaluate_series_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                           stride, &action->second_derivative_table, force);
+                                           stride, &action->power_second_derivative_table, force);
             seeds_divide_row(lanes, curve->kappa[i], force);
         } else {
             seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
@@ -199,7 +200,7 @@ static inline tvi_status seeds_evaluate_field_at_nodes(const tvi_action *action)
     return SEEDS_VALUES(action->field_tape, action->field_block, seeds_count_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* Copies n outputs of the field at the nodes, from number first_output on, times `factor`, to out [n][points]. */
+/* Copies n outputs of the field at the nodes, from number first_output on, times `factor`, to out [n][node_count]. */
 static inline void seeds_copy_scaled_field_outputs(const tvi_action *action, const tvi_curve *curve, int first_output,
                                                    double factor, double *restrict out)
 {

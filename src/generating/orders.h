@@ -36,7 +36,7 @@
 /* Returns the first slot that the tape computes; before it are the inputs, the time and the constants. */
 static inline int orders_first_computed_slot(const tvi_curve *curve)
 {
-    return curve_input_count(curve) + curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve);
+    return curve_field_input_count(curve) + curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve);
 }
 
 /* ---- The centre -------------------------------------------------------------------------------------------------- */
@@ -56,7 +56,8 @@ static inline void orders_copy_velocity_hessian(const tvi_curve *curve)
     const int n = curve_dimension(curve);
     for (int i = 0; i < n; i++)
         memcpy(curve->velocity_hessian.lu + i * n,
-               curve->slot_derivatives_by_velocity + curve_output_slot(curve, n + i) * n, (size_t)n * sizeof(double));
+               curve->slot_derivatives_by_velocity + curve_field_output_slot(curve, n + i) * n,
+               (size_t)n * sizeof(double));
 }
 
 /* Inverts L_vv at the centre if it is small and needs no row exchanges, and factors it otherwise. */
@@ -153,7 +154,7 @@ static inline void orders_compute_velocity_coefficients(const tvi_curve *curve, 
     const size_t stride = (size_t)lanes;
     double *right_side = curve->velocity_right_sides;
     for (int i = 0; i < n; i++, right_side += lanes) {
-        const int force = curve_output_slot(curve, i), momentum = curve_output_slot(curve, n + i);
+        const int force = curve_field_output_slot(curve, i), momentum = curve_field_output_slot(curve, n + i);
         JET_BLOCKS(lanes, ORDERS_SET_RIGHT_SIDE, );
     }
     orders_solve_with_velocity_hessian(curve, lanes, curve->velocity_right_sides, order + n * lanes);
@@ -211,10 +212,10 @@ static inline void orders_compute_coefficient_of_members(int width, double facto
 static inline void orders_compute_separable_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
-    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_output_slots(curve);
+    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_field_output_slots(curve);
     const double divisor = (k + 1) * (k + 2), tau = curve->tau, *kappa = curve->kappa,
-                 *field = tvi_curve_inputs_of_order(curve, k);
-    double *next = tvi_curve_inputs_of_order(curve, k + 2);
+                 *field = tvi_curve_field_inputs_of_order(curve, k);
+    double *next = tvi_curve_field_inputs_of_order(curve, k + 2);
     if (width == 1) JET_BLOCKS(n, ORDERS_SET_SEPARABLE, );
     for (int i = 0; width > 1 && i < n; i++)
         orders_compute_coefficient_of_members(width, kappa[i], tau, divisor, field, output[i], next, i);
@@ -223,9 +224,9 @@ static inline void orders_compute_separable_coefficients(const tvi_curve *curve,
 static inline void orders_compute_hamiltonian_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
-    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_output_slots(curve);
-    const double divisor = k + 1, tau = curve->tau, *field = tvi_curve_inputs_of_order(curve, k);
-    double *q = tvi_curve_inputs_of_order(curve, k + 1), *p = q + n;
+    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_field_output_slots(curve);
+    const double divisor = k + 1, tau = curve->tau, *field = tvi_curve_field_inputs_of_order(curve, k);
+    double *q = tvi_curve_field_inputs_of_order(curve, k + 1), *p = q + n;
     if (width == 1) JET_BLOCKS(n, ORDERS_SET_HAMILTONIAN, );
     for (int i = 0; width > 1 && i < n; i++) {
         orders_compute_coefficient_of_members(width, 1, tau, divisor, field, output[n + i], q, i);
@@ -244,7 +245,7 @@ static inline void orders_compute_tangent_row(int lanes, double factor, const do
 
 static inline void orders_compute_separable_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const int lanes = (int)block->lane_count, *output = curve_output_slots(curve);
+    const int lanes = (int)block->lane_count, *output = curve_field_output_slots(curve);
     const double factor = curve->tau / ((k + 1) * (k + 2)), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 2, 0);
     for (int i = 0; i < curve_dimension(curve); i++)
@@ -253,7 +254,7 @@ static inline void orders_compute_separable_tangents(const tvi_curve *curve, con
 
 static inline void orders_compute_hamiltonian_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    const int n = curve_dimension(curve), lanes = (int)block->lane_count, *output = curve_output_slots(curve);
+    const int n = curve_dimension(curve), lanes = (int)block->lane_count, *output = curve_field_output_slots(curve);
     const double factor = curve->tau / (k + 1), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 1, 0);
     for (int i = 0; i < n; i++) {

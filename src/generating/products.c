@@ -17,7 +17,7 @@ static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
         .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),
         .product = tvi_arena_allocate_doubles(arena, width),
-        .largest_position_coefficient = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.highest_order + 1),
+        .max_norm_of_Q = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.highest_order + 1),
     };
     if (allocated) *allocated = iteration;
     closure->solver_data = allocated;
@@ -26,6 +26,6 @@ static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
 const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_conjugate_residuals,
                                                                 products_discard_guess,
                                                                 products_compute_corrections,
-                                                                products_solve_equations,
+                                                                products_solve_correction_equations,
                                                                 NULL,
                                                                 products_apply_inverse_flow_jacobian};

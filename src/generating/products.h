@@ -19,7 +19,7 @@ static inline void products_compute_tangents(tvi_curve *curve, const double dz[]
     enum { stride = 0 };
     const size_t n = (size_t)curve_dimension(curve), order = tvi_curve_order_stride(curve);
     const double *kappa = curve->kappa;
-    const int *slot = curve_output_slots(curve);
+    const int *slot = curve_field_output_slots(curve);
     memcpy(curve->tangent_block, dz, n * sizeof *dz);
     memcpy(curve->tangent_block + order, dz + n, n * sizeof *dz);
     for (int k = 0; k + 2 <= curve_highest_order(curve); k++) {
@@ -47,23 +47,23 @@ static inline double *products_get_adjoint_of_Q(const tvi_curve *curve, int k)
 }
 
 /* The vectors that a product with transposed Jacobians adds up: the seeds seed_Q [highest_order + 1][n] are multiplied
- * by the transposed Jacobians of the coefficients Q_k; x and y [n], times `factor`, by those of the combinations
- * x_combination and y_combination. Seeds and combinations that are NULL are omitted. */
+ * by the transposed Jacobians of the coefficients Q_k; first_vector and second_vector [n], times `factor`, by those of
+ * first_combination and second_combination. Seeds and combinations that are NULL are omitted. */
 typedef struct {
     const double *seed_Q;
     double factor;
-    const tvi_combination *x_combination, *y_combination;
-    const double *x, *y;
+    const tvi_combination *first_combination, *second_combination;
+    const double *first_vector, *second_vector;
 } tvi_transposed_product_terms;
 
 #define PRODUCTS_SEED(V, S)                                                                                            \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         if (terms->seed_Q) sum += JET_OF(V, terms->seed_Q + k * n, 0);                                                 \
-        if (terms->x_combination)                                                                                      \
-            sum += terms->factor * terms->x_combination->order_weight[k] * JET_OF(V, terms->x, 0);                     \
-        if (terms->y_combination)                                                                                      \
-            sum += terms->factor * terms->y_combination->order_weight[k] * JET_OF(V, terms->y, 0);                     \
+        if (terms->first_combination)                                                                                  \
+            sum += terms->factor * terms->first_combination->order_weight[k] * JET_OF(V, terms->first_vector, 0);      \
+        if (terms->second_combination)                                                                                 \
+            sum += terms->factor * terms->second_combination->order_weight[k] * JET_OF(V, terms->second_vector, 0);    \
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
@@ -101,7 +101,7 @@ static inline void products_multiply_by_transposed_jacobians(tvi_curve *curve, i
     products_set_adjoint_seeds(curve, last_order, terms);
     const size_t n = (size_t)curve_dimension(curve);
     const double *kappa = curve->kappa;
-    const int *slot = curve_output_slots(curve);
+    const int *slot = curve_field_output_slots(curve);
     for (int k = last_order - 2; k >= 0; k--) {
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_get_adjoint_of_Q(curve, k + 2);
         double *bar = products_get_adjoint_of_Q(curve, k);
@@ -125,8 +125,8 @@ typedef struct {
     double squared_image_norm[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction_image */
     /* The reciprocal of each unknown's size, by which its error is measured. */
     double *inverse_unknown_size;
-    double *scratch, *product;            /* [2n] scratch vectors, the second for products of Jacobians with vectors */
-    double *largest_position_coefficient; /* [highest_order + 1] for each k the largest |component| of Q_k */
+    double *scratch, *product; /* [2n] scratch vectors, the second for products of Jacobians with vectors */
+    double *max_norm_of_Q;     /* [highest_order + 1] for each k the largest |component| of Q_k */
     bool has_initial_guess;
 } tvi_conjugate_residuals;
 
@@ -145,7 +145,7 @@ static inline void products_discard_guess(tvi_closure *closure)
     products_get_conjugate_residuals(closure)->has_initial_guess = false;
 }
 
-static inline int products_get_first_solved_row(const tvi_closure *closure, const tvi_transposed_equations *equations)
+static inline int products_get_first_solved_row(const tvi_closure *closure, const tvi_correction_equations *equations)
 {
     const bool is_last = !equations->second_combination && equations->jacobian_column_half == TVI_LAST_COLUMNS;
     return is_last ? curve_dimension(&closure->curve) : 0;
@@ -153,19 +153,19 @@ static inline int products_get_first_solved_row(const tvi_closure *closure, cons
 
 /* Returns the terms whose transposed product is factor * A^T vector, with the matrix A of the equations. */
 static inline tvi_transposed_product_terms products_get_equation_matrix_terms(const tvi_closure *closure,
-                                                                              const tvi_transposed_equations *equations,
+                                                                              const tvi_correction_equations *equations,
                                                                               double factor, const double vector[])
 {
     return (tvi_transposed_product_terms){.factor = factor,
-                                          .x_combination = equations->first_combination,
-                                          .y_combination = equations->second_combination,
-                                          .x = vector + products_get_first_solved_row(closure, equations),
-                                          .y = vector + curve_dimension(&closure->curve)};
+                                          .first_combination = equations->first_combination,
+                                          .second_combination = equations->second_combination,
+                                          .first_vector = vector + products_get_first_solved_row(closure, equations),
+                                          .second_vector = vector + curve_dimension(&closure->curve)};
 }
 
 /* Computes out = A^T vector, in all 2n rows, from the orders of the curve up to last_order; A is from the equations. */
 static inline void products_multiply_by_equation_matrix(tvi_closure *closure, int last_order,
-                                                        const tvi_transposed_equations *equations,
+                                                        const tvi_correction_equations *equations,
                                                         const double vector[], double out[])
 {
     const tvi_transposed_product_terms product = products_get_equation_matrix_terms(closure, equations, 1, vector);
@@ -175,7 +175,7 @@ static inline void products_multiply_by_equation_matrix(tvi_closure *closure, in
 /* Computes vector = P r with a diagonal preconditioner P, the reciprocals of the weights with which Q_0 and Q_1 enter
  * A. */
 static inline void products_apply_diagonal_preconditioner(const tvi_closure *closure,
-                                                          const tvi_transposed_equations *equations, const double r[],
+                                                          const tvi_correction_equations *equations, const double r[],
                                                           double vector[])
 {
     const int n = curve_dimension(&closure->curve), place = products_get_first_solved_row(closure, equations);
@@ -188,7 +188,7 @@ static inline void products_apply_diagonal_preconditioner(const tvi_closure *clo
 
 /* Computes s = (2 P - P A^T P) r, an approximation of A^-T r. A is computed from the first PRODUCTS_NEAR_ORDER orders
  * only, which are exact for a force that is linear in q with a Jacobian that is linear in the time. */
-static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_transposed_equations *equations,
+static inline void products_apply_preconditioner(tvi_closure *closure, const tvi_correction_equations *equations,
                                                  const double r[], double s[])
 {
     double *twice = products_get_conjugate_residuals(closure)->scratch,
@@ -205,7 +205,7 @@ static inline void products_apply_preconditioner(tvi_closure *closure, const tvi
 }
 
 /* Returns max_i |vector_i| / size_i, with the sizes of the unknowns. */
-static inline double products_compute_scaled_maximum(const tvi_closure *closure, const double vector[])
+static inline double products_compute_scaled_max_norm(const tvi_closure *closure, const double vector[])
 {
     const double *unit = products_get_conjugate_residuals(closure)->inverse_unknown_size;
     double most = 0;
@@ -234,7 +234,7 @@ static inline void products_add_multiple(const tvi_closure *closure, double fact
 /* Makes the image of search direction direction_index orthogonal to the earlier images, and changes the direction with
  * it. Adds to the solution the multiple of the direction that makes the residual least. */
 static inline void products_minimise_residual(tvi_closure *closure, int last_order,
-                                              const tvi_transposed_equations *equations, int direction_index)
+                                              const tvi_correction_equations *equations, int direction_index)
 {
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
     double *s = iteration->search_direction + direction_index * products_get_padded_row_count(closure),
@@ -259,7 +259,7 @@ static inline void products_minimise_residual(tvi_closure *closure, int last_ord
  * order from which on |Q_k| is below relative_accuracy / PRODUCTS_TRUNCATION_SAFETY |Q_0|, or the highest order. */
 static inline int products_choose_order_for_accuracy(const tvi_closure *closure, double relative_accuracy)
 {
-    const double *largest = products_get_conjugate_residuals(closure)->largest_position_coefficient,
+    const double *largest = products_get_conjugate_residuals(closure)->max_norm_of_Q,
                  bound = relative_accuracy / PRODUCTS_TRUNCATION_SAFETY * largest[0];
     int k = curve_highest_order(&closure->curve);
     while (k > 1 && !(largest[k - 1] > bound)) k--;
@@ -269,7 +269,7 @@ static inline int products_choose_order_for_accuracy(const tvi_closure *closure,
 /* Solves A^T x = D_z by generalised conjugate residuals, from the guess x of the pass before. Returns TVI_ENOCONV if
  * corrections do not shrink. */
 static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *closure,
-                                                               const tvi_transposed_equations *equations)
+                                                               const tvi_correction_equations *equations)
 {
     tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
     double goal = CURVE_NEGLIGIBLE_ERROR;
@@ -285,7 +285,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
     for (int direction_index = 0; direction_index < PRODUCTS_MAX_ITERATIONS; direction_index++) {
         double *s = iteration->search_direction + direction_index * products_get_padded_row_count(closure);
         products_apply_preconditioner(closure, equations, iteration->residual, s);
-        const double size = products_compute_scaled_maximum(closure, s);
+        const double size = products_compute_scaled_max_norm(closure, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (direction_index == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
         const tvi_passes_rule rule = {.correction_goal = goal,
@@ -296,7 +296,7 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
         const bool may_end =
             verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
-             size <= PRODUCTS_STALLED_CORRECTION * products_compute_scaled_maximum(closure, iteration->solution));
+             size <= PRODUCTS_STALLED_CORRECTION * products_compute_scaled_max_norm(closure, iteration->solution));
         /* With a second combination all rows are solved for, and no residual is needed. */
         if (may_end && equations->second_combination) products_add_multiple(closure, 1, s, iteration->solution);
         else
@@ -311,7 +311,8 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
 
 /* Solves the equations, and replaces gradient_then_solution by the solution x in the rows that are solved for, and by
  * the residual of the equations in all other rows. */
-static inline tvi_status products_solve_equations(tvi_closure *closure, const tvi_transposed_equations *equations)
+static inline tvi_status products_solve_correction_equations(tvi_closure *closure,
+                                                             const tvi_correction_equations *equations)
 {
     const tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(closure);
     const int n = curve_dimension(&closure->curve), place = products_get_first_solved_row(closure, equations);
@@ -338,10 +339,10 @@ static inline void products_apply_inverse_flow_jacobian(tvi_closure *closure, do
         of_u[i] = -correction[i] / kappa[i];
     }
     const tvi_transposed_product_terms ends = {.factor = 1,
-                                               .x_combination = &closure->q_at_start,
-                                               .y_combination = &closure->u_at_start,
-                                               .x = of_q,
-                                               .y = of_u};
+                                               .first_combination = &closure->q_at_start_weights,
+                                               .second_combination = &closure->u_at_start_weights,
+                                               .first_vector = of_q,
+                                               .second_vector = of_u};
     products_multiply_by_transposed_jacobians(&closure->curve, last_order, &ends,
                                               products_get_conjugate_residuals(closure)->product);
     for (int i = 0; i < n; i++) {
@@ -378,17 +379,16 @@ static inline void products_set_subsystem_unknown_sizes(const tvi_closure *closu
 static inline void products_set_unknown_sizes(tvi_closure *closure)
 {
     const tvi_subsystems *parts = &closure->curve.system->subsystems;
-    closure_compute_momentum_sizes(closure);
+    closure_compute_momentum_term_abs_sums(closure);
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
-        products_get_conjugate_residuals(closure)->largest_position_coefficient[k] =
-            tvi_largest_magnitude(curve_dimension(&closure->curve), tvi_curve_inputs_of_order(&closure->curve, k), 1);
+        products_get_conjugate_residuals(closure)->max_norm_of_Q[k] = tvi_largest_magnitude(
+            curve_dimension(&closure->curve), tvi_curve_field_inputs_of_order(&closure->curve, k), 1);
     for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
         products_set_subsystem_unknown_sizes(closure, parts->component, first, parts->end[k]);
 }
 
-/* Computes the corrections of the ends of the step in one pass of the corrector. The first pass of a step also computes
- * the magnitudes by which the unknowns of the linear equations are divided (inverse_unknown_size); later passes of the
- * step use the same magnitudes. */
+/* Computes the corrections of the ends of the step in one pass. The first pass of a step also computes
+ * inverse_unknown_size, by which the unknowns are scaled in all passes of the step. */
 static inline tvi_status products_compute_corrections(tvi_closure *closure, const double z[], const double scale[],
                                                       tvi_stats *stats)
 {

@@ -5,18 +5,18 @@
 #include "generating/quick.h"
 #include "generating/step_size.h"
 
-static bool make_quick_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                            const tvi_quick_step_results *results, tvi_stats *stats)
+static bool try_single_member_quick_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                         const tvi_quick_step_results *results, tvi_stats *stats)
 {
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
                                                    seeds_compute_without_second_derivatives, NULL};
-    return step_make_quick_steps(work, &functions, tau, origin, results, stats);
+    return step_try_quick_steps(work, &functions, tau, origin, results, stats);
 }
 
 const tvi_curve_isa_functions JET_FOR_ISA(tvi_curve_isa_functions) = {
     .rescale_and_sum = curve_rescale_and_sum,
     .compute_seeds = seeds_compute_without_second_derivatives,
-    .quick_step = make_quick_step,
+    .quick_step = try_single_member_quick_step,
     .quick_step_of_members = JET_FOR_ISA(tvi_quick_step_of_members),
     .taylor_step_of_members = JET_FOR_ISA(tvi_taylor_step_of_members),
-    .product_solver = &JET_FOR_ISA(tvi_solver_by_products)};
+    .matrix_free_solver = &JET_FOR_ISA(tvi_solver_by_products)};

@@ -14,7 +14,7 @@ static void drop_members_outside_domain(const tvi_curve_workspace *work, bool at
     const double *x = at_nodes ? work->action.field_block : curve->series_block;
     for (int m = 0; m < curve->width; m++)
         if (iterating_mask[m] &&
-            !tvi_is_member_inside_domain(work->single_stepper, tape, x, at_nodes ? work->action.points : 1, m))
+            !tvi_is_member_inside_domain(work->single_stepper, tape, x, at_nodes ? work->action.node_count : 1, m))
             iterating_mask[m] = 0;
 }
 
@@ -24,7 +24,7 @@ bool JET_FOR_ISA(tvi_quick_step_of_members)(tvi_curve_workspace *work, double ta
     static const step_curve_functions functions = {curve_expand_series, quick_expand_with_tangents,
                                                    seeds_compute_without_second_derivatives,
                                                    drop_members_outside_domain};
-    return step_make_quick_steps(work, &functions, tau, origin, results, stats);
+    return step_try_quick_steps(work, &functions, tau, origin, results, stats);
 }
 
 bool JET_FOR_ISA(tvi_taylor_step_of_members)(tvi_curve_workspace *work, double h, const tvi_batch_origin *origin,

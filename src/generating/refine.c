@@ -38,10 +38,10 @@ void tvi_allocate_increment_refinement(tvi_increment_refinement *refinement, tvi
 {
     const tvi_system *system = curve->system;
     const size_t inputs = (size_t)system->input_count, slots = (size_t)system->field_values->slot_count;
-    long double **const vectors[] = {&refinement->order_zero_terms,  &refinement->order_one_terms,
-                                     &refinement->coefficient_sum,   &refinement->ode_residual,
-                                     &refinement->residual_integral, &refinement->residual_double_integral,
-                                     &refinement->field_slots};
+    long double **const vectors[] = {
+        &refinement->order_zero_terms, &refinement->order_one_terms,       &refinement->coefficient_sum,
+        &refinement->ode_residual,     &refinement->ode_residual_integral, &refinement->ode_residual_double_integral,
+        &refinement->field_slots};
     for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
     refinement->lowest_order = system->form == TVI_SEPARABLE ? 2 : 1;
     refinement->high_order_weight =
@@ -85,7 +85,7 @@ static const long double *sum_terms_of_value_or_derivative(const refinement_step
         refinement->coefficient_sum[i] = refinement->high_order_sum[i];
         for (int k = highest_order; k >= refinement->lowest_order; k--)
             refinement->coefficient_sum[i] +=
-                refinement->low_order_weight[quantity_index][k] * tvi_curve_inputs_of_order(curve, k)[i];
+                refinement->low_order_weight[quantity_index][k] * tvi_curve_field_inputs_of_order(curve, k)[i];
     }
     return refinement->coefficient_sum;
 }
@@ -132,14 +132,14 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
 static void integrate_ode_residual(const refinement_step *step)
 {
     const tvi_increment_refinement *refinement = step->refinement;
-    const size_t bytes = (size_t)step->system->input_count * sizeof *refinement->residual_integral;
-    memset(refinement->residual_integral, 0, bytes);
-    memset(refinement->residual_double_integral, 0, bytes);
+    const size_t bytes = (size_t)step->system->input_count * sizeof *refinement->ode_residual_integral;
+    memset(refinement->ode_residual_integral, 0, bytes);
+    memset(refinement->ode_residual_double_integral, 0, bytes);
     for (int j = 0; j < NODES; j++) {
         compute_ode_residual_at_node(step, j);
         for (int i = 0; i < step->system->input_count; i++) {
-            refinement->residual_integral[i] += refinement->ode_residual[i] / NODES;
-            refinement->residual_double_integral[i] += (1 - node[j]) * refinement->ode_residual[i] / NODES;
+            refinement->ode_residual_integral[i] += refinement->ode_residual[i] / NODES;
+            refinement->ode_residual_double_integral[i] += (1 - node[j]) * refinement->ode_residual[i] / NODES;
         }
     }
 }
@@ -162,14 +162,14 @@ void tvi_compute_refined_increments(const tvi_increment_refinement *refinement, 
     integrate_ode_residual(&step);
     const bool separable = system->form == TVI_SEPARABLE;
     const long double *sum = sum_terms_of_value_or_derivative(&step, END),
-                      *of_q = separable ? refinement->residual_double_integral : refinement->residual_integral;
+                      *of_q = separable ? refinement->ode_residual_double_integral : refinement->ode_residual_integral;
     for (int i = 0; i < n; i++)
         split_into_two_doubles(refinement->order_one_terms[i] + (sum[i] + of_q[i]), &increments->dq[i],
                                &increments->dq_low[i]);
     if (separable) sum = sum_terms_of_value_or_derivative(&step, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
-        const long double rise = sum[at] + refinement->residual_integral[at];
+        const long double rise = sum[at] + refinement->ode_residual_integral[at];
         split_into_two_doubles(separable ? system->mass[i] / step.h * rise : rise, &increments->dp[i],
                                &increments->dp_low[i]);
     }

@@ -15,14 +15,15 @@ typedef struct {
     int lowest_order;
     /* [inputs] The terms of order 0, and of order 1 in a separable system. */
     long double *order_zero_terms, *order_one_terms;
-    /* The weights of the low orders in each sum. */
+    /* The weights of the orders up to TVI_REFINE_LOW in each sum. */
     long double low_order_weight[TVI_REFINE_SUMS][TVI_REFINE_LOW + 1];
-    /* The weights of the other orders, [sums][highest_order + 1], and the sum of these orders, [inputs]. */
+    /* The weights of the orders above TVI_REFINE_LOW, [sums][highest_order + 1], and the sum of their terms, [inputs].
+     */
     double *high_order_weight, *high_order_sum;
     /* [inputs] The sum of all orders, and at a node the residual d of the differential equation (refine.c). */
     long double *coefficient_sum, *ode_residual;
     /* [inputs] The integral of the residual d over the step, and that of (1 - s) d. */
-    long double *residual_integral, *residual_double_integral;
+    long double *ode_residual_integral, *ode_residual_double_integral;
     long double *field_slots;      /* [slots] the slots of the field's tape in long double */
     double *field_constants_block; /* the block of the field's tape, which contains its constants */
 } tvi_increment_refinement;

@@ -36,7 +36,7 @@
 
 /* Computes gradient_by_q = tau F, with the force F: the only term of Lagrange's action for a separable system, for
  * which L_v = p holds on the curve. */
-static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi_curve *curve)
+static inline tvi_status seeds_compute_separable_node_gradient(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
     seeds_copy_scaled_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
@@ -45,15 +45,15 @@ static inline tvi_status seeds_compute_force_terms(tvi_action *action, const tvi
 
 /* Computes gradient_by_q = tau L_q and gradient_by_v = L_v - p, from the positions in field_block, the velocities in
  * gradient_by_v and the momenta. */
-static inline tvi_status seeds_compute_lagrange_action_terms(tvi_action *action, tvi_curve *curve)
+static inline tvi_status seeds_compute_lagrange_node_gradient(tvi_action *action, tvi_curve *curve)
 {
-    const int n = curve_dimension(curve), points = action->points;
+    const int n = curve_dimension(curve), points = action->node_count;
     const size_t panel = (size_t)(n * points) * sizeof(double);
     double *second = action->field_block + n * points;
     tvi_status status = TVI_OK;
     switch (curve_form(curve)) {
     case TVI_SEPARABLE:
-        status = seeds_compute_force_terms(action, curve);
+        status = seeds_compute_separable_node_gradient(action, curve);
         for (int i = 0; i < n * points; i++) action->gradient_by_v[i] *= curve->system->mass[i / points];
         break;
     case TVI_LAGRANGIAN:
@@ -68,17 +68,16 @@ static inline tvi_status seeds_compute_lagrange_action_terms(tvi_action *action,
         memcpy(action->gradient_by_v, second, panel);
         break;
     }
-    seeds_subtract_rows(action, n, action->node_momentum, action->gradient_by_v);
+    seeds_subtract_rows(action, n, action->p_at_nodes, action->gradient_by_v);
     return status;
 }
 
 /* Computes the terms of Hamilton's action at on-curve nodes: gradient_by_q = -tau H_q, gradient_by_p = g. - tau H_p. */
-static inline tvi_status seeds_compute_hamilton_action_terms(tvi_action *action, const tvi_curve *curve)
+static inline tvi_status seeds_compute_hamilton_node_gradient(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
-    if (!separable)
-        memcpy(action->field_block + n * lanes, action->node_momentum, (size_t)(n * lanes) * sizeof(double));
+    if (!separable) memcpy(action->field_block + n * lanes, action->p_at_nodes, (size_t)(n * lanes) * sizeof(double));
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
     if (status != TVI_OK && curve_width(curve) == 1) return status;
     seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
@@ -86,7 +85,7 @@ static inline tvi_status seeds_compute_hamilton_action_terms(tvi_action *action,
     seeds_set_node_velocities(action, curve, action->gradient_by_p);
     for (int i = 0; i < n; i++) {
         const double *H_p = separable
-                                ? action->node_momentum + i * lanes
+                                ? action->p_at_nodes + i * lanes
                                 : seeds_get_field_output_row(action, action->field_tape, action->field_block, n + i);
         const double tau = curve->tau, mass = separable ? curve->system->mass[i] : 1;
         double *restrict by_p = action->gradient_by_p + i * lanes;
@@ -101,11 +100,12 @@ static inline tvi_status seeds_compute_hamilton_action_terms(tvi_action *action,
 static inline const double *seeds_sum_over_nodes(const tvi_action *action, const tvi_node_table *weighted,
                                                  const double *x)
 {
-    const int half = action->half_node_count, orders = action->orders, width = CURVE_WIDTH(action);
+    const int half = action->half_node_count, orders = action->order_count, width = CURVE_WIDTH(action);
     const int lanes = seeds_count_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
     double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (half == 0) {
-        seeds_combine_rows(action, action->points, x, (size_t)width, orders, weighted->all_orders, action->order_sums);
+        seeds_combine_rows(action, action->node_count, x, (size_t)width, orders, weighted->all_orders,
+                           action->order_sums);
         return action->order_sums;
     }
     JET_IN_VECTORS
@@ -132,13 +132,14 @@ static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double
  * position, and dg_i that of the curve at the node. The vectors gradient_by_q and dp/ds are first subtracted at the
  * nodes, where they nearly cancel. A truncated node does not contain the term of the highest order N, but the curve
  * does; the last sum subtracts it from the seed of order N. */
-static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve *curve, double seed[])
+static inline void seeds_set_gradient_by_q_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
-    const int points = action->points, N = action->q_degree;
-    seeds_subtract_rows(action, n, action->node_force, action->gradient_by_q); /* gradient_by_q becomes the defect */
+    const int points = action->node_count, N = action->q_degree;
+    seeds_subtract_rows(action, n, action->dp_ds_at_nodes,
+                        action->gradient_by_q); /* gradient_by_q becomes the defect */
     for (int i = 0; i < n; i++) {
-        const double *defect = action->gradient_by_q + i * lanes, *force = action->node_force + i * lanes;
+        const double *defect = action->gradient_by_q + i * lanes, *force = action->dp_ds_at_nodes + i * lanes;
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
         for (int k = 0; k <= N; k++)
             for (int m = 0; m < width; m++) seeds_get_seed_of_component(curve, seed, k, i)[m] = row[k * width + m];
@@ -146,23 +147,23 @@ static inline void seeds_set_position_terms(tvi_action *action, const tvi_curve 
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
                                (action->power_table.all_orders[N * points + node] -
-                                action->position_power_table.all_orders[N * points + node]);
+                                action->node_q_power_table.all_orders[N * points + node]);
     }
 }
 
-static inline void seeds_add_velocity_terms(const tvi_action *action, int n, double seed[])
+static inline void seeds_add_gradient_by_v_terms(const tvi_action *action, int n, double seed[])
 {
     for (int i = 0; i < n; i++) {
         const double *row =
-            seeds_sum_over_nodes(action, &action->weighted_slope_table, action->gradient_by_v + i * action->points);
+            seeds_sum_over_nodes(action, &action->weighted_slope_table, action->gradient_by_v + i * action->node_count);
         for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
     }
 }
 
 /* Adds the seeds of the sum over the nodes of dp_i^T gradient_by_p, with dp_i the change of the momentum; a separable
  * system has kappa P_k = (k+1) Q_{k+1}. */
-static inline void seeds_add_momentum_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
-                                            double seed_U[])
+static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
+                                                 double seed_U[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve);
     for (int i = 0; i < n; i++) {
@@ -204,20 +205,20 @@ static inline void seeds_clear_and_evaluate_curve(tvi_action *action, const tvi_
     for (int i = (action->q_degree + 1) * curve_vector_length(curve); i < seeds; i++) seed_Q[i] = 0;
     for (int i = 0; i < seeds && curve_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
     seeds_compute_node_momenta(action, curve);
-    seeds_compute_node_forces(action, curve);
-    seeds_set_node_positions(action, curve, action->field_block);
+    seeds_compute_dp_ds_at_nodes(action, curve);
+    seeds_set_node_coordinates_and_times(action, curve, action->field_block);
 }
 
 /* Computes the seeds from gradient_by_q, gradient_by_v and gradient_by_p, the derivatives of the action by position,
  * velocity and momentum at the nodes. */
-static inline void seeds_compute_from_node_terms(tvi_action *action, const tvi_curve *curve, double seed_Q[],
-                                                 double seed_U[])
+static inline void seeds_compute_from_node_gradient(tvi_action *action, const tvi_curve *curve, double seed_Q[],
+                                                    double seed_U[])
 {
     const int n = curve_dimension(curve);
     const bool is_bent = action->uses_hamilton_principle && action->omits_highest_order_at_nodes;
-    seeds_set_position_terms(action, curve, seed_Q);
-    if (is_bent || action->has_gradient_by_v) seeds_add_velocity_terms(action, n, seed_Q);
-    if (is_bent || action->has_gradient_by_p) seeds_add_momentum_terms(action, curve, seed_Q, seed_U);
+    seeds_set_gradient_by_q_terms(action, curve, seed_Q);
+    if (is_bent || action->has_gradient_by_v) seeds_add_gradient_by_v_terms(action, n, seed_Q);
+    if (is_bent || action->has_gradient_by_p) seeds_add_gradient_by_p_terms(action, curve, seed_Q, seed_U);
     if (action->summation_by_parts_error) seeds_add_quadrature_error_terms(action, curve, seed_Q);
 }
 
@@ -232,10 +233,10 @@ static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *ac
 {
     seeds_clear_and_evaluate_curve(action, curve, seed_Q, seed_U);
     if (action->has_gradient_by_v) seeds_set_node_velocities(action, curve, action->gradient_by_v);
-    const tvi_status status = action->uses_hamilton_principle ? seeds_compute_hamilton_action_terms(action, curve)
-                              : action->has_gradient_by_v     ? seeds_compute_lagrange_action_terms(action, curve)
-                                                              : seeds_compute_force_terms(action, curve);
-    if (status == TVI_OK || curve_width(curve) > 1) seeds_compute_from_node_terms(action, curve, seed_Q, seed_U);
+    const tvi_status status = action->uses_hamilton_principle ? seeds_compute_hamilton_node_gradient(action, curve)
+                              : action->has_gradient_by_v     ? seeds_compute_lagrange_node_gradient(action, curve)
+                                                              : seeds_compute_separable_node_gradient(action, curve);
+    if (status == TVI_OK || curve_width(curve) > 1) seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
     return status;
 }
 
@@ -254,7 +255,7 @@ typedef struct {
     int *pass_counts;
     long long *iterating_mask;
 } tvi_quick_step_results;
-/* The type of the functions that make quick steps by step_make_quick_steps (curve_step.h). One of them is in generated
+/* The type of the functions that make quick steps by step_try_quick_steps (curve_step.h). One of them is in generated
  * code; each of the others is compiled for one instruction set. */
 typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
                                const tvi_quick_step_results *results, tvi_stats *stats);
@@ -267,9 +268,9 @@ typedef struct tvi_curve_code {
     void (*sum_combination)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*movement_sizes)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
-    /* usable_step, rescale_and_sum and energy_change_bound are for steps of adapted size. NULL: the library's functions
-     * are used. */
-    double (*usable_step)(const tvi_curve *curve, double log_tolerance);
+    /* largest_usable_s, rescale_and_sum and energy_change_bound are for steps of adapted size. NULL: the library's
+     * functions are used. */
+    double (*largest_usable_s)(const tvi_curve *curve, double log_tolerance);
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     double (*energy_change_bound)(const tvi_curve *curve);
     void (*sum_combination_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
@@ -279,7 +280,7 @@ typedef struct tvi_curve_code {
                                                    double out[]);
     /* The solver of the closure's equations by products of Jacobians with vectors (products.c). Its function `allocate`
      * is NULL, since the library allocates the solver's memory. NULL: the library's solver is used. */
-    const struct tvi_closure_solver *solver;
+    const struct tvi_closure_solver *matrix_free_solver;
     /* Computes the seeds of an action that needs only the field. The seeds are not checked to be finite. NULL: the
      * library's function is used. */
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);

@@ -39,23 +39,26 @@ typedef struct {
      * tvi_choose_tangent_lane_count directions, and one direction for products or for several members. */
     double *tangent_block;
     size_t tangent_block_lane_count; /* the number of lanes with which tangent_block was last cleared; 0: never */
-    bool keeps_old_jacobians;        /* of several members: a new Jacobian is stored only for the members in due_mask */
-    long long *due_mask;             /* [width] the mask of the members whose Jacobians are computed anew */
-    double *adjoint_block;           /* the adjoints of all slots in all orders; only for products */
-    /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU is NULL for a separable system. */
-    double *dQ, *dU;
+    /* Whether a new Jacobian is stored only for the members in due_jacobian_mask, and the others keep their old one;
+     * false for a single member. */
+    bool keeps_old_jacobians;
+    long long *due_jacobian_mask; /* [width] the mask of the members whose Jacobians are computed anew */
+    double *adjoint_block;        /* the adjoints of all slots in all orders; only for products */
+    /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU_dz is NULL for a separable system. */
+    double *dQ_dz, *dU_dz;
     double *product_direction;    /* [2n] the direction set by tvi_curve_set_product_direction */
-    double *product_with_dU;      /* [2n] scratch: sum_k (dU_k/dz)^T g_k, with g_k the derivatives of a scalar by U_k */
+    double *product_with_dU_dz;   /* [2n] scratch: sum_k (dU_k/dz)^T g_k, with g_k the derivatives of a scalar by U_k */
     double *combination_jacobian; /* [n][2n] scratch: the Jacobian of a combination's sum */
     double *reciprocal_integer, *log_integer; /* [highest_order + 2] the numbers 1 / k and log k for each order k */
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
     tvi_combination q_size_weights, u_size_weights;
     double *movement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
-    double *tail_share, *tail_ratio;       /* [n] scratch: share and ratio of the components (tail.h) */
-    tvi_lu_factor velocity_hessian;        /* L_vv or H_pp at the centre; unused if separable */
-    bool is_velocity_hessian_inverted;     /* whether velocity_hessian.lu contains the inverse */
-    double
-        *slot_derivatives_by_velocity; /* [slots][n] the derivatives of all slots by the second input at the centre */
+    /* [n] Scratch of the tail: each component's share of the motion, and the larger ratio of a last term to its sum. */
+    double *tail_share, *tail_ratio;
+    tvi_lu_factor velocity_hessian;    /* L_vv or H_pp at the centre; unused if separable */
+    bool is_velocity_hessian_inverted; /* whether velocity_hessian.lu contains the inverse */
+    /* [slots][n] The derivatives of all slots by the second input, v or p, at the centre. */
+    double *slot_derivatives_by_velocity;
     /* Scratch for solving with velocity_hessian: right sides [n][lanes], and one column [n]. */
     double *velocity_right_sides, *right_side_column;
 } tvi_curve;
@@ -79,7 +82,7 @@ static inline int curve_q_degree(const tvi_curve *curve) { return CURVE_SIZE(CUR
 
 static inline int curve_p_degree(const tvi_curve *curve) { return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree); }
 
-static inline int curve_input_count(const tvi_curve *curve)
+static inline int curve_field_input_count(const tvi_curve *curve)
 {
     return CURVE_SIZE(CURVE_INPUTS, curve->system->input_count);
 }
@@ -97,12 +100,12 @@ static inline bool curve_uses_time(const tvi_curve *curve)
 static inline tvi_form curve_form(const tvi_curve *curve) { return CURVE_SIZE(CURVE_FORM, curve->system->form); }
 
 /* Returns the slots of the field's outputs. */
-static inline const int *curve_output_slots(const tvi_curve *curve)
+static inline const int *curve_field_output_slots(const tvi_curve *curve)
 {
     return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot);
 }
 
-static inline int curve_output_slot(const tvi_curve *curve, int i) { return curve_output_slots(curve)[i]; }
+static inline int curve_field_output_slot(const tvi_curve *curve, int i) { return curve_field_output_slots(curve)[i]; }
 
 /* Returns whether a combination sums coefficients of the momentum; a separable system's momentum is summed from those
  * of q. */
@@ -131,7 +134,7 @@ static inline int tvi_choose_tangent_lane_count(const tvi_system *system)
 }
 
 /* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */
-static inline double *tvi_curve_inputs_of_order(const tvi_curve *curve, int k)
+static inline double *tvi_curve_field_inputs_of_order(const tvi_curve *curve, int k)
 {
     return curve->series_block + (size_t)k * tvi_curve_order_stride(curve);
 }
@@ -139,7 +142,7 @@ static inline double *tvi_curve_inputs_of_order(const tvi_curve *curve, int k)
 /* Returns output i of the field at order k. */
 static inline double tvi_curve_field_output(const tvi_curve *curve, int k, int i)
 {
-    return tvi_curve_inputs_of_order(curve, k)[curve_output_slot(curve, i)];
+    return tvi_curve_field_inputs_of_order(curve, k)[curve_field_output_slot(curve, i)];
 }
 
 /* ---- Where it starts --------------------------------------------------------------------------------------------- */
@@ -158,8 +161,8 @@ static inline void curve_set_centre_state(const tvi_curve *curve, const double z
 {
     const int numbers = curve_vector_length(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
-    double *q = tvi_curve_inputs_of_order(curve, 0),
-           *second = is_separable ? tvi_curve_inputs_of_order(curve, 1) : q + numbers;
+    double *q = tvi_curve_field_inputs_of_order(curve, 0),
+           *second = is_separable ? tvi_curve_field_inputs_of_order(curve, 1) : q + numbers;
     const double part = curve_form(curve) == TVI_LAGRANGIAN ? curve->tau : 1;
     for (int i = 0; i < numbers; i++) {
         q[i] = z[i];
@@ -170,7 +173,7 @@ static inline void curve_set_centre_state(const tvi_curve *curve, const double z
 /* Returns the address of the time at order k in the block, [width], for systems that use the time. */
 static inline double *curve_time_slot(const tvi_curve *curve, int k)
 {
-    return tvi_curve_inputs_of_order(curve, k) + curve_input_count(curve) * curve_width(curve);
+    return tvi_curve_field_inputs_of_order(curve, k) + curve_field_input_count(curve) * curve_width(curve);
 }
 
 /* Sets the times of the centres to t + (t_low + time_offset), each [width]. */
@@ -191,22 +194,22 @@ static inline double tvi_curve_momentum_coefficient(const tvi_curve *curve, int 
 {
     switch (curve_form(curve)) {
     case TVI_SEPARABLE:
-        return k < curve_highest_order(curve) ? (k + 1) * tvi_curve_inputs_of_order(curve, k + 1)[i] : 0;
+        return k < curve_highest_order(curve) ? (k + 1) * tvi_curve_field_inputs_of_order(curve, k + 1)[i] : 0;
     case TVI_LAGRANGIAN: return tvi_curve_field_output(curve, k, curve_dimension(curve) + i);
-    default: return (tvi_curve_inputs_of_order(curve, k) + curve_vector_length(curve))[i];
+    default: return (tvi_curve_field_inputs_of_order(curve, k) + curve_vector_length(curve))[i];
     }
 }
 
 /* Returns the coefficients Q_k, [n]. */
 static inline const double *tvi_curve_position_coefficients(const tvi_curve *curve, int k)
 {
-    return tvi_curve_inputs_of_order(curve, k);
+    return tvi_curve_field_inputs_of_order(curve, k);
 }
 
 static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
 {
-    return tvi_rows_are_finite(curve_highest_order(curve) + 1, tvi_curve_order_stride(curve), curve_input_count(curve),
-                               curve->series_block);
+    return tvi_rows_are_finite(curve_highest_order(curve) + 1, tvi_curve_order_stride(curve),
+                               curve_field_input_count(curve), curve->series_block);
 }
 
 /* Computes the natural sizes of the numbers of the centre state z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or
@@ -245,8 +248,8 @@ static inline void curve_sum_combination_with_adder(curve_row_adder *add, const 
     const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_order_stride(curve);
     if (curve_sums_momentum_coefficients(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
         for (int i = 0; i < n; i++)
-            add(orders, combination->order_weight, stride, 1, curve->series_block + curve_output_slot(curve, n + i),
-                out + i);
+            add(orders, combination->order_weight, stride, 1,
+                curve->series_block + curve_field_output_slot(curve, n + i), out + i);
     else
         add(orders, combination->order_weight, stride, (size_t)numbers,
             curve->series_block + (curve_sums_momentum_coefficients(curve, combination) ? numbers : 0), out);

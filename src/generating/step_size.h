@@ -94,33 +94,34 @@ static inline void step_size_find_derivative_terms(const tvi_curve *curve, const
 /* Returns the logarithm of the largest s at which the term is at most a fraction of the size of the series: s^k |x_k|
  * <= fraction * max_j |x_j| s^j over the first terms j, with the term's order k, its coefficient x_k, and
  * log_relative_size the logarithm of the fraction. It has no branches, since these would be mispredicted. */
-static inline double step_size_log_from_term(const tvi_curve *curve, const step_size_term first_terms[],
-                                             step_size_term term, double log_relative_size)
+static inline double step_size_get_log_usable_s_of_term(const tvi_curve *curve, const step_size_term first_terms[],
+                                                        step_size_term term, double log_relative_size)
 {
     double farthest = -INFINITY;
     for (int i = 0; i < STEP_SIZE_SIZED_BY; i++) {
         const int apart = term.order - first_terms[i].order;
-        const double usable_step =
+        const double usable_s =
             apart > 0 ? (log_relative_size + first_terms[i].log_size - term.log_size) * curve->reciprocal_integer[apart]
                       : -INFINITY;
-        farthest = tvi_larger(usable_step, farthest);
+        farthest = tvi_larger(usable_s, farthest);
     }
     return farthest > -INFINITY ? farthest : INFINITY;
 }
 
 /* Returns the logarithm of the step size at which all of the last terms are small enough: the smallest of the sizes
  * that each of them allows. */
-static inline double step_size_log_from_last_terms(const tvi_curve *curve, const step_size_end_terms *ends, int degree,
-                                                   double log_relative_size)
+static inline double step_size_get_log_usable_s_of_last_terms(const tvi_curve *curve, const step_size_end_terms *ends,
+                                                              int degree, double log_relative_size)
 {
     double least = INFINITY;
     for (int i = 0; i < STEP_SIZE_LAST; i++) {
         const step_size_term x = ends->last_terms[i];
-        const double usable_step =
-            x.order > 1 ? step_size_log_from_term(curve, ends->first_terms, x,
-                                                  log_relative_size * x.order * curve->reciprocal_integer[degree])
-                        : INFINITY;
-        least = tvi_smaller(usable_step, least);
+        const double usable_s =
+            x.order > 1
+                ? step_size_get_log_usable_s_of_term(curve, ends->first_terms, x,
+                                                     log_relative_size * x.order * curve->reciprocal_integer[degree])
+                : INFINITY;
+        least = tvi_smaller(usable_s, least);
     }
     return least;
 }
@@ -135,20 +136,20 @@ static inline double step_size_max_norm_ratio(const tvi_curve *curve, int lower_
 
 /* Returns the usable step, or STEP_SIZE_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius
  * follows from the second largest of the last three ratios of coefficients. */
-static inline double step_size_limit_to_convergence_radius(const tvi_curve *curve, double usable_step)
+static inline double step_size_limit_to_convergence_radius(const tvi_curve *curve, double usable_s)
 {
     const int k = curve_q_degree(curve);
-    const double part = usable_step / STEP_SIZE_MAX_PART_OF_RADIUS, fourth = (part * part) * (part * part);
+    const double part = usable_s / STEP_SIZE_MAX_PART_OF_RADIUS, fourth = (part * part) * (part * part);
     const double first = step_size_max_norm_ratio(curve, k - STEP_SIZE_APART, k),
                  second = step_size_max_norm_ratio(curve, k - 1 - STEP_SIZE_APART, k - 1);
-    if (tvi_smaller(first, second) >= fourth) return usable_step;
+    if (tvi_smaller(first, second) >= fourth) return usable_s;
     const double third = step_size_max_norm_ratio(curve, k - 2 - STEP_SIZE_APART, k - 2),
                  smaller = tvi_smaller(first, second);
     const double middle = tvi_larger(smaller, tvi_smaller(tvi_larger(first, second), third));
-    return middle >= fourth ? usable_step : STEP_SIZE_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
+    return middle >= fourth ? usable_s : STEP_SIZE_MAX_PART_OF_RADIUS * sqrt(sqrt(middle));
 }
 
-static inline double curve_estimate_usable_step(const tvi_curve *curve, double log_tolerance)
+static inline double curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const double log_relative_size = log_tolerance - STEP_SIZE_SAFETY;
@@ -156,16 +157,17 @@ static inline double curve_estimate_usable_step(const tvi_curve *curve, double l
     step_size_find_end_terms(curve, false, q_degree, &q);
     if (curve_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
     else step_size_find_end_terms(curve, true, p_degree, &p);
-    const double usable_step = exp(tvi_smaller(step_size_log_from_last_terms(curve, &q, q_degree, log_relative_size),
-                                               step_size_log_from_last_terms(curve, &p, p_degree, log_relative_size)));
-    return step_size_limit_to_convergence_radius(curve, usable_step);
+    const double usable_s =
+        exp(tvi_smaller(step_size_get_log_usable_s_of_last_terms(curve, &q, q_degree, log_relative_size),
+                        step_size_get_log_usable_s_of_last_terms(curve, &p, p_degree, log_relative_size)));
+    return step_size_limit_to_convergence_radius(curve, usable_s);
 }
 
 /* ---- The end of the step ----------------------------------------------------------------------------------------- */
 
 /* Multiplies the coefficients x_k of all orders by power[k], and sums those up to this degree. */
-static inline void step_size_rescale_rows(const tvi_curve *curve, int components, int degree, const double power[],
-                                          double *x, double *value_sum, double *size_sum)
+static inline void step_size_rescale_and_sum_rows(const tvi_curve *curve, int components, int degree,
+                                                  const double power[], double *x, double *value_sum, double *size_sum)
 {
     const tvi_taylor_rows rows = {components, 1, degree, tvi_curve_order_stride(curve)};
     const tvi_taylor_sums sums = {value_sum, size_sum, NULL, NULL};
@@ -176,7 +178,8 @@ static inline void step_size_rescale_rows(const tvi_curve *curve, int components
 
 /* Rescales and sums the rows of a separable system, all of which are coefficients of Q. du is the increment of kappa p,
  * which U_0 = Q_1 does not enter. */
-static inline void step_size_rescale_separable(const tvi_curve *curve, const double power[], double dq[], double du[])
+static inline void step_size_rescale_and_sum_separable(const tvi_curve *curve, const double power[], double dq[],
+                                                       double du[])
 {
     const tvi_taylor_rows rows = {curve_vector_length(curve), 2, curve_highest_order(curve),
                                   tvi_curve_order_stride(curve)};
@@ -207,16 +210,17 @@ static inline void curve_rescale_and_sum(tvi_curve *curve, double factor, double
     step_size_compute_powers(factor, curve_highest_order(curve), power);
     curve->tau *= factor;
     if (form == TVI_SEPARABLE) {
-        step_size_rescale_separable(curve, power, dq, du);
+        step_size_rescale_and_sum_separable(curve, power, dq, du);
         return;
     }
-    step_size_rescale_rows(curve, numbers, q_degree, power, curve->series_block, dq, curve->movement_size);
+    step_size_rescale_and_sum_rows(curve, numbers, q_degree, power, curve->series_block, dq, curve->movement_size);
     if (form == TVI_HAMILTONIAN)
-        step_size_rescale_rows(curve, numbers, p_degree, power, curve->series_block + numbers, du,
-                               curve->momentum_size);
+        step_size_rescale_and_sum_rows(curve, numbers, p_degree, power, curve->series_block + numbers, du,
+                                       curve->momentum_size);
     for (int i = 0; i < n && form == TVI_LAGRANGIAN; i++)
-        step_size_rescale_rows(curve, 1, p_degree, power, curve->series_block + curve_output_slot(curve, n + i), du + i,
-                               curve->momentum_size + i);
+        step_size_rescale_and_sum_rows(curve, 1, p_degree, power,
+                                       curve->series_block + curve_field_output_slot(curve, n + i), du + i,
+                                       curve->momentum_size + i);
     for (int i = 0; i < numbers; i++) curve->momentum_size[i] += fabs(tvi_curve_momentum_coefficient(curve, 0, i));
 }
 

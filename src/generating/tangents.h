@@ -52,14 +52,14 @@ static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tange
  * which moves them. */
 static inline void curve_prepare_tangent_block(tvi_curve *curve, const curve_tangent_block *block)
 {
-    const size_t inputs = (size_t)curve_input_count(curve) * block->lane_count * sizeof(double);
+    const size_t inputs = (size_t)curve_field_input_count(curve) * block->lane_count * sizeof(double);
     const size_t others = (size_t)(curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve)) *
                           block->lane_count * sizeof(double);
     const int given = curve_form(curve) == TVI_SEPARABLE ? 2 : 1;
     for (int k = 0; k < given && k <= curve_highest_order(curve); k++)
         memset(curve_tangent_row(curve, block, k, 0), 0, inputs);
     for (int k = 0; k <= curve_highest_order(curve) && curve->tangent_block_lane_count != block->lane_count; k++)
-        memset(curve_tangent_row(curve, block, k, curve_input_count(curve)), 0, others);
+        memset(curve_tangent_row(curve, block, k, curve_field_input_count(curve)), 0, others);
     curve->tangent_block_lane_count = block->lane_count;
     curve_set_unit_directions(curve, block);
 }
@@ -69,7 +69,7 @@ static inline void curve_store_values_of_due_members(const tvi_curve *curve, con
 {
     const int width = curve_width(curve);
     if (width > 1 && curve->keeps_old_jacobians)
-        for (int m = 0; m < width; m++) out[m] = curve->due_mask[m] ? in[m] : out[m];
+        for (int m = 0; m < width; m++) out[m] = curve->due_jacobian_mask[m] ? in[m] : out[m];
     else curve_copy_lanes((size_t)width, in, out);
 }
 
@@ -100,16 +100,16 @@ static inline void curve_store_jacobians_from_tangents(tvi_curve *curve, const c
     if (curve_is_jacobian_in_tangent_block()) return;
     if (form == TVI_LAGRANGIAN)
         curve_store_jacobian_columns(curve, block, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output_slot) + n,
-                                     0, curve->dU);
-    if (form == TVI_HAMILTONIAN) curve_store_jacobian_columns(curve, block, NULL, n, curve->dU);
-    curve_store_jacobian_columns(curve, block, NULL, 0, curve->dQ);
+                                     0, curve->dU_dz);
+    if (form == TVI_HAMILTONIAN) curve_store_jacobian_columns(curve, block, NULL, n, curve->dU_dz);
+    curve_store_jacobian_columns(curve, block, NULL, 0, curve->dQ_dz);
 }
 
 static inline const double *curve_coefficient_jacobians(const tvi_curve *curve, bool of_momentum)
 {
     if (curve_is_jacobian_in_tangent_block())
         return curve->tangent_block + (of_momentum ? 2 * curve_dimension(curve) * curve_dimension(curve) : 0);
-    return of_momentum ? curve->dU : curve->dQ;
+    return of_momentum ? curve->dU_dz : curve->dQ_dz;
 }
 
 /* Returns the distance, in numbers, from the Jacobian of one order's coefficient to that of the next order's. */
@@ -201,8 +201,8 @@ static inline void curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve
 {
     curve_multiply_transposed_coefficient_jacobians(curve, false, seed_Q, out);
     if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
-    curve_multiply_transposed_coefficient_jacobians(curve, true, seed_U, curve->product_with_dU);
-    for (int d = 0; d < 2 * curve_vector_length(curve); d++) out[d] += curve->product_with_dU[d];
+    curve_multiply_transposed_coefficient_jacobians(curve, true, seed_U, curve->product_with_dU_dz);
+    for (int d = 0; d < 2 * curve_vector_length(curve); d++) out[d] += curve->product_with_dU_dz[d];
 }
 
 #endif

@@ -12,7 +12,7 @@
  *     R_v^T d0 = D_v,   d1 - d0 = D_q - R_q^T d0. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->q_increment, TVI_LAST_COLUMNS);
+    return tvi_correct_ends_by_block(closure, &closure->q_increment_weights, TVI_LAST_COLUMNS);
 }
 
 const tvi_descriptor tvi_type1_end = {

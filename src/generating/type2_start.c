@@ -12,7 +12,7 @@
  * in the equation for l, its solution is -l / kappa. */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->u_at_end, TVI_LAST_COLUMNS);
+    return tvi_correct_ends_by_block(closure, &closure->u_at_end_weights, TVI_LAST_COLUMNS);
 }
 
 const tvi_descriptor tvi_type2_start = {

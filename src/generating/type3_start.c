@@ -10,7 +10,7 @@
  * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */
 static tvi_status correct_ends(tvi_closure *closure)
 {
-    return tvi_correct_ends_by_block(closure, &closure->q_at_end, TVI_FIRST_COLUMNS);
+    return tvi_correct_ends_by_block(closure, &closure->q_at_end_weights, TVI_FIRST_COLUMNS);
 }
 
 const tvi_descriptor tvi_type3_start = {

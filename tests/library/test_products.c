@@ -92,8 +92,11 @@ START_TEST(products_are_those_of_the_matrices)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    const tvi_transposed_product_terms of = {
-        .factor = 1, .x_combination = &products.q, .y_combination = &products.u, .x = x, .y = x + n};
+    const tvi_transposed_product_terms of = {.factor = 1,
+                                             .first_combination = &products.q,
+                                             .second_combination = &products.u,
+                                             .first_vector = x,
+                                             .second_vector = x + n};
     products_multiply_by_transposed_jacobians(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
