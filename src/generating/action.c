@@ -105,8 +105,8 @@ static tvi_status compute_seeds_without_finite_check(tvi_action *action, tvi_cur
         if (!curve->generated_code || !curve->generated_code->compute_seeds)
             return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         const tvi_status status = curve->generated_code->compute_seeds(action, curve, seed_Q, seed_U);
-        /* Generated code does not know the roundoff of momenta. If its iteration for the momenta is stuck, the library
-         * solves for them again, and measures whether their last corrections are roundoff. */
+        /* Generated code cannot measure the roundoff of momenta. If its Newton iteration for the momenta at the nodes
+         * stalls, the library repeats the iteration, and measures whether the last corrections are roundoff. */
         if (status == TVI_ENOCONV)
             return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)

@@ -5,8 +5,9 @@
 #include "algebra/quadrature.h"
 #include "method/method.h"
 
-/* Returns the number of nodes in a mirrored half. It is padded to whole vectors if the tape processes as many vectors
- * with the padding as without; otherwise, and for several members, it is not padded. */
+/* Returns the number of nodes in each of the two halves of the step, which mirror each other. The number is padded to
+ * whole vectors if the field's tape processes as many vectors with the padding as without; otherwise, and for several
+ * members, it is not padded. */
 static int choose_padded_half_node_count(const tvi_system *system, int points, int width)
 {
     if (width > 1) return (points + 1) / 2;

@@ -115,8 +115,8 @@ static void prepare_stepper(void *workspace)
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-/* Solves B^T multiplier = R_v. B is the Jacobian of the position at the curve's other end by the velocity at its own
- * end, and R_v is the action's gradient by that velocity. */
+/* Solves B^T end_condition_multiplier = R_v. B is the Jacobian of the position at the curve's other end by the velocity
+ * at its own end, and R_v is the action's gradient by that velocity. */
 static tvi_status solve_for_end_condition_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x,
                                                      tvi_stats *stats)
 {
@@ -131,8 +131,8 @@ static tvi_status solve_for_end_condition_multiplier(const tvi_both_ends_workspa
     return status;
 }
 
-/* Returns component j of (A - I)^T multiplier, with A the Jacobian of the position at the curve's other end by the
- * position at its own end. */
+/* Returns component j of (A - I)^T end_condition_multiplier, with A the Jacobian of the position at the curve's other
+ * end by the position at its own end. */
 static double compute_jacobian_column_dot_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
 {
     double sum = 0;
@@ -182,8 +182,8 @@ static void compute_unknown_scales(void *self, double scale[])
     memcpy(scale, scale + n, (size_t)n * sizeof *scale);
     tvi_curve_compute_centre_state_sizes(&w->end_curve.curve, scale + n);
     if (w->degree > 1) return;
-    /* The velocity of a curve of degree 1 from a state of rest has size 0. The corrections of the momenta are added,
-     * since nothing else shows the size of such an unknown. */
+    /* The size of a velocity, from the coefficients of a curve of degree 1 that starts at rest, is 0. The magnitudes of
+     * the momentum corrections are therefore added to the sizes of v0 and v1. */
     for (int i = 0; i < n; i++) {
         const double change =
             fabs(w->start_curve.curve.kappa[i]) * (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));
@@ -192,7 +192,7 @@ static void compute_unknown_scales(void *self, double scale[])
     }
 }
 
-/* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + start_correction_p - p0)). */
+/* Computes the residual r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + start_correction_p - p0)) of the corrector. */
 static void compute_end_condition_residual(const step_attempt *attempt, const double q1[], double r[])
 {
     tvi_both_ends_workspace *w = attempt->work;

@@ -40,7 +40,8 @@ typedef struct {
     const tvi_system *system;
     const tvi_options *options;
     int n, degree, points;
-    bool has_momentum_terms; /* the momentum pi is in the action (both_ends.c) */
+    /* Whether the action has the terms with pi; if not, pi = 0 in the formulas of both_ends.c. */
+    bool has_momentum_terms;
     tvi_end_curve start_curve, end_curve;
     tvi_newton newton; /* the corrector; its unknowns are v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;

@@ -27,8 +27,9 @@ typedef struct {
     tvi_column_half jacobian_column_half; /* if A is an n x n block of the Jacobian: its columns */
 } tvi_correction_equations;
 
-/* A solver of the equations A^T x = D_z, by matrices (matrices.c) or by products (products.c). The functions
- * tvi_correct_ends_fn of the generating functions are the same for both solvers. */
+/* A solver of the equations A^T x = D_z, with factored Jacobian matrices (matrices.c), or without matrices, by products
+ * of Jacobians with vectors (products.c). The functions tvi_correct_ends_fn of the generating functions are the same
+ * for both solvers. */
 typedef struct tvi_closure_solver {
     /* Allocates the memory of the solver, closure->solver_data. */
     void (*allocate)(struct tvi_closure *closure, tvi_arena *arena);
@@ -80,15 +81,15 @@ typedef struct tvi_closure {
     double *start_correction_q, *start_correction_p, *increment_correction_q, *increment_correction_p;
 } tvi_closure;
 
-/* Returns the combination whose Jacobian is J2 in the equations of tvi_correct_ends_by_mean: the mean of the ends'
- * scaled momenta, or the difference of their coordinates. */
+/* Returns the combination whose Jacobian is J2 in the equations of tvi_correct_ends_by_mean: the mean of the scaled
+ * momenta u- and u+ if end_factors->uses_mean_momentum is true, otherwise the difference q+ - q-. */
 static inline const tvi_combination *closure_get_second_combination(const tvi_closure *closure)
 {
     return closure->end_factors->uses_mean_momentum ? &closure->u_mean_weights : &closure->q_increment_weights;
 }
 
-/* Solves [J1; J2]^T (x, y) = D_z, with J1 the Jacobian of the mean of the ends' coordinates (q_mean_weights) and J2
- * that of the second combination, and computes the corrections from (x, y) by end_factors. */
+/* Solves [J1; J2]^T (x, y) = D_z, with J1 the Jacobian of the mean of q- and q+ (q_mean_weights) and J2 that of
+ * closure_get_second_combination, and computes the corrections from (x, y) by end_factors. */
 tvi_correct_ends_fn tvi_correct_ends_by_mean;
 
 /* Solves J^T x = D_z in half of the rows: J is the n x n block of the combination's Jacobian with the columns

@@ -71,21 +71,23 @@ void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_
 void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                       double out[]);
 
-/* tvi_curve_set_summed_degrees sets, once, the degrees to which Q and P are summed. tvi_curve_compute_movement_sizes
- * computes movement_size and momentum_size of each component. tvi_curve_compute_tail computes from these sizes
- * tvi_stats.tail of a single member (tail.h); the tail is 0 if p' has one term only. */
+/* tvi_curve_set_summed_degrees is called once, and sets the degrees to which Q and P are summed.
+ * tvi_curve_compute_movement_sizes computes movement_size and momentum_size of each component. tvi_curve_compute_tail
+ * computes from these sizes tvi_stats.tail of a single member (tail.h); the tail is 0 if p' has one term only. */
 void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree);
 void tvi_curve_compute_movement_sizes(const tvi_curve *curve);
 double tvi_curve_compute_tail(const tvi_curve *curve);
 
 /* Returns an upper bound of the energy change by the terms that a plain Taylor step omits, or INFINITY if the curve has
- * too few terms for a bound. The tail of the step was computed before. */
+ * too few terms for a bound. The function reads movement_size and momentum_size, which tvi_curve_compute_movement_sizes
+ * or tvi_curve_rescale_and_sum must have computed. */
 double tvi_curve_bound_energy_change(const tvi_curve *curve);
 
 /* ---- Steps of adapted size (step_size.h) ------------------------------------------------------------------------- */
 
 /* Returns the largest s for which the curve, truncated to the degrees of tvi_curve_set_summed_degrees, meets the
- * tolerance; INFINITY if the curve is exact. */
+ * tolerance with this logarithm. Returns INFINITY if the last coefficients of q and of p are 0, so that the curve is
+ * exact. */
 double tvi_curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance);
 
 /* Rescales tau and the coefficients of q and p to the time unit factor * tau. In the same sweep it computes the

@@ -18,8 +18,8 @@ typedef struct {
 
 static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.correct_ends; }
 
-/* Returns whether corrected steps can be made in lanes: they have a quick step, and momenta at the nodes are not
- * unknowns of an iteration. */
+/* Returns whether a batch can make the steps of a method with corrections: the method has a quick step, and the momenta
+ * at the nodes need no iteration of their own. */
 static bool can_batch_corrected_steps(const tvi_system *system, const tvi_options *options)
 {
     const bool uses_hamilton_principle = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;

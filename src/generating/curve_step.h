@@ -131,7 +131,7 @@ typedef struct {
     void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long iterating_mask[]);
 } step_curve_functions;
 
-/* The state of a quick step while its passes run. iterating_mask [width] has all bits set for a member whose passes
+/* The progress of a quick step while its passes run. iterating_mask [width] has all bits set for a member whose passes
  * have not ended, and is 0 for the others. */
 typedef struct {
     tvi_curve_workspace *work;
@@ -150,8 +150,8 @@ static inline int step_count_iterating_members(const quick_step_progress *progre
 }
 
 /* Ends the passes of members for which an evaluation, at the nodes or of the series, failed with this status. Returns
- * false if the failed step is of a single member. If it is of several members, only those outside of the domain are
- * dropped, and the step continues. */
+ * whether the step continues. After a failure a step of a single member does not; in a step of several members only
+ * those outside of the domain are dropped, and the step continues. */
 static inline bool step_continue_without_failed_members(const quick_step_progress *progress, tvi_status status,
                                                         bool at_nodes)
 {
@@ -261,7 +261,7 @@ static inline void step_apply_corrections(const quick_step_progress *progress)
         for (int m = 0; m < width; m++) x[m] = progress->iterating_mask[m] ? x[m] + correction[m] : x[m];
 }
 
-/* Runs passes of the corrector until the passes of every member may end. */
+/* Runs passes of the corrector until those of every member have ended, or until the greatest number of passes. */
 static inline void step_run_corrector_passes(quick_step_progress *progress, const tvi_quick_step_results *results)
 {
     const tvi_newton *newton = &progress->work->newton;
@@ -283,8 +283,7 @@ static inline void step_run_corrector_passes(quick_step_progress *progress, cons
 }
 
 /* Finds the velocity of a Lagrangian that belongs to the momentum, as accurately as predictors need it. Newton's method
- * begins with the velocity at the end of the last step. Returns false if it has not converged after a few corrections.
- * */
+ * begins with the velocity at the end of the last step. Returns true if it has converged within a few corrections. */
 static inline bool step_try_to_find_velocity(tvi_curve_workspace *work, const double p[], double v[])
 {
     tvi_curve *curve = &work->closure.curve;

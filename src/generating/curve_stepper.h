@@ -10,8 +10,8 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
-/* The functions of a curve that are compiled for one instruction set. The two steps of_members are for several members,
- * and all other functions are for one member. */
+/* The functions of a curve that are compiled for one instruction set. The functions whose names end in of_members make
+ * the steps of several members at once; all other functions handle one member. */
 typedef struct {
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);

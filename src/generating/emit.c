@@ -25,7 +25,8 @@ static void emit_output_slot_table(jet_text *text, const jet_tape *tape, const c
 static void emit_curve_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const form[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
-    const int rest = lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0; /* directions of a last block */
+    /* The number of directions in the smaller last block, or 0. */
+    const int rest = lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0;
     const int p_degree =
         tvi_find_method(options)->curve.uses_highest_momentum_term ? options->degree : options->degree - 1;
     jet_text_append(text,

@@ -15,7 +15,7 @@
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-/* Order 0 is written separately, because other functions compute it. */
+/* Order 0 is written before the loop, because the tape's function of this order is not that of the higher orders. */
 #define FOR_ALL_ORDERS(ORDER)                                                                                          \
     ORDER(0) for (int k = 1; k <= CURVE_TOP; k++) { ORDER(k) }
 

@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-/* The mask of a single member, whose passes have not ended. */
+/* The iterating_mask of a solver with one member. All of its bits are set, since the solver is called only while the
+ * passes of the member run. */
 static const long long single_iterating_mask = -1;
 
 static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
@@ -81,7 +82,8 @@ static tvi_status solve_by_factors(tvi_closure *closure, const tvi_correction_eq
     return TVI_OK;
 }
 
-/* Returns whether the Jacobian was renewed. */
+/* Computes the corrector's Jacobian anew if the stored one is outdated. Returns true if it did, and false if the
+ * corrector may reuse the stored one. */
 static bool renew_jacobian_if_outdated(const tvi_closure *closure, double jacobian[])
 {
     return matrices_renew_corrector_jacobians(closure, &single_iterating_mask, jacobian) > 0;

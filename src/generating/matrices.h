@@ -52,14 +52,15 @@ static inline void matrices_stack_combination_jacobians(const tvi_closure *closu
                matrix + 2 * curve_dimension(&closure->curve) * curve_vector_length(&closure->curve));
 }
 
-/* Returns whether the corrector's Jacobian of member m must be renewed. */
+/* Returns true if the corrector has no Jacobian in this step, or if z of member m has moved too far since it was
+ * computed. */
 static inline bool matrices_is_corrector_jacobian_outdated(const tvi_jacobian_factors *matrices, int m)
 {
     return !matrices->has_corrector_jacobian || matrices->relative_distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
 }
 
-/* Merges the corrector's new Jacobian of member m with the stored one: an outdated stored Jacobian is replaced by the
- * new one, otherwise the stored one replaces the new one in `matrix`. */
+/* Chooses the corrector's Jacobian of member m, which `matrix` contains newly computed. If the stored Jacobian is
+ * outdated, the new one is stored in its place; otherwise the stored one is copied to `matrix`. */
 static inline void matrices_choose_corrector_jacobian_of_member(const tvi_closure *closure, int m, double matrix[])
 {
     const int n = curve_dimension(&closure->curve), width = curve_width(&closure->curve);

@@ -9,7 +9,8 @@
 #include <string.h>
 
 /* The rule for the corrections relative to each unknown's scale: passes end if the next correction is expected to be
- * half a unit of roundoff or less. Passes that contract by PASSES_STALL_RATIO reach this after 53. */
+ * half a unit of roundoff or less. If each correction is PASSES_STALL_RATIO times the one before it, this takes 53
+ * passes. */
 static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
                                            .correction_goal = DBL_EPSILON / 2,
                                            .max_trusted_ratio = 1,
@@ -80,9 +81,10 @@ static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *e
     else if (equations->solve) equations->solve(equations->self, vector);
 }
 
-/* Adds the effect of the residual's roundoff to roundoff_scale, which holds the scale of each unknown: a correction at
- * roundoff is NEWTON_STALLED_CORRECTION of the sum. The equations are solved for the roundoff of one group of the
- * residual after the other, so that these do not cancel. */
+/* Adds to roundoff_scale, which holds the natural size of each unknown, a multiple of the change of the unknown that
+ * the roundoff of the residual causes. With this multiple, NEWTON_STALLED_CORRECTION times the sum is at least
+ * ROUNDOFF_MAX_UNITS times that change. The linear equations are solved for the roundoff of each group of the residual
+ * separately, and the magnitudes of the solutions are added, so that the groups cannot cancel each other. */
 static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equations)
 {
     const size_t bytes = (size_t)newton->group_size * sizeof(double);

@@ -106,7 +106,7 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 
 typedef struct {
     bool is_jacobian_allocated;      /* whether memory for a Jacobian matrix was allocated */
-    bool is_jacobian_by_differences; /* the Jacobian in that memory was computed by differences */
+    bool is_jacobian_by_differences; /* whether the Jacobian in that memory was computed by differences */
     bool needs_extra_pass;
     tvi_newton_rules rules;
     int unknown_count;                /* the number of unknowns of one member */
@@ -114,7 +114,7 @@ typedef struct {
     int width;                        /* the number of members; the member is the fastest index */
     const tvi_subsystems *subsystems; /* the subsystems of the components */
     double *x, *correction, *scale; /* [unknown_count][width] the unknowns, their last corrections and natural sizes */
-    double *roundoff_scale;         /* the scale, enlarged by the effect of the residual's roundoff */
+    double *roundoff_scale;         /* the scale plus a multiple of the unknown's change by the residual's roundoff */
     /* Scratch for the Jacobian by differences: the unknowns with one of them shifted, and the residual there. */
     double *trial_unknowns, *trial_residual;
     tvi_lu_factor factor;
@@ -196,7 +196,7 @@ static inline void newton_raise_scales_in_subsystem(const tvi_newton *newton, in
     }
 }
 
-/* Does the same in all subsystems. */
+/* Raises the scales of the small unknowns of one member in all subsystems. */
 static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newton, int member)
 {
     const tvi_subsystems *subsystems = newton->subsystems;

@@ -43,14 +43,15 @@ typedef struct tvi_action {
     tvi_node_table power_table, slope_table;
     /* The second derivatives of the powers, for all orders. */
     tvi_node_table power_second_derivative_table;
-    /* The powers from which the position q_i of a node is summed; at truncated nodes they are 0 for the highest order.
+    /* The powers s_i^k by which Q_k is multiplied in the sum q_i; for truncated nodes those of the highest order are 0.
      */
     tvi_node_table node_q_power_table;
     /* power_table and slope_table times the weights of the nodes. */
     tvi_node_table weighted_power_table, weighted_slope_table;
     double *order_sums; /* [highest_order + 1] scratch: sums over the nodes for each order */
-    /* [highest_order + 1][highest_order + 1] (j+k) times the error of the quadrature for s^(j+k-1), which remains if
-     * the sum of the derivative of p^T dq is replaced by its values at the ends; NULL if all errors are 0. */
+    /* [highest_order + 1][highest_order + 1] (j+k) times the error of the quadrature for s^(j+k-1), for the orders j of
+     * the momentum and k of the position. The summation by parts of seeds.h adds these numbers to the action's
+     * gradient. NULL if all of them are 0. */
     double *summation_by_parts_error;
     double *field_block; /* the block of the field's tape, with one lane for each node */
     /* The block of the tape that computes the products H_qp p and H_pp p of a Hamiltonian at the nodes, for positions
@@ -120,7 +121,7 @@ static inline void seeds_set_node_times(const tvi_action *action, const tvi_curv
             *t++ = JET_FUSED(jet_v1, curve->tau, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
 }
 
-/* Writes the positions and the times of the nodes into the inputs of the block x. */
+/* Writes the curve's coordinates q_i at the nodes, and the times of the nodes, into the inputs of the block x. */
 static inline void seeds_set_node_coordinates_and_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
     const int width = curve_width(curve);
@@ -143,7 +144,8 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
 }
 
 /* Computes the coefficients of the curve's momentum, and its values at the nodes if Hamilton's action or gradient_by_v
- * needs them. For a separable system that needs neither and has no quadrature error, nothing is computed. */
+ * needs them. Nothing is computed for a separable system whose action needs no such values and has no quadrature error.
+ */
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;

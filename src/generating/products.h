@@ -47,7 +47,7 @@ static inline double *products_get_adjoint_of_Q(const tvi_curve *curve, int k)
 }
 
 /* The vectors that a product with transposed Jacobians adds up: the seeds seed_Q [highest_order + 1][n] are multiplied
- * by the transposed Jacobians of the coefficients Q_k; first_vector and second_vector [n], times `factor`, by those of
+ * by the transposed Jacobians of the coefficients Q_k; first_vector and second_vector [n], times factor, by those of
  * first_combination and second_combination. Seeds and combinations that are NULL are omitted. */
 typedef struct {
     const double *seed_Q;
@@ -309,8 +309,8 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
     return TVI_ENOCONV;
 }
 
-/* Solves the equations, and replaces gradient_then_solution by the solution x in the rows that are solved for, and by
- * the residual of the equations in all other rows. */
+/* Solves A^T x = D_z without forming A. gradient_then_solution becomes x in the rows that are solved for, and the
+ * residual D_z - A^T x in all other rows. */
 static inline tvi_status products_solve_correction_equations(tvi_closure *closure,
                                                              const tvi_correction_equations *equations)
 {

@@ -15,7 +15,8 @@ enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
 
 /* The indices of the sums over the coefficients: VALUE + j for the state X at node j; RATE + j for its derivative
- * there, X', or Q'' of a separable system; END for X(1); SLOPE for Q'(1). */
+ * there, X', or Q'' of a separable system; END for X(1); SLOPE for Q'(1) of a separable system. LOW is the highest
+ * order that is summed in long double. */
 enum { VALUE, RATE = NODES, END = 2 * NODES, SLOPE, LOW = TVI_REFINE_LOW };
 
 /* The step whose increments are computed. */

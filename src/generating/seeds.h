@@ -128,16 +128,16 @@ static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double
     return seed + k * curve_vector_length(curve) + i * curve_width(curve);
 }
 
-/* Sets the seeds of the sum over the nodes of dq_i^T gradient_by_q - dg_i^T dp/ds, with dq_i the change of the node's
- * position, and dg_i that of the curve at the node. The vectors gradient_by_q and dp/ds are first subtracted at the
- * nodes, where they nearly cancel. A truncated node does not contain the term of the highest order N, but the curve
+/* Sets the seeds of sum_i w_i [ dq_i^T gradient_by_q - dg_i^T dp/ds ] over the nodes i, with dq_i the Jacobian of the
+ * node's coordinates by z, and dg_i that of the curve at the node. The difference gradient_by_q - dp/ds is formed
+ * first, since the two nearly cancel. A truncated node does not contain the term of the highest order N, but the curve
  * does; the last sum subtracts it from the seed of order N. */
 static inline void seeds_set_gradient_by_q_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
     const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
     const int points = action->node_count, N = action->q_degree;
-    seeds_subtract_rows(action, n, action->dp_ds_at_nodes,
-                        action->gradient_by_q); /* gradient_by_q becomes the defect */
+    /* gradient_by_q becomes the small difference gradient_by_q - dp/ds. */
+    seeds_subtract_rows(action, n, action->dp_ds_at_nodes, action->gradient_by_q);
     for (int i = 0; i < n; i++) {
         const double *defect = action->gradient_by_q + i * lanes, *force = action->dp_ds_at_nodes + i * lanes;
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table, defect);
@@ -160,8 +160,8 @@ static inline void seeds_add_gradient_by_v_terms(const tvi_action *action, int n
     }
 }
 
-/* Adds the seeds of the sum over the nodes of dp_i^T gradient_by_p, with dp_i the change of the momentum; a separable
- * system has kappa P_k = (k+1) Q_{k+1}. */
+/* Adds the seeds of sum_i w_i dp_i^T gradient_by_p over the nodes i, with dp_i the Jacobian of the node's momentum by
+ * z; a separable system has kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                  double seed_U[])
 {

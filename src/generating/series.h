@@ -260,8 +260,9 @@ static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combi
     curve_sum_combination_with_adder(tvi_add_weighted_rows, curve, combination, out);
 }
 
-/* Returns the sizes of component i from which the tail follows, in the unit of scaled time: |U_0| + sum k |U_k| and sum
- * k |Q_k|, which bound p' and q' at the ends of the step, and the last terms of these sums. */
+/* Returns, for component i, the magnitudes from which the tail is computed (tail.h). momentum_size is |U_0| + sum_k k
+ * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step. last_term_p and
+ * last_term_q are the last terms of the two sums; last_term_q is 0 for a separable system. position_size is |Q_0|. */
 static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);

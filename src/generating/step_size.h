@@ -74,8 +74,8 @@ static inline void step_size_find_end_terms(const tvi_curve *curve, bool of_mome
     }
 }
 
-/* Returns the term of order q.order - 1 of the derivative of q, k |q_k|. If the term q does not exist, its order may be
- * beyond the table of logarithms. */
+/* Returns the term of order q.order - 1 of the derivative of q, k |q_k|. If there is no term q, its log_size -INFINITY
+ * is returned, and log_integer is not read, since q.order may be beyond its end. */
 static inline step_size_term step_size_differentiate_term(const tvi_curve *curve, step_size_term q)
 {
     const bool is_there = q.log_size > -INFINITY;
@@ -108,8 +108,8 @@ static inline double step_size_get_log_usable_s_of_term(const tvi_curve *curve, 
     return farthest > -INFINITY ? farthest : INFINITY;
 }
 
-/* Returns the logarithm of the step size at which all of the last terms are small enough: the smallest of the sizes
- * that each of them allows. */
+/* Returns the logarithm of the largest s at which each of the last terms is small enough. It is the least of the
+ * logarithms that step_size_get_log_usable_s_of_term returns for these terms. */
 static inline double step_size_get_log_usable_s_of_last_terms(const tvi_curve *curve, const step_size_end_terms *ends,
                                                               int degree, double log_relative_size)
 {
@@ -165,7 +165,8 @@ static inline double curve_estimate_largest_usable_s(const tvi_curve *curve, dou
 
 /* ---- The end of the step ----------------------------------------------------------------------------------------- */
 
-/* Multiplies the coefficients x_k of all orders by power[k], and sums those up to this degree. */
+/* Multiplies the coefficients x_k of all orders by power[k]. Computes value_sum and size_sum (tvi_taylor_sums) from the
+ * orders up to `degree`. */
 static inline void step_size_rescale_and_sum_rows(const tvi_curve *curve, int components, int degree,
                                                   const double power[], double *x, double *value_sum, double *size_sum)
 {

@@ -2,8 +2,8 @@
  * taylor_sweep.h includes this text once for each vector type V. The including file defines V, SIZE(x), which is
  * |x|, and SWEPT(f), which gives function f its name for V; this file undefines them. */
 
-/* The partial sums over the even or over the odd orders. The additions of the two chains do not depend on each other,
- * so that a processor makes them at the same time. */
+/* The partial sums over every second order. Two such chains have all orders; their additions do not depend on each
+ * other, so that a processor makes them at the same time. */
 typedef struct {
     V value, size, slope, slope_size;
 } SWEPT(chain);
