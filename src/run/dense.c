@@ -30,7 +30,7 @@ tvi_status tvi_compute_dense_state(tvi_integrator *it, double theta, double *t, 
 tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 {
     double t;
-    if (!it || !q || !p) return tvi_refuse_run_arguments((tvi_run_arguments){it, &t, q, p, 1}, "");
+    if (!it || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, &t, q, p, 1}, "");
     if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
     if (!it->has_dense_output) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
     return tvi_compute_dense_state(it, theta, &t, q, p);

@@ -154,8 +154,8 @@ void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *en
 tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[])
 {
     if (!ensemble || !value)
-        return tvi_refuse_null_pointer(2, (const void *const[]){ensemble, value},
-                                       (const char *const[]){"ensemble", "value"});
+        return tvi_refuse_first_null_pointer(2, (const void *const[]){ensemble, value},
+                                             (const char *const[]){"ensemble", "value"});
     for (size_t i = 0; i < count_parameters_of_all_members(ensemble); i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%zu] is not finite", i);
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
@@ -195,8 +195,8 @@ static void add_step_counts(tvi_stats *sum, const tvi_stats *stats)
 tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
 {
     if (!ensemble || !stats)
-        return tvi_refuse_null_pointer(2, (const void *const[]){ensemble, stats},
-                                       (const char *const[]){"ensemble", "stats"});
+        return tvi_refuse_first_null_pointer(2, (const void *const[]){ensemble, stats},
+                                             (const char *const[]){"ensemble", "stats"});
     *stats = ensemble->loaded_stats;
     stats->bytes =
         sizeof *ensemble + (size_t)ensemble->batch_count * ensemble->history_bytes +
@@ -303,8 +303,8 @@ tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t 
 tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[], tvi_status status[])
 {
     if (!ensemble || !t || !q || !p || !status)
-        return tvi_refuse_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
-                                       (const char *const[]){"ensemble", "t", "q", "p", "status"});
+        return tvi_refuse_first_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
+                                             (const char *const[]){"ensemble", "t", "q", "p", "status"});
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");

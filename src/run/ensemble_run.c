@@ -158,8 +158,8 @@ static tvi_status allocate_tangent_columns(const tvi_ensemble *ensemble, int col
 static tvi_status refuse_null_arguments(const tvi_ensemble *ensemble, const double t[], const double q[],
                                         const double p[], const tvi_status status[])
 {
-    return tvi_refuse_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
-                                   (const char *const[]){"ensemble", "t", "q", "p", "status"});
+    return tvi_refuse_first_null_pointer(5, (const void *const[]){ensemble, t, q, p, status},
+                                         (const char *const[]){"ensemble", "t", "q", "p", "status"});
 }
 
 tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *plan, double t[], double q[], double p[],

@@ -30,8 +30,8 @@ void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], si
 tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[])
 {
     if (!it || !value)
-        return tvi_refuse_null_pointer(2, (const void *const[]){it, value},
-                                       (const char *const[]){"integrator", "value"});
+        return tvi_refuse_first_null_pointer(2, (const void *const[]){it, value},
+                                             (const char *const[]){"integrator", "value"});
     const int count = tvi_system_parameters(it->system);
     for (int i = 0; i < count; i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%d] is not finite", i);

@@ -108,7 +108,7 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member_run, 
 
 tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p) return tvi_refuse_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
+    if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
     const tvi_member_run all = {

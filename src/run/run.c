@@ -206,7 +206,7 @@ static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_sing
     const double h = run->plan->h;
     if (!tvi_events_match_system(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
     if (run->mode == TVI_RUN_TO_TOLERANCE) return set_schedule_to_time(it, run, t, schedule);
-    if (h == 0 || !isfinite(h)) return tvi_refuse_run_arguments((tvi_run_arguments){it, &t, q, p, h}, "");
+    if (h == 0 || !isfinite(h)) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, &t, q, p, h}, "");
     if (run->mode == TVI_RUN_TO_TIME) return set_schedule_to_time(it, run, t, schedule);
     if (run->mode == TVI_RUN_AT_TIMES) return set_schedule_for_times(it, run, t, q, p, schedule);
     return set_schedule_for_step_count(run, schedule);
@@ -286,7 +286,7 @@ static tvi_status run_with_given_times(run_in_progress *in_progress, double *t, 
 
 tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p) return tvi_refuse_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
+    if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     run_in_progress in_progress = {.integrator = it, .run = run};
     tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &in_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
@@ -345,10 +345,10 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     const tvi_run_plan plan = {.h = h, .steps = 1};
-    if (!it) return tvi_refuse_run_arguments(given, "");
+    if (!it) return tvi_refuse_invalid_run_arguments(given, "");
     if (!it->is_in_observer) it->has_dense_output = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
-        return tvi_refuse_run_arguments(given, D ? "columns is not positive" : "D is NULL");
+        return tvi_refuse_invalid_run_arguments(given, D ? "columns is not positive" : "D is NULL");
     const tvi_single_run run = {.mode = TVI_RUN_STEPS, .plan = &plan, .columns = {D, columns, 1}};
     return tvi_run_integrator(it, &run, t, q, p);
 }

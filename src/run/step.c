@@ -242,9 +242,9 @@ tvi_status tvi_make_steps(tvi_integrator *it, long most_steps, double tolerance,
                           double q[], double p[])
 {
     const tvi_run_arguments given = {it, t, q, p, h};
-    if (!it) return tvi_refuse_run_arguments(given, "");
+    if (!it) return tvi_refuse_invalid_run_arguments(given, "");
     if (!it->is_in_observer) it->has_dense_output = false;
-    if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run_arguments(given, "");
+    if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_invalid_run_arguments(given, "");
     tvi_status status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;
     const bool in_rows = tolerance == 0;

@@ -342,7 +342,7 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
     static const char *const name[] = {"system", "q", "p", "h", "seen"};
     const void *const pointer[] = {system, q, p, h, seen};
     tvi_step_suggestion found;
-    if (!system || !q || !p || !h || !seen) return tvi_refuse_null_pointer(5, pointer, name);
+    if (!system || !q || !p || !h || !seen) return tvi_refuse_first_null_pointer(5, pointer, name);
     if (duration == 0 || !isfinite(duration))
         return jet_refuse(TVI_EINVAL, "duration = %g is 0 or not finite", duration);
     if (isfinite(t) && !(fabs(duration) > TRIALS_MIN_STEPS * DBL_EPSILON * fabs(t)))

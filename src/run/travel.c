@@ -95,8 +95,8 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
                              size_t *size)
 {
     if (!it || !q || !p || !size)
-        return tvi_refuse_null_pointer(4, (const void *const[]){it, q, p, size},
-                                       (const char *const[]){"integrator", "q", "p", "size"});
+        return tvi_refuse_first_null_pointer(4, (const void *const[]){it, q, p, size},
+                                             (const char *const[]){"integrator", "q", "p", "size"});
     tvi_state_text state_text;
     const int parameters = tvi_system_parameters(it->system);
     if (!tvi_state_text_open(&state_text, it->system->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
@@ -132,8 +132,8 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
 tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size, double *t, double q[], double p[])
 {
     if (!it || !text || !t || !q || !p)
-        return tvi_refuse_null_pointer(5, (const void *const[]){it, text, t, q, p},
-                                       (const char *const[]){"integrator", "text", "t", "q", "p"});
+        return tvi_refuse_first_null_pointer(5, (const void *const[]){it, text, t, q, p},
+                                             (const char *const[]){"integrator", "text", "t", "q", "p"});
     if (it->is_in_observer)
         return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     tvi_state_text state_text;
@@ -156,7 +156,7 @@ static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int membe
     const void *const all[] = {ensemble, pointers[0], pointers[1], pointers[2], pointers[3]};
     for (int i = 0; i < 5; i++)
         if (!all[i])
-            return tvi_refuse_null_pointer(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
+            return tvi_refuse_first_null_pointer(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
     if (member < 0 || member >= ensemble->member_count)
         return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->member_count - 1);
     return tvi_ensemble_refuse_if_running(ensemble);

@@ -12,7 +12,7 @@ tvi_status tvi_apply_legendre_transform(const tvi_system *system, const double p
 {
     const void *const given[] = {system, q, input, output};
     const char *const name[] = {"system", "q", to_momenta ? "v" : "p", to_momenta ? "p" : "v"};
-    if (!system || !q || !input || !output) return tvi_refuse_null_pointer(4, given, name);
+    if (!system || !q || !input || !output) return tvi_refuse_first_null_pointer(4, given, name);
     const int n = system->n;
     if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, input))
         return tvi_refuse_nonfinite_state(n, t, q, name[2], input);
@@ -140,8 +140,8 @@ tvi_status tvi_energy_with_parameters(const tvi_system *system, const double par
                                       const double p[], double *H)
 {
     if (!system || !q || !p || !H)
-        return tvi_refuse_null_pointer(4, (const void *const[]){system, q, p, H},
-                                       (const char *const[]){"system", "q", "p", "H"});
+        return tvi_refuse_first_null_pointer(4, (const void *const[]){system, q, p, H},
+                                             (const char *const[]){"system", "q", "p", "H"});
     if (!system->energy) return jet_refuse(TVI_EUNSUPPORTED, "a system made from a force has no energy");
     if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p))
         return tvi_refuse_nonfinite_state(system->n, t, q, "p", p);

@@ -21,12 +21,12 @@ typedef struct {
 /* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). For a Lagrangian that is not
  * separable, lane_count must be 1. */
 void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system, int lane_count);
-/* Does the same as tvi_energy, with these values of the parameters. parameters NULL stands for the values in the
- * recording. */
+/* Does the same as tvi_energy, with the given parameters instead of the recorded ones. NULL stands for the recorded
+ * parameters. */
 TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, const double parameters[], double t,
                                                     const double q[], const double p[], double *H);
-/* Does the same as tvi_momentum if to_momenta, and otherwise as tvi_velocity, with these values of the parameters.
- * parameters NULL stands for the values in the recording. */
+/* Does the same as tvi_momentum if to_momenta is true, and otherwise the same as tvi_velocity, with the given
+ * parameters instead of the recorded ones. NULL stands for the recorded parameters. */
 TVI_NODISCARD tvi_status tvi_apply_legendre_transform(const tvi_system *system, const double parameters[], double t,
                                                       const double q[], const double input[], double output[],
                                                       bool to_momenta);

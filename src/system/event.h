@@ -19,10 +19,11 @@ struct tvi_event {
     uint64_t hash;
 };
 
-/* Tells whether the event reports a root after which g has this sign, +1 or -1; 0 stands for an unknown sign. */
-static inline bool tvi_event_reports_sign_change(const tvi_event *event, int sign_after)
+/* Tells whether the event reports a root after which g has the sign g_sign_after (+1, -1, or 0 if the sign is not
+ * known). */
+static inline bool tvi_event_reports_sign_change(const tvi_event *event, int g_sign_after)
 {
-    return event->direction == TVI_EITHER || (int)event->direction == sign_after;
+    return event->direction == TVI_EITHER || (int)event->direction == g_sign_after;
 }
 /* Tells whether the event leaves the roots of one direction unreported. */
 static inline bool tvi_event_skips_a_direction(const tvi_event *event) { return event->direction != TVI_EITHER; }
@@ -38,7 +39,9 @@ TVI_NODISCARD tvi_status tvi_event_create_joint_tape(jet_tape **out, const tvi_e
 /* The memory in which g is expanded near one state. */
 typedef struct {
     double *series_block; /* [orders][slots] The Taylor coefficients of all slots of event->series. */
-    double *tangents;     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots, a column for each direction. */
+    /* [slots][TVI_ROUNDOFF_SAMPLES] The first-order changes of all slots. Each column belongs to one change of the
+     * inputs (q, p, t). */
+    double *tangents;
 } tvi_event_expansion;
 /* Allocates the memory. Returns TVI_ENOMEM if memory is lacking; the caller closes the expansion in this case, too. */
 TVI_NODISCARD tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event);

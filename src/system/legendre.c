@@ -82,13 +82,13 @@ static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, cons
     return status;
 }
 
-/* Computes the Newton correction at x, with a new Jacobian matrix dy/dx or with the last one. If the new matrix is
- * singular, as that of L = v^4 at rest, the correction is y - f(x) itself. */
-static tvi_status compute_newton_correction(tvi_legendre *legendre, const double y[], bool with_new_jacobian)
+/* Computes the Newton correction at x, with a new Jacobian matrix dy/dx if needs_new_jacobian is true, and otherwise
+ * with the last one. If the new matrix is singular, as that of L = v^4 at rest, the correction is y - f(x) itself. */
+static tvi_status compute_newton_correction(tvi_legendre *legendre, const double y[], bool needs_new_jacobian)
 {
     const int n = legendre->system->n;
     for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->transform_of_x[i];
-    const tvi_status status = with_new_jacobian ? factor_jacobian(legendre) : TVI_OK;
+    const tvi_status status = needs_new_jacobian ? factor_jacobian(legendre) : TVI_OK;
     if (status == TVI_OK) tvi_factor_solve(&legendre->jacobian_factor, legendre->correction);
     return status;
 }

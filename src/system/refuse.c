@@ -3,19 +3,19 @@
 
 #include <math.h>
 
-tvi_status tvi_refuse_null_pointer(int count, const void *const pointer[], const char *const name[])
+tvi_status tvi_refuse_first_null_pointer(int count, const void *const pointer[], const char *const name[])
 {
     int i = 0;
     while (i < count - 1 && pointer[i]) i++;
     return jet_refuse(TVI_EINVAL, "%s is NULL", name[i]);
 }
 
-tvi_status tvi_refuse_run_arguments(tvi_run_arguments arguments, const char *other_reason)
+tvi_status tvi_refuse_invalid_run_arguments(tvi_run_arguments arguments, const char *other_reason)
 {
     const void *const pointer[] = {arguments.integrator, arguments.t, arguments.q, arguments.p};
     static const char *const name[] = {"integrator", "t", "q", "p"};
     for (int i = 0; i < 4; i++)
-        if (!pointer[i]) return tvi_refuse_null_pointer(4, pointer, name);
+        if (!pointer[i]) return tvi_refuse_first_null_pointer(4, pointer, name);
     if (arguments.h == 0) return jet_refuse(TVI_EINVAL, "h is 0");
     if (!isfinite(arguments.h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", arguments.h);
     return jet_refuse(TVI_EINVAL, "%s", other_reason);
@@ -32,9 +32,9 @@ tvi_status tvi_refuse_nonfinite_state(int n, double t, const double q[], const c
     return TVI_OK;
 }
 
-tvi_status tvi_refuse_failed_evaluation(const char *evaluated, tvi_status status)
+tvi_status tvi_refuse_failed_evaluation(const char *evaluated_quantity, tvi_status status)
 {
     if (status == TVI_OK) return status;
-    return jet_refuse(status, "%s: %s", evaluated,
+    return jet_refuse(status, "%s: %s", evaluated_quantity,
                       status == TVI_EDOMAIN ? jet_last_refusal_text() : tvi_status_string(status));
 }

@@ -16,12 +16,12 @@ static void mark_nodes_dependent_on_inputs(const jet_graph *graph, int first_inp
     }
 }
 
-/* Tells whether x = coefficient v + other terms, with v the input velocity_input, coefficient > 0, and other terms that
- * do not depend on velocities. The caller has marked the nodes that depend on velocities. *has_other_terms is set if
- * there are other terms. The coefficient is computed by one walk back through the graph. node_factors is scratch with
- * one number for each node. */
-static bool find_velocity_coefficient(const jet_graph *graph, jet x, int velocity_input, double node_factors[],
-                                      double *coefficient, bool *has_other_terms)
+/* Tells whether x = coefficient v + other terms, where v is the input velocity_input, coefficient > 0, and the other
+ * terms do not depend on velocities. The caller has marked the nodes that depend on velocities. *has_other_terms is set
+ * if there are other terms. The coefficient is computed by one walk back through the graph. node_factors is scratch
+ * with one number for each node. */
+static bool is_velocity_multiple_plus_rest(const jet_graph *graph, jet x, int velocity_input, double node_factors[],
+                                           double *coefficient, bool *has_other_terms)
 {
     *coefficient = 0;
     if (!x.node) return false;
@@ -49,8 +49,8 @@ tvi_status tvi_system_find_masses(tvi_system *system, const jet velocity_gradien
     bool is_coupled = false;
     system->has_masses = true;
     for (int i = 0; i < n && system->has_masses; i++) {
-        system->has_masses = find_velocity_coefficient(system->graph, velocity_gradient[i], n + i, node_factors,
-                                                       &system->mass[i], &is_coupled);
+        system->has_masses = is_velocity_multiple_plus_rest(system->graph, velocity_gradient[i], n + i, node_factors,
+                                                            &system->mass[i], &is_coupled);
         is_coupled |= coordinate_gradient[i].node && coordinate_gradient[i].node->scratch;
     }
     *is_separable = system->has_masses && !is_coupled;

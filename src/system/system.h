@@ -44,7 +44,7 @@ struct tvi_system {
     /* The subsystems whose components the tail of a step compares (algebra/tail.h): those of `subsystems`, except that
      * the time of a rescaled system is a subsystem of its own. */
     tvi_subsystems tail_subsystems;
-    /* L_vv of the Lagrangian, or H_pp of the Hamiltonian, is regular somewhere. */
+    /* True if the matrix L_vv of the Lagrangian, or H_pp of the Hamiltonian, was found to be regular at some state. */
     bool is_regular;
     bool has_automatic_scale; /* The time scale in K is the automatic one (automatic.c). */
     /* The finished recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
@@ -127,9 +127,9 @@ TVI_NODISCARD tvi_status tvi_system_find_masses(tvi_system *system, const jet ve
                                                 const jet coordinate_gradient[], bool *is_separable);
 
 /* Finds the subsystems of the field, and sets system->subsystems and tail_subsystems. If the last coordinate is the
- * time, as in a rescaled system, the time becomes a subsystem of its own in tail_subsystems. Its share of the motion is
- * then the largest one in its subsystem, so that its ratio is not reduced (algebra/tail.h). Returns TVI_ENOMEM if
- * memory is lacking. */
+ * time, as in a rescaled system, the time becomes a subsystem of its own in tail_subsystems. The tail weighs each
+ * component by its share of the motion in its subsystem (algebra/tail.h); alone in its subsystem, the time has the full
+ * weight. Returns TVI_ENOMEM if memory is lacking. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate);
 
 /* Returns the number of outputs of the field. */
