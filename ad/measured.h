@@ -393,7 +393,7 @@
 #define SCOUT_HARDER_FACTOR        0.9   /* A harder position has a resolving step below this part of the least. */
 #define SCOUT_MAX_ENERGY_CHANGE    0.1   /* The scout's first step may change the energy by this part. */
 #define SCOUT_MAX_DISTANCE         0.25  /* The scout's first step and two half steps may differ by this part. */
-#define SCOUT_ERROR_POWER          4.0   /* A position's weight: its resolving step size to minus this power. */
-#define SCOUT_MIN_WEIGHT           0.02  /* The least weight of a position, in weights of the hardest position. */
+#define SCOUT_ERROR_POWER          4.0   /* A step's weight: its resolving step size to minus this power. */
+#define SCOUT_MIN_WEIGHT           0.02  /* The least weight of a step, in weights of the hardest step. */
 
 #endif

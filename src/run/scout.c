@@ -1,8 +1,8 @@
 /* scout.c - Explores an orbit with few large steps (scout.h), for the suggestion of a step size (suggest.c). The tail
  * of a step (tvi_stats.tail) estimates how well its polynomial resolves the forces. A step size resolves the orbit at a
- * position if a step of that size would have the tail SCOUT_RESOLVING_TAIL there; this resolving step size is
- * extrapolated from the tail of the step that was made. The hardest position of the orbit is that with the smallest
- * resolving step size. */
+ * point if a step of that size would have the tail SCOUT_RESOLVING_TAIL there. This resolving step size is extrapolated
+ * from the tail of the step that was made. The hardest step of the orbit is the step with the smallest resolving step
+ * size. */
 #include "run/scout.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -49,12 +49,13 @@ static double estimate_resolving_step_size(const tvi_integrated_orbit *orbit, do
 /* Records a step of size h, and returns the size of the next one. The last step before the end of the run may be short.
  * For this step the resolving step size of the step before is recorded. */
 static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi_integrated_orbit *orbit, double h,
-                                               bool is_last)
+                                               bool is_last_step)
 {
     const double scale = estimate_resolving_step_size(orbit, h);
-    scout->positions[scout->step_count + 1] = scout->positions[scout->step_count] + h;
+    scout->abscissas[scout->step_count + 1] = scout->abscissas[scout->step_count] + h;
     scout->orbit_resolving_step_size_estimate[scout->step_count] =
-        is_last && scout->step_count > 0 ? scout->orbit_resolving_step_size_estimate[scout->step_count - 1] : scale;
+        is_last_step && scout->step_count > 0 ? scout->orbit_resolving_step_size_estimate[scout->step_count - 1]
+                                              : scale;
     if (fabs(scout->orbit_resolving_step_size_estimate[scout->step_count]) <
         SCOUT_HARDER_FACTOR * fabs(scout->orbit_resolving_step_size_estimate[scout->hardest_step_index]))
         scout->hardest_step_index = scout->step_count;
@@ -68,8 +69,8 @@ static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi
 static double try_step_and_choose_next_size(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double h,
                                             double remaining_time)
 {
-    const bool is_last = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
-    const double size = is_last ? remaining_time : h;
+    const bool is_last_step = !tvi_is_rescaled(orbit->integrator) && fabs(remaining_time) <= fabs(h);
+    const double size = is_last_step ? remaining_time : h;
     store_current_state(scout, orbit);
     scout->tried_step_count++;
     /* Without the reset the step would keep e = -H of the state at which the run started. After the reset e is computed
@@ -80,13 +81,13 @@ static double try_step_and_choose_next_size(tvi_orbit_scout *scout, tvi_integrat
         return size * (scout->step_count == 0 ? SCOUT_FIRST_FAILED_FACTOR : SCOUT_FAILED_FACTOR);
     const bool may_try = scout->step_count > 0 || scout->tried_step_count < SCOUT_MAX_STEPS / 2;
     if (tvi_integrator_stats(orbit->integrator)->tail <= SCOUT_MAX_TAIL || !may_try)
-        return record_step_and_choose_next_size(scout, orbit, size, is_last);
+        return record_step_and_choose_next_size(scout, orbit, size, is_last_step);
     tvi_integrator_undo_step(orbit->integrator, &orbit->t, orbit->q, orbit->p);
     return estimate_resolving_step_size(orbit, size);
 }
 
 /* Tells whether two steps of half the size of the first step end near the end of the first step. */
-static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
+static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const int n = scout->n;
     const double *const end = tvi_scout_state(scout, 1);
@@ -95,7 +96,7 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *or
     tvi_integrated_orbit_set_state(orbit, n, scout->states);
     for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
         scout->tried_step_count++;
-        scout->last_status = tvi_step(orbit->integrator, scout->positions[1] / 2, &orbit->t, orbit->q, orbit->p);
+        scout->last_status = tvi_step(orbit->integrator, scout->abscissas[1] / 2, &orbit->t, orbit->q, orbit->p);
     }
     for (int i = 0; i < 2 * n; i++) {
         const double x = i < n ? orbit->q[i] : orbit->p[i - n];
@@ -111,16 +112,16 @@ static bool do_half_steps_agree(tvi_orbit_scout *scout, tvi_integrated_orbit *or
  * may be far away, where no force acts. Systems that do not conserve the energy are judged by two half steps. If the
  * energy is nearly 0, its change is compared with p.dq/dt, about twice the kinetic energy; p is taken from both ends,
  * since the motion may be at rest at one end. */
-static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
+static bool is_energy_conserved_by_first_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;
     const double *const q = scout->states, *const p = q + scout->n, t = q[2 * scout->n];
     double before, after, action = 0;
-    if (system->uses_time || system->is_driven) return do_half_steps_agree(scout, orbit);
+    if (system->uses_time || system->is_driven) return do_half_steps_agree_with_first_step(scout, orbit);
     const tvi_status first = tvi_energy(system, t, q, p, &before);
     scout->last_status = first == TVI_OK ? tvi_energy(system, orbit->t, orbit->q, orbit->p, &after) : first;
     if (scout->last_status == TVI_ENOMEM) return true;
-    if (first != TVI_OK) return do_half_steps_agree(scout, orbit);
+    if (first != TVI_OK) return do_half_steps_agree_with_first_step(scout, orbit);
     if (scout->last_status != TVI_OK) return false;
     for (int i = 0; i < scout->n; i++) action += (fabs(p[i]) + fabs(orbit->p[i])) * fabs(orbit->q[i] - q[i]);
     return fabs(after - before) <= SCOUT_MAX_ENERGY_CHANGE * fmax(fabs(before), action / fabs(orbit->t - t));
@@ -130,8 +131,8 @@ static bool is_energy_conserved(tvi_orbit_scout *scout, tvi_integrated_orbit *or
  * step did not conserve the energy. */
 static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step_size)
 {
-    return scout->step_count == 1 && (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->positions[1]) ||
-                                      !is_energy_conserved(scout, orbit));
+    return scout->step_count == 1 && (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->abscissas[1]) ||
+                                      !is_energy_conserved_by_first_step(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
@@ -141,7 +142,7 @@ static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_o
     scout->step_count = scout->hardest_step_index = 0;
     scout->largest_q = scout->largest_p = 0;
     update_largest_q_and_p(scout, orbit);
-    return SCOUT_FIRST_FAILED_FACTOR * scout->positions[1];
+    return SCOUT_FIRST_FAILED_FACTOR * scout->abscissas[1];
 }
 
 tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration)
@@ -160,18 +161,18 @@ tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit 
     return scout->step_count > 0 && scout->last_status != TVI_ENOMEM ? TVI_OK : scout->last_status;
 }
 
-double tvi_scout_weighted_length(const tvi_orbit_scout *scout, double from_position, double to_position)
+double tvi_scout_error_weighted_length(const tvi_orbit_scout *scout, double from_abscissa, double to_abscissa)
 {
-    const double end = scout->positions[scout->step_count],
+    const double end = scout->abscissas[scout->step_count],
                  hardest = scout->orbit_resolving_step_size_estimate[scout->hardest_step_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
         const double weight =
             fmax(pow(hardest / scout->orbit_resolving_step_size_estimate[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
-        const double way = fmin(fabs(to_position), fabs(scout->positions[k + 1])) -
-                           fmax(fabs(from_position), fabs(scout->positions[k]));
+        const double way = fmin(fabs(to_abscissa), fabs(scout->abscissas[k + 1])) -
+                           fmax(fabs(from_abscissa), fabs(scout->abscissas[k]));
         sum += fmax(way, 0) * weight;
-        all += fabs(scout->positions[k + 1] - scout->positions[k]) * weight;
+        all += fabs(scout->abscissas[k + 1] - scout->abscissas[k]) * weight;
     }
-    return sum + fmax(fabs(to_position) - fabs(end), 0) * all / fabs(end);
+    return sum + fmax(fabs(to_abscissa) - fabs(end), 0) * all / fabs(end);
 }

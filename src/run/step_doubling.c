@@ -50,7 +50,7 @@ void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *stat
 
 /* Computes the time derivatives q' and p' of full_step_orbit in a rescaled system. There the two orbits are at
  * different times; their distance is corrected by the derivatives times the difference of the times. */
-static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
+static tvi_status compute_rates_of_full_step_orbit(tvi_step_doubling *doubling)
 {
     const size_t n = (size_t)doubling->n;
     if (!doubling->is_rescaled) return TVI_OK;
@@ -60,7 +60,7 @@ static tvi_status compute_rates_of_full_orbit(tvi_step_doubling *doubling)
     return tvi_state_rates_compute(&doubling->rates_evaluator, doubling->rates_input, doubling->rates_output);
 }
 
-static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *orbit, double h)
+static tvi_status make_step_of_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *orbit, double h)
 {
     doubling->tried_step_count++;
     const tvi_status status = tvi_step(orbit->integrator, h, &orbit->t, orbit->q, orbit->p);
@@ -70,10 +70,10 @@ static tvi_status step_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *
 
 tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h)
 {
-    tvi_status status = step_orbit(doubling, &doubling->full_step_orbit, h);
+    tvi_status status = make_step_of_orbit(doubling, &doubling->full_step_orbit, h);
     for (int half = 0; half < 2 && status == TVI_OK; half++)
-        status = step_orbit(doubling, &doubling->half_step_orbit, h / 2);
-    return status == TVI_OK ? compute_rates_of_full_orbit(doubling) : status;
+        status = make_step_of_orbit(doubling, &doubling->half_step_orbit, h / 2);
+    return status == TVI_OK ? compute_rates_of_full_step_orbit(doubling) : status;
 }
 
 /* ---- Distance ---------------------------------------------------------------------------------------------------- */
@@ -105,7 +105,7 @@ static void accumulate_difference(int n, const double state_a[], const double st
 /* The lag of one orbit behind the other is the time d.rate_a / rate_a.rate_a, where d is the difference of the two
  * orbits, and rate_a the time derivative of the first one (orbit_difference). A lag causes the largest distance where
  * the motion is fastest. */
-double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
+double tvi_step_doubling_measure_orbit_distance(tvi_step_doubling *doubling)
 {
     const tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     const double lag = a->t - b->t;
@@ -120,17 +120,17 @@ double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling)
                    : d.largest_difference;
 }
 
-tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state, double h,
-                                                double shift, double *distance)
+tvi_status tvi_step_doubling_measure_shift_effect(tvi_step_doubling *doubling, const double *state, double h,
+                                                  double time_shift, double *distance)
 {
     tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     *distance = 0;
     tvi_step_doubling_set_state(doubling, state);
-    b->t += shift;
-    if (step_orbit(doubling, a, h) == TVI_OK && step_orbit(doubling, b, h) == TVI_OK &&
-        compute_rates_of_full_orbit(doubling) == TVI_OK) {
-        b->t -= shift;
-        *distance = tvi_step_doubling_measure_distance(doubling);
+    b->t += time_shift;
+    if (make_step_of_orbit(doubling, a, h) == TVI_OK && make_step_of_orbit(doubling, b, h) == TVI_OK &&
+        compute_rates_of_full_step_orbit(doubling) == TVI_OK) {
+        b->t -= time_shift;
+        *distance = tvi_step_doubling_measure_orbit_distance(doubling);
     }
     return doubling->has_exhausted_memory ? TVI_ENOMEM : TVI_OK;
 }
@@ -153,59 +153,60 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
     tvi_integrator_reset(b->integrator);
 }
 
-/* Integrates the companion beside the scout's orbit, from the position with this index on. Sets distances[k] to the
- * distance of both orbits at position k, and returns the index of the last position that the companion has reached. */
-static int follow_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_position_index,
-                                  double distances[])
+/* Integrates the companion beside the scout's orbit, from state number first_state_index of the scout on. Sets
+ * distances[k] to the distance of both orbits at state k, and returns the index of the last state that the companion
+ * has reached. */
+static int integrate_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_state_index,
+                                     double distances[])
 {
-    place_companion_orbit(doubling, tvi_scout_state(scout, first_position_index));
-    for (int k = first_position_index; true; k++) {
+    place_companion_orbit(doubling, tvi_scout_state(scout, first_state_index));
+    for (int k = first_state_index; true; k++) {
         tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, tvi_scout_state(scout, k));
-        if (compute_rates_of_full_orbit(doubling) != TVI_OK) return k - 1;
-        (void)tvi_step_doubling_measure_distance(doubling);
+        if (compute_rates_of_full_step_orbit(doubling) != TVI_OK) return k - 1;
+        (void)tvi_step_doubling_measure_orbit_distance(doubling);
         distances[k] = doubling->orbit_distance;
         /* A rescaled system has a momentum e, which is -H at the start of a run. After the reset the next step computes
          * e anew from its own start, as each step of the scout does. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
-        if (k == scout->step_count ||
-            step_orbit(doubling, &doubling->half_step_orbit, scout->positions[k + 1] - scout->positions[k]) != TVI_OK)
+        if (k == scout->step_count || make_step_of_orbit(doubling, &doubling->half_step_orbit,
+                                                         scout->abscissas[k + 1] - scout->abscissas[k]) != TVI_OK)
             return k;
     }
 }
 
-/* Returns the largest distance in the second half of the way between two positions, divided by that in the first
- * half. */
-static double ratio_of_distances_in_halves(const tvi_orbit_scout *scout, int first_position_index,
-                                           int last_position_index, const double distances[])
+/* Returns the largest distance in the second half of the way between two states of the scout, divided by the largest
+ * distance in the first half. */
+static double distance_ratio_of_second_to_first_half(const tvi_orbit_scout *scout, int first_state_index,
+                                                     int last_state_index, const double distances[])
 {
-    const double middle = (scout->positions[first_position_index] + scout->positions[last_position_index]) / 2;
+    const double middle = (scout->abscissas[first_state_index] + scout->abscissas[last_state_index]) / 2;
     double most[] = {0, 0};
-    for (int k = first_position_index; k <= last_position_index; k++) {
-        const bool is_later = fabs(scout->positions[k]) > fabs(middle);
+    for (int k = first_state_index; k <= last_state_index; k++) {
+        const bool is_later = fabs(scout->abscissas[k]) > fabs(middle);
         most[is_later] = fmax(most[is_later], distances[k]);
     }
     return most[1] / most[0];
 }
 
-double tvi_step_doubling_measure_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
-                                             double start_position, double end_position, double *growth_ratio)
+double tvi_explored_to_trial_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                         double start_abscissa, double end_abscissa, double *companion_growth_ratio)
 {
     int first = 0;
     double distances[SCOUT_MAX_STEPS + 1], sum = 0;
-    while (scout->positions[first] != start_position) first++;
+    while (scout->abscissas[first] != start_abscissa) first++;
     do first++;
     while (first < scout->step_count &&
-           fabs(scout->positions[first + 1] - end_position) < fabs(scout->positions[first] - end_position));
+           fabs(scout->abscissas[first + 1] - end_abscissa) < fabs(scout->abscissas[first] - end_abscissa));
     const int last = first < scout->step_count && doubling->orbit_distance > 0
-                         ? follow_companion_orbit(doubling, scout, first, distances)
+                         ? integrate_companion_orbit(doubling, scout, first, distances)
                          : first;
     if (last <= first) return 0;
     for (int k = 1; k <= last; k++) {
         const int at = k > first ? k : first;
         const double before = at > first ? distances[at - 1] : 0, after = at < last ? distances[at + 1] : 0;
-        sum += tvi_scout_weighted_length(scout, scout->positions[k - 1], scout->positions[k]) * distances[last] /
+        sum += tvi_scout_error_weighted_length(scout, scout->abscissas[k - 1], scout->abscissas[k]) * distances[last] /
                fmax(distances[at], fmax(before, after));
     }
-    *growth_ratio = ratio_of_distances_in_halves(scout, first, last, distances);
-    return sum / tvi_scout_weighted_length(scout, start_position, end_position);
+    *companion_growth_ratio = distance_ratio_of_second_to_first_half(scout, first, last, distances);
+    return sum / tvi_scout_error_weighted_length(scout, start_abscissa, end_abscissa);
 }

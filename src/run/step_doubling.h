@@ -35,24 +35,24 @@ void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *stat
 TVI_NODISCARD tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h);
 
 /* Measures how a shift of the time changes a step: makes a step of size h from the state, and one from the same q and p
- * at the time t + shift. *distance is the distance between the ends of the two steps; it is 0 if a step fails. Returns
- * TVI_ENOMEM or TVI_OK. */
-TVI_NODISCARD tvi_status tvi_step_doubling_measure_time_shift(tvi_step_doubling *doubling, const double *state,
-                                                              double h, double shift, double *distance);
+ * at the time t + time_shift. *distance is the distance between the ends of the two steps; it is 0 if a step fails.
+ * Returns TVI_ENOMEM or TVI_OK. */
+TVI_NODISCARD tvi_status tvi_step_doubling_measure_shift_effect(tvi_step_doubling *doubling, const double *state,
+                                                                double h, double time_shift, double *distance);
 
 /* Measures orbit_distance, the largest difference of a component of q or p between the orbits, divided by largest_q or
  * largest_p. In a rescaled system one orbit may lag behind the other, which causes a large distance only where the
  * motion is fast. Returns the distance, or the distance that the present lag would cause where the motion is fastest,
  * if that is larger. */
-double tvi_step_doubling_measure_distance(tvi_step_doubling *doubling);
+double tvi_step_doubling_measure_orbit_distance(tvi_step_doubling *doubling);
 
-/* Returns the error of the part of the run that the scout has explored, divided by the error of a trial between the
- * positions start_position and end_position. The error of the explored part is a sum over the scout's steps: the error
- * that a step adds, times the growth of this error to the end. The growth is measured by a companion, an orbit that
- * starts near the scout's orbit at the end of the trial, displaced in the direction of the trial's error.
- * start_position must be one of the scout's positions. The result is 0 if no companion could be followed. *growth_ratio
- * is the largest distance of the companion in the second half of its way divided by that in the first half. */
-double tvi_step_doubling_measure_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
-                                             double start_position, double end_position, double *growth_ratio);
+/* Returns the error of the part of the run that the scout has explored, divided by the error of a trial between two
+ * abscissas (tvi_orbit_scout). The error of the explored part is a sum over the scout's steps: the error that a step
+ * adds, times the growth of this error to the end. The growth is measured by a companion, an orbit that starts near the
+ * scout's orbit at the end of the trial, displaced in the direction of the trial's error. start_abscissa must be one of
+ * the scout's abscissas. The result is 0 if no companion could be integrated. *companion_growth_ratio is the largest
+ * distance of the companion in the second half of its way divided by that in the first half. */
+double tvi_explored_to_trial_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                         double start_abscissa, double end_abscissa, double *companion_growth_ratio);
 
 #endif

@@ -1,21 +1,21 @@
 /* suggest.c - Suggests the step size with which a run ends with the error that the user wants (tvi_suggest_step).
  *
- * The scout (scout.h) explores the orbit with few large steps. It finds the hardest position, where the orbit
- * needs the smallest steps, and the resolving step size there, whose steps have a given small tail (tvi_stats.tail).
- * A trial (trial.h) integrates a part of the run, with the hardest position if possible, and estimates the error of
- * a run with its step size h. The estimate for another step size h' is (h'/h)^order times as large. Trials are made
- * until an estimate is near the error that is aimed at, or until their budget of steps is used up. A trial of the
- * whole run measures the error itself, and no other step size is extrapolated from it.
+ * The scout (scout.h) explores the orbit with few large steps. It finds the hardest step, where the orbit needs the
+ * smallest steps, and the resolving step size there, with which a step has a given small tail (tvi_stats.tail). A trial
+ * (trial.h) integrates a part of the run, with the hardest step if possible, and estimates the error of a run with its
+ * step size h. The estimate for another step size h' is (h'/h)^order times as large. Trials are made until an estimate
+ * is near the error that is aimed at, or until their budget of steps is used up. A trial of the whole run measures the
+ * error itself, and no other step size is extrapolated from it.
  *
- * If the scout has explored most of the run, a companion orbit (step_doubling.h) measures how the error grows over
- * that part, since an unstable orbit makes the error much larger. Only the rest of the run is extrapolated. Errors
- * usually grow as t^a with the time t. If the growth in the second half of the explored part exceeds 2^a, this
- * excess is applied again for each further half of that length.
+ * If the scout has explored most of the run, a companion orbit (step_doubling.h) measures how the error grows over that
+ * part, since an unstable orbit makes the error much larger. Only the rest of the run is extrapolated. Errors usually
+ * grow as t^a with the time t. If the growth in the second half of the explored part exceeds 2^a, this excess is
+ * applied again for each further half of that length.
  *
  * Each passage of a pericentre adds an error that depends on where in the passage the steps lie. A trial sees one
  * sample of these errors. The samples differ more on orbits that need more different step sizes. Therefore the
- * suggested step size is divided by 1 + a multiple of log(r), with r the ratio of the largest to the smallest
- * resolving step size. */
+ * suggested step size is divided by 1 + a multiple of log(r), with r the ratio of the largest to the smallest resolving
+ * step size. */
 #include "run/suggest.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"
@@ -41,7 +41,7 @@ typedef struct {
      * (SUGGEST_MAX_ERROR), and the shortest one with which a trial had a larger error; 0 if there is none. */
     double longest_good_step_size, shortest_bad_step_size;
     double error_of_longest_good_step_size; /* the error of the trial with longest_good_step_size */
-    /* True if the suggestion rests on a trial that has passed the hardest position with an estimate near the aim. */
+    /* True if the suggestion rests on a trial that has passed the hardest step with an estimate near the aim. */
     bool is_suggestion_reliable;
 } suggestion_search;
 
@@ -53,7 +53,7 @@ static double step_size_factor_after_failure(const suggestion_search *search)
 }
 
 /* Returns the step size of the next trial divided by the step size of the given trial. */
-static double next_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
+static double next_trial_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (trial->status != TVI_OK) return step_size_factor_after_failure(search);
     const double wrong = fmin(trial->estimated_error / search->trials.aimed_error, 1 / SUGGEST_MIN_AIM_PER_ERROR);
@@ -64,7 +64,7 @@ static double next_step_size_factor(const suggestion_search *search, const tvi_s
 /* Returns the suggested step size divided by the step size of the given trial, if no other trial follows. */
 static double final_step_size_factor(const suggestion_search *search, const tvi_step_size_trial *trial)
 {
-    return fmin(next_step_size_factor(search, trial), pow(TRIAL_ERROR_BAND, 1.0 / search->order));
+    return fmin(next_trial_step_size_factor(search, trial), pow(TRIAL_ERROR_BAND, 1.0 / search->order));
 }
 
 /* Records a trial whose error is above the aim although the distance of its orbits is so small that it may be
@@ -101,10 +101,10 @@ static void update_step_size_bracket(suggestion_search *search, const tvi_step_s
             tvi_smaller_magnitude(search->longest_allowed_step_size, SUGGEST_FAILED_FACTOR * trial->h);
 }
 
-/* Tells whether a trial of the whole run may find a longer step size than longest_good_step_size. *h is the step
- * size to try; if it does not lie between longest_good_step_size and shortest_bad_step_size, it is replaced by a
- * value between them. */
-static bool may_find_longer_step(const suggestion_search *search, double *h)
+/* Tells whether a trial of the whole run may find a longer step size than longest_good_step_size, and whether the
+ * budget of steps allows the trial. *h is the step size to try; if it does not lie between longest_good_step_size and
+ * shortest_bad_step_size, it is replaced by a value between them. */
+static bool may_trial_find_longer_step(const suggestion_search *search, double *h)
 {
     const bool has_worst = search->shortest_bad_step_size != 0;
     if (has_worst &&
@@ -115,9 +115,8 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
                           fabs(search->longest_good_step_size) >= fabs(search->longest_allowed_step_size) ||
                           (has_worst && fabs(search->shortest_bad_step_size) <
                                             SUGGEST_LONGER_FACTOR * fabs(search->longest_good_step_size));
-    return !is_found &&
-           tvi_trials_have_budget_for_steps(
-               &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.sum_of_step_sizes_to_run_end / *h)));
+    return !is_found && tvi_trials_have_budget_for_steps(
+                            &search->trials, TVI_STEPS_OF_TRIAL * ceil(fabs(search->trials.run_end_abscissa / *h)));
 }
 
 /* Tells whether the suggestion should follow this trial: the trial covers about as much of the run as the longest
@@ -126,44 +125,45 @@ static bool may_find_longer_step(const suggestion_search *search, double *h)
 static bool is_trial_informative(const suggestion_search *search, const tvi_step_size_trial *trial, bool *is_near_aim)
 {
     const tvi_trials *trials = &search->trials;
-    *is_near_aim = trial->has_passed_hardest_position && !trial->covers_whole_run &&
-                   !tvi_trial_error_is_far_above_aim(trials, trial);
-    const bool is_long = trial->has_passed_hardest_position &&
-                         trial->covered_error_part >= TRIAL_EQUAL_LENGTH * trials->largest_covered_error_part;
+    *is_near_aim =
+        trial->has_passed_hardest_step && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
+    const bool is_long = trial->has_passed_hardest_step &&
+                         trial->error_share_of_trial >= TRIAL_EQUAL_LENGTH * trials->largest_error_share_of_trial;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
 }
 
-/* Updates the suggestion after a trial. Returns true if another trial shall follow, with the step size *h. */
-static bool update_suggestion_from_trial(suggestion_search *search, const tvi_step_size_trial *trial, double *h,
-                                         tvi_step_suggestion *suggestion)
+/* Updates the suggestion after a trial. Returns true if another trial is to follow, and sets *h to the step size of
+ * that trial. */
+static bool update_suggestion_and_plan_next_trial(suggestion_search *search, const tvi_step_size_trial *trial,
+                                                  double *h, tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
     const bool failed = trial->estimated_error == INFINITY, is_low = tvi_trial_error_is_far_below_aim(trials, trial),
                is_high = tvi_trial_error_is_far_above_aim(trials, trial);
     bool is_near_aim;
     const bool is_new = is_trial_informative(search, trial, &is_near_aim);
-    const double factor = is_new ? next_step_size_factor(search, trial) : 1;
+    const double factor = is_new ? next_trial_step_size_factor(search, trial) : 1;
     if (is_new)
         suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_suggestion_reliable = is_near_aim;
     else if (!search->is_suggestion_reliable)
         suggestion->h = suggestion->h == 0 ? trial->h : tvi_smaller_magnitude(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_suggestion_reliable))
-        suggestion->tried_step_size = trial->h, suggestion->covered_error_part = trial->covered_error_part,
+        suggestion->trial_step_size = trial->h, suggestion->error_share_of_trial = trial->error_share_of_trial,
         suggestion->estimated_error = trial->estimated_error;
     if (!failed)
         suggestion->explored_duration_part = fmax(suggestion->explored_duration_part, trial->duration_part_at_end),
-        trials->largest_covered_error_part = fmax(trials->largest_covered_error_part, trial->covered_error_part);
+        trials->largest_error_share_of_trial = fmax(trials->largest_error_share_of_trial, trial->error_share_of_trial);
     detect_roundoff_error(search, trial);
     update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
     if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_step_count = 0;
     *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step_size);
     trials->run_length_in_steps *= trial->h / *h;
-    if (search->longest_good_step_size != 0) return may_find_longer_step(search, h);
+    if (search->longest_good_step_size != 0) return may_trial_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
     return !is_last && tvi_trials_have_budget_for_trial_step(trials) &&
-           (!search->is_suggestion_reliable || tvi_trials_have_budget_to_pass_hardest_position(trials, *h)) &&
+           (!search->is_suggestion_reliable || tvi_trials_can_afford_to_pass_hardest_step(trials, *h)) &&
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
@@ -173,13 +173,13 @@ static void correct_error_by_companion_growth(suggestion_search *search, tvi_ste
                                               tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
-    if (trials->reserved_step_count == 0 || suggestion->tried_step_size != trial->h ||
+    if (trials->reserved_step_count == 0 || suggestion->trial_step_size != trial->h ||
         trial->estimated_error == INFINITY)
         return;
     double growth;
     const double trial_distance = trials->step_doubling.orbit_distance, part = trials->scout.explored_duration_part;
-    const double error_ratio = tvi_step_doubling_measure_error_ratio(
-        &trials->step_doubling, &trials->scout, trials->start_position, trial->end_position, &growth);
+    const double error_ratio = tvi_explored_to_trial_error_ratio(&trials->step_doubling, &trials->scout,
+                                                                 trials->start_abscissa, trial->end_abscissa, &growth);
     if (error_ratio == 0) return;
     /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
      * halves in the unexplored rest. */
@@ -191,20 +191,20 @@ static void correct_error_by_companion_growth(suggestion_search *search, tvi_ste
 
 /* ---- Before and after the trials --------------------------------------------------------------------------------- */
 
-/* Sets the positions, lengths and scales of the trials from the results of the scout. Returns the step size of the
- * first trial. */
-static double prepare_trials_from_scout(suggestion_search *search)
+/* Sets the numbers that all trials share (tvi_trials) from the results of the scout. Returns the step size of the first
+ * trial. */
+static double prepare_trials_and_choose_first_step(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
     const double scale = s->orbit_resolving_step_size_estimate[s->hardest_step_index],
-                 end = s->positions[s->step_count];
+                 end = s->abscissas[s->step_count];
     const double resolved_error =
         SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->curve_degree);
     trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
-    trials->sum_of_step_sizes_to_run_end = end / s->explored_duration_part;
-    trials->run_weighted_length = tvi_scout_weighted_length(s, 0, end) / s->explored_duration_part;
+    trials->run_end_abscissa = end / s->explored_duration_part;
+    trials->run_error_weighted_length = tvi_scout_error_weighted_length(s, 0, end) / s->explored_duration_part;
     search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, trials->duration);
@@ -212,7 +212,7 @@ static double prepare_trials_from_scout(suggestion_search *search)
     const double h =
         tvi_smaller_magnitude(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
                               search->longest_allowed_step_size);
-    trials->run_length_in_steps = fabs(trials->sum_of_step_sizes_to_run_end / h);
+    trials->run_length_in_steps = fabs(trials->run_end_abscissa / h);
     return h;
 }
 
@@ -225,16 +225,16 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
     const tvi_orbit_scout *s = &trials->scout;
     const double *const state = tvi_scout_state(s, s->hardest_step_index), *const next = state + 2 * s->n + 1;
     const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
-                 h = s->positions[s->hardest_step_index + 1] - s->positions[s->hardest_step_index];
+                 h = s->abscissas[s->hardest_step_index + 1] - s->abscissas[s->hardest_step_index];
     const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
                  ulp = DBL_EPSILON * last;
-    const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->sum_of_step_sizes_to_run_end / h), 1)),
+    const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->run_end_abscissa / h), 1)),
                  shift = fmax(SUGGEST_TIME_SHIFT * dt, SUGGEST_TIME_SHIFT_UNITS * ulp);
     double apart;
     if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
         often * ulp < SUGGEST_TIME_DOUBT * search->wanted_error * dt)
         return TVI_OK;
-    const tvi_status status = tvi_step_doubling_measure_time_shift(&trials->step_doubling, state, h, shift, &apart);
+    const tvi_status status = tvi_step_doubling_measure_shift_effect(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
     const double time_roundoff_error = often * apart / shift * ulp / 2;
     if (time_roundoff_error > search->wanted_error)
@@ -263,8 +263,8 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
     suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
                     factor_for_spread_of_step_sizes(search);
     if (search->longest_good_step_size != 0)
-        suggestion->h = suggestion->tried_step_size = search->longest_good_step_size,
-        suggestion->covered_error_part = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
+        suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,
+        suggestion->error_share_of_trial = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
     if (suggestion->explored_duration_part > 1 - TRIAL_END) suggestion->explored_duration_part = 1;
 }
 
@@ -275,13 +275,13 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     tvi_status status =
         tvi_scout_explore_orbit(&trials->scout, &trials->step_doubling.full_step_orbit, trials->duration);
     if (status != TVI_OK) return status;
-    double h = prepare_trials_from_scout(search);
+    double h = prepare_trials_and_choose_first_step(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
     suggestion->explored_duration_part =
         trials->scout.is_degree_too_low_for_tail ? 0 : trials->scout.explored_duration_part;
     do trial = tvi_make_step_size_trial(trials, h);
-    while (trial.status != TVI_ENOMEM && update_suggestion_from_trial(search, &trial, &h, suggestion));
+    while (trial.status != TVI_ENOMEM && update_suggestion_and_plan_next_trial(search, &trial, &h, suggestion));
     correct_error_by_companion_growth(search, &trial, suggestion);
     suggestion->step_count = trials->step_doubling.tried_step_count;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
@@ -290,7 +290,7 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
         return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run",
                           search->wanted_error, search->roundoff_error);
     complete_suggestion(search, suggestion);
-    if (suggestion->tried_step_size != 0) return TVI_OK;
+    if (suggestion->trial_step_size != 0) return TVI_OK;
     return trial.status != TVI_OK ? trial.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
 }
 

@@ -1,12 +1,12 @@
 /* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it.
  *
- * Two orbits with steps h and h/2 start at the start of the run, or at its hardest position if the trial could not
- * reach that position from the start. Their distance e, relative to the largest coordinate and the largest momentum, is
+ * Two orbits with steps h and h/2 start at the start of the run, or near its hardest step (scout.h) if the trial could
+ * not reach that step from the start. Their distance e, relative to the largest coordinate and the largest momentum, is
  * the error of the first orbit up to a part 2^-order (step_doubling.h). If the trial covers the part x of the run's
- * error (tvi_scout_weighted_length), the estimate at the end of the run is e x^-a, where errors grow as t^a with the
- * time t. The error of a symplectic method on a regular orbit grows linearly, a = 1, and that of another method at most
- * quadratically. a = 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors may
- * decay; there a is measured, and is at most 5/4.
+ * error (tvi_scout_error_weighted_length), the estimate at the end of the run is e x^-a, where errors grow as t^a with
+ * the time t. The error of a symplectic method on a regular orbit grows linearly, a = 1, and that of another method at
+ * most quadratically. a = 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors
+ * may decay; there a is measured, and is at most 5/4.
  *
  * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
 #include "run/trial.h"
@@ -28,34 +28,35 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
             tvi_clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), TRIAL_GROWTH_EXPONENT);
     trial->estimated_error = distance < TRIAL_MAX_DISTANCE
                                  ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
-                                       pow(trial->covered_error_part, -trials->error_growth_exponent)
+                                       pow(trial->error_share_of_trial, -trials->error_growth_exponent)
                                  : INFINITY;
 }
 
-/* Returns the position one resolving step after the hardest position, or the end of the run if the run ends before. */
-static double position_after_hardest_step(const tvi_trials *trials)
+/* Returns the abscissa one resolving step size after the start of the hardest step, or that of the end of the run if
+ * the run ends before. */
+static double abscissa_after_hardest_step(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_smaller_magnitude(s->positions[s->hardest_step_index] +
+    return tvi_smaller_magnitude(s->abscissas[s->hardest_step_index] +
                                      s->orbit_resolving_step_size_estimate[s->hardest_step_index],
-                                 trials->sum_of_step_sizes_to_run_end);
+                                 trials->run_end_abscissa);
 }
 
 /* Tells whether the trial can be ended after step number step_number: its estimate is far above the aim, or far below
- * it although the trial has passed the hardest position. */
-static bool is_trial_finished(const tvi_trials *trials, const tvi_step_size_trial *trial, long step_number)
+ * the aim although the trial has passed the hardest step. */
+static bool can_trial_be_ended(const tvi_trials *trials, const tvi_step_size_trial *trial, long step_number)
 {
     const bool is_early =
         step_number < TRIAL_MIN_STEPS &&
         fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) < TRIAL_ERROR_BAND * trials->aimed_error;
     if (trial->estimated_error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early))
         return true;
-    return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_position &&
-           is_power_of_two(step_number) && trial->covered_error_part > trials->largest_covered_error_part;
+    return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_step &&
+           is_power_of_two(step_number) && trial->error_share_of_trial > trials->largest_error_share_of_trial;
 }
 
-/* Makes step number step_number of the trial, and updates the trial. Returns true if the trial goes on. */
-static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long step_number)
+/* Makes step number step_number of the trial, and updates the trial. Returns true if the trial needs further steps. */
+static bool make_step_and_tell_if_trial_goes_on(tvi_trials *trials, tvi_step_size_trial *trial, long step_number)
 {
     const tvi_integrated_orbit *whole = &trials->step_doubling.full_step_orbit;
     trial->status = tvi_step_doubling_make_step(
@@ -66,47 +67,47 @@ static bool make_trial_step(tvi_trials *trials, tvi_step_size_trial *trial, long
     trial->estimated_error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
-    trials->run_length_in_steps = fabs(trials->sum_of_step_sizes_to_run_end / trial->h);
-    trial->end_position = trials->start_position + (double)step_number * trial->h;
+    trials->run_length_in_steps = fabs(trials->run_end_abscissa / trial->h);
+    trial->end_abscissa = trials->start_abscissa + (double)step_number * trial->h;
     trial->duration_part_at_end = (whole->t - trials->start_time) / trials->duration;
-    trial->covered_error_part =
-        fmin(tvi_scout_weighted_length(&trials->scout, trials->start_position, trial->end_position) /
-                 trials->run_weighted_length,
+    trial->error_share_of_trial =
+        fmin(tvi_scout_error_weighted_length(&trials->scout, trials->start_abscissa, trial->end_abscissa) /
+                 trials->run_error_weighted_length,
              1);
-    trial->has_passed_hardest_position = fabs(trial->end_position) >= fabs(position_after_hardest_step(trials));
-    update_error_estimate(trials, trial, step_number, tvi_step_doubling_measure_distance(&trials->step_doubling));
+    trial->has_passed_hardest_step = fabs(trial->end_abscissa) >= fabs(abscissa_after_hardest_step(trials));
+    update_error_estimate(trials, trial, step_number, tvi_step_doubling_measure_orbit_distance(&trials->step_doubling));
     const bool is_at_end = trial->duration_part_at_end >= 1 - TRIAL_END;
-    trial->covers_whole_run = is_at_end && trials->start_position == 0;
-    trial->is_finished = is_at_end || is_trial_finished(trials, trial, step_number);
+    trial->covers_whole_run = is_at_end && trials->start_abscissa == 0;
+    trial->is_finished = is_at_end || can_trial_be_ended(trials, trial, step_number);
     return !trial->is_finished;
 }
 
 /* Lets the trial use the steps that are reserved for the companion, if the trial has covered much less of the run's
  * error than an earlier trial. Returns true if the trial can go on with these steps. */
-static bool release_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
+static bool can_go_on_with_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
     const bool takes = trials->reserved_step_count > 0 &&
-                       trial->covered_error_part < TRIAL_EQUAL_LENGTH * trials->largest_covered_error_part;
+                       trial->error_share_of_trial < TRIAL_EQUAL_LENGTH * trials->largest_error_share_of_trial;
     if (takes) trials->reserved_step_count = 0;
     return takes && tvi_trials_have_budget_for_trial_step(trials);
 }
 
-/* Chooses the position at which the trial begins: the start of the run, or the hardest position if the trial could not
- * pass the hardest position from the start. From the hardest position the start then moves back, by steps of the scout,
- * as long as the budget suffices from there to the end of the run, and the way to the hardest position takes at most
- * the part TRIAL_MAX_HARDEST_PART of it. */
+/* Chooses the state at which the trial begins: the start of the run, or the start of the hardest step if the trial
+ * could not pass the hardest step from the start of the run. From the hardest step the start of the trial moves back by
+ * steps of the scout, as long as the budget of steps suffices from there to the end of the run, and the hardest step is
+ * passed within the part TRIAL_MAX_HARDEST_PART of the budget. */
 static void choose_start_of_trial(tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double end = position_after_hardest_step(trials),
+    const double end = abscissa_after_hardest_step(trials),
                  steps = (tvi_trials_step_budget(trials) - (double)trials->step_doubling.tried_step_count) /
                          TVI_STEPS_OF_TRIAL;
     const double early = TRIAL_MAX_HARDEST_PART * steps * fabs(h);
     int first = fabs(end) > early ? s->hardest_step_index : 0;
-    while (first > 0 && fabs(trials->sum_of_step_sizes_to_run_end - s->positions[first]) < steps * fabs(h) &&
-           fabs(end - s->positions[first - 1]) <= early)
+    while (first > 0 && fabs(trials->run_end_abscissa - s->abscissas[first]) < steps * fabs(h) &&
+           fabs(end - s->abscissas[first - 1]) <= early)
         first--;
-    trials->start_position = s->positions[first];
+    trials->start_abscissa = s->abscissas[first];
     trials->start_state = tvi_scout_state(s, first);
     trials->reserved_step_count =
         s->explored_duration_part >= TRIAL_COMPANION_MIN_EXPLORED ? s->step_count - first - 1 : 0;
@@ -118,17 +119,17 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
     choose_start_of_trial(trials, h);
     tvi_step_doubling_set_state(&trials->step_doubling, trials->start_state);
     for (long step_number = 1;
-         (tvi_trials_have_budget_for_trial_step(trials) || release_reserved_steps(trials, &trial)) &&
-         make_trial_step(trials, &trial, step_number);
+         (tvi_trials_have_budget_for_trial_step(trials) || can_go_on_with_reserved_steps(trials, &trial)) &&
+         make_step_and_tell_if_trial_goes_on(trials, &trial, step_number);
          step_number++)
         continue;
     return trial;
 }
 
-bool tvi_trials_have_budget_to_pass_hardest_position(const tvi_trials *trials, double h)
+bool tvi_trials_can_afford_to_pass_hardest_step(const tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way = tvi_smaller_magnitude(position_after_hardest_step(trials),
+    const double way = tvi_smaller_magnitude(abscissa_after_hardest_step(trials),
                                              s->orbit_resolving_step_size_estimate[s->hardest_step_index]);
     return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

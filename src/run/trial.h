@@ -23,31 +23,31 @@ typedef struct {
     double largest_roundoff_distance;
     tvi_step_doubling step_doubling;
     tvi_orbit_scout scout;
-    /* The sum of the step sizes from the start of the run to its end, which is the position (tvi_orbit_scout) at the
-     * end; and tvi_scout_weighted_length of the whole run. */
-    double sum_of_step_sizes_to_run_end, run_weighted_length;
-    double start_position;             /* the position (tvi_orbit_scout) at which the last trial began */
-    const double *start_state;         /* [2n + 1] q, p and t at start_position */
-    long reserved_step_count;          /* steps of the budget that are kept for the companion orbit (step_doubling.h) */
-    double run_length_in_steps;        /* sum_of_step_sizes_to_run_end divided by the current step size */
-    double largest_covered_error_part; /* the largest share of the expected error that the stretch of one trial has */
+    /* The abscissa (tvi_orbit_scout) of the end of the run, which is the sum of all step sizes of the run; and
+     * tvi_scout_error_weighted_length of the whole run. */
+    double run_end_abscissa, run_error_weighted_length;
+    double start_abscissa;      /* the abscissa (tvi_orbit_scout) at which the last trial began */
+    const double *start_state;  /* [2n + 1] q, p and t at start_abscissa */
+    long reserved_step_count;   /* steps of the budget that are kept for the companion orbit (step_doubling.h) */
+    double run_length_in_steps; /* run_end_abscissa divided by the current step size */
+    double largest_error_share_of_trial; /* the largest error_share_of_trial of the trials so far */
 } tvi_trials;
 
 /* A trial of one step size, and the error that it estimates. */
 typedef struct {
-    /* The step size; and the share, 0 to 1, of the run's expected error that arises in the stretch of the orbit that
-     * the trial has integrated (tvi_scout_weighted_length). */
-    double h, covered_error_part;
-    /* The position at which the trial ends: the sum of the step sizes from the start of the run (tvi_orbit_scout). */
-    double end_position;
+    /* The step size; and the share, 0 to 1, of the run's expected error that arises in the part of the orbit that the
+     * trial has integrated (tvi_scout_error_weighted_length). */
+    double h, error_share_of_trial;
+    /* The abscissa at which the trial ends: the sum of the step sizes from the start of the run (tvi_orbit_scout). */
+    double end_abscissa;
     double duration_part_at_end; /* the part of the run's duration up to the end of the trial, 0 to 1 */
-    /* The largest distance of the two orbits (step_doubling.h) in the last group of steps 2^i + 1 ... 2^(i+1), and
-     * in the group before. */
+    /* The steps of a trial form groups, of which group i has the steps 2^i + 1 to 2^(i+1). The largest distance of the
+     * two orbits (step_doubling.h) in the last group, and that in the group before. */
     double recent_orbit_distance, previous_orbit_distance;
     /* The estimated error at the end of the run. It is INFINITY if a step has failed, or if the distance of the
      * orbits is too large for an extrapolation. */
     double estimated_error;
-    bool has_passed_hardest_position;   /* true if the trial has passed the scout's hardest position */
+    bool has_passed_hardest_step;       /* true if the trial has passed the scout's hardest step */
     bool is_finished, covers_whole_run; /* true if the trial has ended; true if it went through the whole run */
     tvi_status status;                  /* the status of the last step of the trial */
 } tvi_step_size_trial;
@@ -60,7 +60,7 @@ static inline double tvi_trials_step_budget(const tvi_trials *trials)
 {
     return fmin(fmax(TRIALS_MIN_STEPS, TRIALS_PART_OF_RUN * trials->run_length_in_steps), TRIALS_MAX_STEPS);
 }
-/* Tells whether the budget allows this number of further steps. */
+/* Tells whether the budget of steps allows `steps` further steps of the integrator. */
 static inline bool tvi_trials_have_budget_for_steps(const tvi_trials *trials, double steps)
 {
     return (double)trials->step_doubling.tried_step_count + steps <= tvi_trials_step_budget(trials);
@@ -70,8 +70,8 @@ static inline bool tvi_trials_have_budget_for_trial_step(const tvi_trials *trial
 {
     return tvi_trials_have_budget_for_steps(trials, (double)(trials->reserved_step_count + TVI_STEPS_OF_TRIAL));
 }
-/* Tells whether the budget allows a trial with steps of size h that passes the hardest position. */
-bool tvi_trials_have_budget_to_pass_hardest_position(const tvi_trials *trials, double h);
+/* Tells whether the budget of steps allows a trial with steps of size h that passes the hardest step. */
+bool tvi_trials_can_afford_to_pass_hardest_step(const tvi_trials *trials, double h);
 
 /* Tells whether the trial's estimate is above the given error, and not only by roundoff. */
 static inline bool tvi_trial_error_is_above(const tvi_trials *trials, const tvi_step_size_trial *trial, double error)
