@@ -1,12 +1,12 @@
 /* dense.c - Evaluates the curve of the last step (tvi_dense) at one point of the step, or at all points where the
- * search for events samples it. theta = 0 ... 1 is the position in the step. */
+ * search for events samples it. theta is the part of the step, from 0 at its start to 1 at its end. */
 #include "run/integrator.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <string.h>
 
-tvi_status tvi_compute_dense_state(tvi_integrator *it, double theta, double *t, double q[], double p[])
+tvi_status tvi_evaluate_dense_output(tvi_integrator *it, double theta, double *t, double q[], double p[])
 {
     const int n = it->system->n;
     if (theta == 1) { /* The state at the end of the step is known more accurately than the curve. */
@@ -33,16 +33,16 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     if (!it || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, &t, q, p, 1}, "");
     if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
     if (!it->has_dense_output) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
-    return tvi_compute_dense_state(it, theta, &t, q, p);
+    return tvi_evaluate_dense_output(it, theta, &t, q, p);
 }
 
 /* ---- Samples ----------------------------------------------------------------------------------------------------- */
 
 const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
-/* Computes the states at all sample points by one call of the stepper's `dense` for each, if the stepper has no
- * function that computes all of them at once. */
-static void sample_dense_output_one_by_one(tvi_integrator *it, double *q, double *p, double *t)
+/* Computes the states at all sample points by one call of the stepper's `interpolate` for each point. Steppers without
+ * the function `sample` need this. */
+static void interpolate_at_all_sample_points(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
@@ -64,7 +64,7 @@ void tvi_sample_dense_output(tvi_integrator *it, const tvi_component_range used_
         it->stepper->sample(it->work, used_components, it->start.q, it->start.p, q, p);
         for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_theta[k] * it->h);
     } else {
-        sample_dense_output_one_by_one(it, q, p, t);
+        interpolate_at_all_sample_points(it, q, p, t);
     }
     for (int i = used_components[0].first; i < used_components[0].end; i++) q[i * TVI_SAMPLES + end] = it->state.q[i];
     for (int i = used_components[1].first; i < used_components[1].end; i++) p[i * TVI_SAMPLES + end] = it->state.p[i];

@@ -73,8 +73,8 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     if (threads < 0) return jet_refuse(TVI_EINVAL, "threads = %d is negative", threads);
     tvi_ensemble *ensemble = calloc(1, sizeof *ensemble);
     if (!ensemble) return jet_explain_out_of_memory(TVI_ENOMEM);
-    const int wanted = threads > 0 ? threads : tvi_parallel_thread_count();
-    if (!tvi_parallel_can_start(wanted < members ? wanted : members)) {
+    const int wanted = threads > 0 ? threads : tvi_parallel_default_thread_count();
+    if (!tvi_parallel_can_start_threads(wanted < members ? wanted : members)) {
         free(ensemble);
         return jet_refuse(TVI_ENOMEM, "so many threads cannot be started");
     }

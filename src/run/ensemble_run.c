@@ -88,7 +88,7 @@ static void step_members_together(const run_between_observer_calls *segment, tvi
     for (int lane = 0; lane < member_count; lane++)
         begun[lane] = it->status[lane] = load_member_state(segment, it, lane, first_member + lane);
     for (int lane = member_count; lane < it->width; lane++) fill_unused_lane(it, lane);
-    tvi_step_batch(it, segment->plan.steps, segment->plan.h);
+    tvi_make_steps_of_batch(it, segment->plan.steps, segment->plan.h);
     for (int lane = 0; lane < member_count; lane++) {
         const int at = first_member + lane;
         if (begun[lane] == TVI_OK)

@@ -19,8 +19,8 @@ static bool has_conserved_energy_to_check(const tvi_integrator *it)
     return it->member_energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
-/* Tells whether the stepper computes a bound of the change of the energy. The energy is then computed only if this
- * bound exceeds the allowed change. */
+/* Tells whether the stepper computes a bound of the change of the energy in a step. With a bound, the energy is
+ * computed only if the bound exceeds the allowed change. */
 static bool has_energy_change_bound(const tvi_integrator *it)
 {
     return it->stepper->bound_energy_change && !tvi_is_rescaled(it);
@@ -28,25 +28,24 @@ static bool has_energy_change_bound(const tvi_integrator *it)
 
 /* ---- The reference energy ---------------------------------------------------------------------------------------- */
 
-/* A potential has an arbitrary constant, so |H| is no measure of the size of a motion. The guard measures the energy
- * of a member from a reference level (zero_level_of_energy), which is an energy of the system at rest, H(q, 0):
- *   - the limit of H(c q, 0) for large c, if there is one, as for bodies that attract each other. q is the position at
- *     the end of the step; the start is not used, since q = 0 would give a constant H(c q, 0).
- *   - Without a limit it is the lowest energy at rest along straight lines from the state, up to the point from which
- *     the energy rises. This is about the energy of an equilibrium. The level is lowered later if the energy of the
- *     member at rest is found to be lower.
- * A constant added to H is added to the level, too. An H that is not even in p, as in a magnetic field, has no
- * energy at rest; its level is 0, and its scale is |H| at the start of the run. */
+/* A potential has an arbitrary constant, so |H| is no measure of the size of a motion. The guard measures the energy of
+ * a member from a zero level (tvi_reference_energy), which is an energy without momentum, H(q, 0):
+ *   - the limit of H(c q, 0) for large c, if there is one, as for bodies that attract each other. q are the coordinates
+ *     at the end of the step; the start is not used, since q = 0 would give a constant H(c q, 0).
+ *   - Without a limit the level is the lowest H(q, 0) along straight lines from the state, up to the point from which
+ *     H(q, 0) rises. This is about the energy of an equilibrium. The level is lowered later if a lower H(q, 0) is found
+ *     on the orbit.
+ * A constant added to H is added to the level, too. If H is not even in p, as in a magnetic field, H(q, 0) is not the
+ * least energy at q; the level is then 0, and the scale of the energy is |H| at the start of the run. */
 
-/* The guard seeks the limit of the energy at rest, H(c q, 0), for large c (limit_of_energy_at_rest_for_large_q). It
- * multiplies the position q by the factors c = 2^k with these exponents k. At the last two factors the forces between
- * bodies that attract each other are negligible. The energy therefore differs little between the two if it has a
- * limit. */
-static const int FAR_POSITION_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
+/* limit_of_energy_with_zero_p_for_large_q computes H(c q, 0) for the factors c = 2^k with these exponents k. At the
+ * last two factors the forces between bodies that attract each other are negligible. If H(c q, 0) has a limit, its
+ * values at these two factors therefore differ little. */
+static const int FAR_Q_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
 
-/* The lines from the start of a step on which the lowest energy at rest is searched: forward or back along its
- * increment of q, or DOWNHILL, where each coordinate moves by the size of its increment in the direction of its
- * force. */
+/* The straight lines from the coordinates at the start of a step on which the lowest H(q, 0) is searched. FORWARD and
+ * BACK follow the increment of q in the step and its opposite; DOWNHILL moves each coordinate by the size of its
+ * increment in the direction of its force. */
 typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } level_search_line;
 
 /* Returns one component of the line's direction, for the step's increments dq and dp of this component.
@@ -65,25 +64,25 @@ static double member_energy_or_nonfinite(tvi_integrator *it, int member, const d
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
-/* Returns H(q_factor q + distance d, 0), where q is the position at the start of the member's step, and d the direction
- * of the line. */
-static double energy_at_rest_on_line(tvi_integrator *it, int member, double q_factor, double distance,
-                                     level_search_line line)
+/* Returns H(start_q_factor q + distance d, 0), where q are the coordinates at the start of the member's step, and d is
+ * the direction of the line. */
+static double energy_with_zero_p_on_line(tvi_integrator *it, int member, double start_q_factor, double distance,
+                                         level_search_line line)
 {
     const int width = it->width, end = it->system->n * width;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
     for (int k = member; k < end; k += width) {
         it->end.q[k] =
-            q_factor * it->state.q[k] + distance * line_direction_component(line, dq[k], dp[k], dq[end + member]);
+            start_q_factor * it->state.q[k] + distance * line_direction_component(line, dq[k], dp[k], dq[end + member]);
         it->end.p[k] = 0;
     }
     it->end.q[end + member] = it->state.q[end + member];
     return member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
 }
 
-static double energy_at_rest_at_step_start(tvi_integrator *it, int member)
+static double energy_with_zero_p_at_step_start(tvi_integrator *it, int member)
 {
-    return energy_at_rest_on_line(it, member, 1, 0, FORWARD);
+    return energy_with_zero_p_on_line(it, member, 1, 0, FORWARD);
 }
 
 /* Tells whether H(q, -p) and H(q, p) agree at the end of the step, up to the relative difference
@@ -108,14 +107,14 @@ static bool is_energy_even_in_p(tvi_integrator *it, int member)
  * if the value before it differs from it by at most the part GUARD_LEVEL_MAX_DIFFERENCE of |energy_at_start - limit|.
  * The result is also NAN if H(c q, 0) is not monotonic in c up to roundoff_of_energy: a pole then lies on the way, and
  * the limit is no measure of the motion before the pole. */
-static double limit_of_energy_at_rest_for_large_q(tvi_integrator *it, int member, double energy_at_start,
-                                                  double roundoff_of_energy)
+static double limit_of_energy_with_zero_p_for_large_q(tvi_integrator *it, int member, double energy_at_start,
+                                                      double roundoff_of_energy)
 {
-    double last = energy_at_rest_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
+    double last = energy_with_zero_p_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
-    for (size_t k = 0; k < sizeof FAR_POSITION_EXPONENTS / sizeof *FAR_POSITION_EXPONENTS; k++) {
-        const double factor = ldexp(1, FAR_POSITION_EXPONENTS[k]),
-                     next = energy_at_rest_on_line(it, member, factor, factor, FORWARD);
+    for (size_t k = 0; k < sizeof FAR_Q_EXPONENTS / sizeof *FAR_Q_EXPONENTS; k++) {
+        const double factor = ldexp(1, FAR_Q_EXPONENTS[k]),
+                     next = energy_with_zero_p_on_line(it, member, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff_of_energy;
         falls = falls && difference <= roundoff_of_energy;
@@ -125,27 +124,27 @@ static double limit_of_energy_at_rest_for_large_q(tvi_integrator *it, int member
                                                                                                              : NAN;
 }
 
-/* Returns the lowest energy at rest along the line, from its start, where the energy is energy_at_start, to the point
- * from which the energy rises. */
-static double lowest_energy_at_rest_on_line(tvi_integrator *it, int member, level_search_line line,
-                                            double energy_at_start, double roundoff)
+/* Returns the lowest H(q, 0) along the line, from its start, where H(q, 0) is energy_at_start, to the point from which
+ * H(q, 0) rises. */
+static double lowest_energy_with_zero_p_on_line(tvi_integrator *it, int member, level_search_line line,
+                                                double energy_at_start, double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
          distance *= GUARD_LEVEL_RATIO) {
-        const double next = energy_at_rest_on_line(it, member, 1, distance, line);
+        const double next = energy_with_zero_p_on_line(it, member, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
     }
     return lowest;
 }
 
-static double lowest_energy_at_rest_nearby(tvi_integrator *it, int member, double roundoff)
+static double lowest_energy_with_zero_p_on_all_lines(tvi_integrator *it, int member, double roundoff)
 {
-    const double here = energy_at_rest_at_step_start(it, member);
+    const double here = energy_with_zero_p_at_step_start(it, member);
     double lowest = here;
     for (level_search_line line = 0; line < LINE_COUNT; line++)
-        lowest = fmin(lowest, lowest_energy_at_rest_on_line(it, member, line, here, roundoff));
+        lowest = fmin(lowest, lowest_energy_with_zero_p_on_line(it, member, line, here, roundoff));
     return lowest;
 }
 
@@ -156,39 +155,40 @@ static double energy_magnitude_at_run_start(tvi_integrator *it, int member)
     return fabs(member_energy_or_nonfinite(it, member, q, p));
 }
 
-/* Sets the reference level and scale of the member at the state where its step starts. The energy of this state is
- * H, with the roundoff `roundoff`. */
-static void set_reference_level_and_scale(tvi_integrator *it, int member, double H, double roundoff)
+/* Sets zero_level_of_energy and energy_scale of the member (tvi_reference_energy) from the state at the start of its
+ * step. The energy of this state is H, with the roundoff `roundoff`. */
+static void set_zero_level_and_energy_scale(tvi_integrator *it, int member, double H, double roundoff)
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
-    const double limit = limit_of_energy_at_rest_for_large_q(it, member, H, roundoff);
-    const bool has_rest = is_energy_even_in_p(it, member), has_limit = has_rest && !isnan(limit);
-    reference->zero_level_of_energy = has_limit  ? limit
-                                      : has_rest ? lowest_energy_at_rest_nearby(it, member, roundoff)
-                                                 : 0;
-    reference->scale = has_rest ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it, member);
-    reference->was_level_searched = true;
-    reference->has_scale = reference->scale > roundoff && isfinite(reference->scale);
-    reference->may_level_be_lowered = reference->has_scale && has_rest && !has_limit;
-    if (!reference->has_scale)
-        reference->zero_level_of_energy = reference->scale = 0; /* H at the start of the run may be NAN */
+    const double limit = limit_of_energy_with_zero_p_for_large_q(it, member, H, roundoff);
+    const bool is_even_in_p = is_energy_even_in_p(it, member), has_limit = is_even_in_p && !isnan(limit);
+    reference->zero_level_of_energy = has_limit      ? limit
+                                      : is_even_in_p ? lowest_energy_with_zero_p_on_all_lines(it, member, roundoff)
+                                                     : 0;
+    reference->energy_scale =
+        is_even_in_p ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it, member);
+    reference->was_zero_level_searched = true;
+    reference->has_energy_scale = reference->energy_scale > roundoff && isfinite(reference->energy_scale);
+    reference->can_zero_level_be_lowered = reference->has_energy_scale && is_even_in_p && !has_limit;
+    if (!reference->has_energy_scale)
+        reference->zero_level_of_energy = reference->energy_scale = 0; /* H at the start of the run may be NAN */
 }
 
-/* Lowers the reference level to the energy of the member at rest at the start of its step, if that is lower. A level
- * that is the limit of the energy far away is kept. */
-static void lower_reference_level(tvi_integrator *it, int member)
+/* Lowers the zero level to H(q, 0) at the start of the member's step, if H(q, 0) is lower. A level that is the limit
+ * for large q is kept. */
+static void lower_zero_level_of_energy(tvi_integrator *it, int member)
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
-    if (!reference->may_level_be_lowered) return;
-    const double fall = reference->zero_level_of_energy - energy_at_rest_at_step_start(it, member);
+    if (!reference->can_zero_level_be_lowered) return;
+    const double fall = reference->zero_level_of_energy - energy_with_zero_p_at_step_start(it, member);
     if (!(fall > 0) || !isfinite(fall)) return;
     reference->zero_level_of_energy -= fall;
-    reference->scale += fall;
+    reference->energy_scale += fall;
 }
 
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
-/* Computes the energies H[width], at least for the members with needs_energy. */
+/* Computes the energies H[width], at least those of the members for which it->needs_energy is true. */
 static void compute_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
     if (it->all_energies_work.tape_block) {
@@ -201,8 +201,8 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
 
 /* ---- The change of the energy ------------------------------------------------------------------------------------ */
 
-/* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| /
- * h times the mean of |p| at both ends of the step. q0 and q1 are the positions at the ends, and h the time between
+/* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| / h
+ * times the mean of |p| at both ends of the step. q0 and q1 are the coordinates at the ends, and h is the time between
  * them. */
 static double mean_p_dot_velocity(const tvi_integrator *it, int member)
 {
@@ -225,12 +225,13 @@ static double energy_roundoff(const tvi_integrator *it, int member, double H)
     return GUARD_ENERGY_ROUNDOFF * (sum / fabs(dq[end + member]) + fabs(H));
 }
 
-/* Returns the energy with which the change of the energy is compared: the energy above the reference level, or a
- * part of p.dq/dt (p_dot_velocity) if that energy is nearly 0. */
+/* Returns the energy with which the change of the energy is compared: the energy above the zero level, or a part of
+ * p.dq/dt (p_dot_velocity) if that energy is nearly 0. */
 static double energy_change_scale(const tvi_reference_energy *reference, double energy_before, double p_dot_velocity)
 {
-    if (reference->scale <= GUARD_MIN_PART_OF_ACTION * p_dot_velocity) return GUARD_PART_OF_ACTION * p_dot_velocity;
-    return fmax(reference->scale, fabs(energy_before - reference->zero_level_of_energy));
+    if (reference->energy_scale <= GUARD_MIN_PART_OF_ACTION * p_dot_velocity)
+        return GUARD_PART_OF_ACTION * p_dot_velocity;
+    return fmax(reference->energy_scale, fabs(energy_before - reference->zero_level_of_energy));
 }
 
 /* Tells whether the energy after the step differs from that before it by more than a step that follows the motion
@@ -246,18 +247,18 @@ static bool does_energy_change_too_much(tvi_integrator *it, int member, double e
     const double p_dot_velocity = mean_p_dot_velocity(it, member), roundoff = energy_roundoff(it, member, before),
                  change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + member] : 0,
                  change = fabs(energy_after - before + change_of_e);
-    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_level_searched);
-    if (!reference->has_scale && needs_scale) set_reference_level_and_scale(it, member, before, roundoff);
+    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_zero_level_searched);
+    if (!reference->has_energy_scale && needs_scale) set_zero_level_and_energy_scale(it, member, before, roundoff);
     if (change <= roundoff) return false;
-    if (!reference->has_scale && p_dot_velocity == 0) return false;
+    if (!reference->has_energy_scale && p_dot_velocity == 0) return false;
     if (change <= GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
         return false;
-    lower_reference_level(it, member);
+    lower_zero_level_of_energy(it, member);
     return change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
-/* Refuses the steps that change the energy of their member too much. Computes the energies of the members with
- * needs_energy. */
+/* Refuses the steps that change the energy of their member too much. Computes the energies of the members for which
+ * it->needs_energy is true. */
 static void refuse_by_energy_changes(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
@@ -300,7 +301,7 @@ static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_s
 static bool may_skip_energy_check(const tvi_integrator *it, int member, bool step_used_series)
 {
     if (has_energy_change_bound(it))
-        return it->energy_change_bound[member] <= GUARD_MAX_ENERGY_CHANGE * it->reference_energy[member].scale;
+        return it->energy_change_bound[member] <= GUARD_MAX_ENERGY_CHANGE * it->reference_energy[member].energy_scale;
     if (!is_tail_an_error_estimate(it, step_used_series)) return false;
     if (step_used_series)
         return it->tail[member] <= GUARD_UNCHECKED_MAX_SERIES_TAIL &&
@@ -316,15 +317,15 @@ tvi_limits_without_energy_check tvi_guard_limits_without_energy_check(const tvi_
     return (tvi_limits_without_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
 }
 
-/* Tells whether the tail is at most the max_tail of the options. */
-static bool has_small_tail(const tvi_integrator *it, double tail)
+/* Tells whether the tail is at most max_tail of the options, or the user has switched off this check (max_tail < 0). */
+static bool is_tail_within_limit(const tvi_integrator *it, double tail)
 {
     const double most = it->options.max_tail;
     return most < 0 || !(tail > most);
 }
 
-/* Does the work of tvi_guard_step for `width` members. The compiler makes a version of this function for the constant
- * width = 1. */
+/* Does the work of tvi_refuse_too_large_steps for `width` members. The compiler makes a version of this function for
+ * the constant width = 1. */
 JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_used_series)
 {
     const bool keeps = has_conserved_energy_to_check(it);
@@ -336,7 +337,7 @@ JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_
         it->needs_energy[member] = false;
         if (it->status[member] != TVI_OK) continue;
         if (tail > *largest) *largest = tail;
-        if (!has_small_tail(it, tail)) {
+        if (!is_tail_within_limit(it, tail)) {
             it->status[member] = jet_refuse(
                 TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
                 it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
@@ -349,7 +350,7 @@ JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_
     if (any) refuse_by_energy_changes(it);
 }
 
-void tvi_guard_step(tvi_integrator *it, bool step_used_series)
+void tvi_refuse_too_large_steps(tvi_integrator *it, bool step_used_series)
 {
     if (it->width == 1) refuse_too_large_steps(it, 1, step_used_series);
     else refuse_too_large_steps(it, it->width, step_used_series);

@@ -12,6 +12,6 @@ tvi_limits_without_energy_check tvi_guard_limits_without_energy_check(const tvi_
 /* Sets the status TVI_ETOOLARGE for the members with the status TVI_OK whose tail or energy shows that the step is too
  * large. step.c calls this function after the stepper's step, before the increments are added to the states.
  * step_used_series tells whether the step expanded a Taylor series; its passes then contract faster. */
-void tvi_guard_step(tvi_integrator *integrator, bool step_used_series);
+void tvi_refuse_too_large_steps(tvi_integrator *integrator, bool step_used_series);
 
 #endif

@@ -9,7 +9,7 @@
 
 /* Returns the address in history_before, the copy of the history, that corresponds to an address in the history
  * itself. */
-static void *address_in_saved_history(const tvi_integrator *it, const void *in_history)
+static void *address_in_history_before(const tvi_integrator *it, const void *in_history)
 {
     return it->history_before + ((const char *)in_history - it->history);
 }
@@ -101,9 +101,9 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
     laid.start =
-        (tvi_run_state){address_in_saved_history(&laid, state->q), address_in_saved_history(&laid, state->q_low),
-                        address_in_saved_history(&laid, state->p), address_in_saved_history(&laid, state->p_low)};
-    laid.was_state_from_step = address_in_saved_history(&laid, laid.is_state_from_step);
+        (tvi_run_state){address_in_history_before(&laid, state->q), address_in_history_before(&laid, state->q_low),
+                        address_in_history_before(&laid, state->p), address_in_history_before(&laid, state->p_low)};
+    laid.was_state_from_step = address_in_history_before(&laid, laid.is_state_from_step);
     *integrator = laid;
     return integrator;
 }

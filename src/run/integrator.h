@@ -10,15 +10,17 @@
 #include <math.h>
 #include <string.h>
 
-/* The energies of a member with which the guard (guard.c) compares the change of the energy in a step. */
+/* The zero level and the scale of a member's energy, with which the guard (guard.c) judges the change of the energy in
+ * a step. */
 typedef struct {
     double zero_level_of_energy; /* the guard measures energies from this value of H, as H - zero_level_of_energy */
-    double scale; /* |H - zero_level_of_energy| when this level was set, plus all amounts by which it was lowered */
-    double H;     /* the member's energy at its current state */
-    long was_level_searched;   /* true if guard.c has tried to find zero_level_of_energy and scale */
-    long has_scale;            /* true if zero_level_of_energy and scale are set; otherwise both are 0 */
-    long may_level_be_lowered; /* true if zero_level_of_energy is an upper estimate, which may be lowered */
-    long is_H_known;           /* true if H is the energy at the member's current state; false if H is unset */
+    /* |H - zero_level_of_energy| when this level was set, plus all amounts by which the level was lowered. */
+    double energy_scale;
+    double H;                       /* the member's energy at its current state */
+    long was_zero_level_searched;   /* true if guard.c has tried to find zero_level_of_energy and energy_scale */
+    long has_energy_scale;          /* true if zero_level_of_energy and energy_scale are set; otherwise both are 0 */
+    long can_zero_level_be_lowered; /* true if zero_level_of_energy is an upper estimate, which guard.c may lower */
+    long is_H_known;                /* true if H is the energy at the member's current state; false if H is unset */
 } tvi_reference_energy;
 
 /* The memory for tangent vectors, which is allocated when they are first used (tangent.c). */
@@ -33,7 +35,7 @@ typedef struct {
     uint64_t event_hashes[TVI_STOP_EVENTS]; /* [event_count] the hashes of these events (tvi_event.hash) */
     double state[];                         /* [2n + 1] q, p and t of the stop */
 } tvi_event_stop;
-/* Returns the size of a tvi_event_stop for n coordinates. */
+/* Returns the size of a tvi_event_stop, in bytes, for n coordinates. */
 static inline size_t tvi_size_of_stop_in_bytes(int n)
 {
     return sizeof(tvi_event_stop) + (2 * (size_t)n + 1) * sizeof(double);
@@ -184,8 +186,8 @@ void tvi_integrator_load_parameters(tvi_integrator *integrator, const double val
 /* Allocates the memory for this number of tangent vectors (tangent.c). */
 TVI_NODISCARD tvi_status tvi_integrator_allocate_tangents(tvi_integrator *integrator, int column_count);
 
-/* Tells whether the status is the failure of a single member, such as TVI_ENOCONV. Other failures concern the run or
- * the arguments of a call. */
+/* Tells whether the status is a failure that concerns one member alone, such as TVI_ENOCONV. All other failures concern
+ * the whole run or the arguments of a call. */
 static inline bool tvi_is_failure_of_member(tvi_status status)
 {
     return status == TVI_ENONFINITE || status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR ||
@@ -201,14 +203,15 @@ static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY,
  * failure. */
 TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long most_steps, double tolerance, double h,
                                         double t_end, double *t, double q[], double p[]);
-/* Makes up to most_steps steps of size h of all members whose status is TVI_OK, as long as there is such a member. */
-void tvi_step_batch(tvi_integrator *integrator, long most_steps, double h);
+/* Makes up to most_steps steps of size h. Each step moves all members whose status is TVI_OK; the function returns
+ * early if there is no such member. */
+void tvi_make_steps_of_batch(tvi_integrator *integrator, long most_steps, double h);
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 
 /* Computes the state of tvi_dense and its time: the state on the curve of the last step at theta. */
-TVI_NODISCARD tvi_status tvi_compute_dense_state(tvi_integrator *integrator, double theta, double *t, double q[],
-                                                 double p[]);
+TVI_NODISCARD tvi_status tvi_evaluate_dense_output(tvi_integrator *integrator, double theta, double *t, double q[],
+                                                   double p[]);
 
 /* Computes the states on the curve of the last step at all sample points (tvi_sample_theta), for the evaluation of
  * events: samples[2n + 1][TVI_SAMPLES], in the order q, p, t. Only the components used_components[0] of q and

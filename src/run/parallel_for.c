@@ -7,7 +7,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-int tvi_parallel_thread_count(void) { return omp_get_max_threads(); }
+int tvi_parallel_default_thread_count(void) { return omp_get_max_threads(); }
 
 static void *wait_for_mutex(void *mutex)
 {
@@ -16,7 +16,7 @@ static void *wait_for_mutex(void *mutex)
     return NULL;
 }
 
-bool tvi_parallel_can_start(int threads)
+bool tvi_parallel_can_start_threads(int threads)
 {
     pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
     const int others = threads - 1;
@@ -40,9 +40,9 @@ void tvi_parallel_for(int threads, int count, tvi_parallel_body *body, void *ctx
 
 #else
 
-int tvi_parallel_thread_count(void) { return 1; }
+int tvi_parallel_default_thread_count(void) { return 1; }
 
-bool tvi_parallel_can_start(int threads) { return threads > 0; }
+bool tvi_parallel_can_start_threads(int threads) { return threads > 0; }
 
 void tvi_parallel_for(int threads, int count, tvi_parallel_body *body, void *ctx)
 {

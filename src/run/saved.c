@@ -23,7 +23,7 @@ tvi_saved_identity tvi_saved_identity_of_integrator(const tvi_integrator *it, si
         .has_stepped = *it->is_state_from_step,
         .system_hash = tvi_system_fingerprint(it->stepped),
         .options_hash = tvi_options_fingerprint(&it->options),
-        .code_hash = it->options.compiled ? tvi_compiled_hash_library_text() : 0,
+        .generated_code_hash = it->options.compiled ? tvi_compiled_hash_library_text() : 0,
     };
     memcpy(identity.magic, MAGIC, sizeof identity.magic);
     return identity;
@@ -82,8 +82,8 @@ const char *tvi_saved_find_mismatch(const tvi_saved_identity *expected, const vo
                                              : "the state is of an ensemble of another size";
     if (identity.n != expected->n) return "the state is of a system of another dimension";
     if (identity.system_hash != expected->system_hash) return "the state is of another system";
-    if (identity.code_hash != expected->code_hash)
-        return expected->code_hash ? "the state is not of compiled steps" : "the state is of compiled steps";
+    if (identity.generated_code_hash != expected->generated_code_hash)
+        return expected->generated_code_hash ? "the state is not of compiled steps" : "the state is of compiled steps";
     const bool fits = identity.options_hash == expected->options_hash &&
                       identity.total_bytes == expected->total_bytes && identity.batch_width == expected->batch_width;
     return fits ? NULL : "the state is of other options";
@@ -143,7 +143,7 @@ bool tvi_loaded_history_is_valid(const tvi_integrator *it)
                     tvi_all_finite(rows, state->p) && tvi_all_finite(rows, state->p_low);
     for (int m = 0; m < width; m++)
         is_sound = is_sound && isfinite(it->reference_energy[m].zero_level_of_energy) &&
-                   isfinite(it->reference_energy[m].scale) &&
+                   isfinite(it->reference_energy[m].energy_scale) &&
                    (!it->reference_energy[m].is_H_known || isfinite(it->reference_energy[m].H));
     bool (*const of_work)(const void *) = batch ? batch->is_history_valid : it->stepper->is_history_valid;
     return is_sound && (!of_work || of_work(it->work));

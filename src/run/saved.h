@@ -22,7 +22,8 @@ typedef struct {
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
     int64_t member_count, batch_width;  /* the numbers of members of an ensemble and of a batch; 0 for an integrator */
     uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
-    uint64_t code_hash; /* hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none */
+    /* The hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none. */
+    uint64_t generated_code_hash;
 } tvi_saved_identity;
 
 enum { TVI_MAX_SAVED_PIECES = 8 };

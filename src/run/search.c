@@ -15,7 +15,7 @@ static bool have_same_nonzero_sign(double a, double b) { return a > 0 ? b > 0 : 
 tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[])
 {
     const int n = search->integrator->system->n;
-    return tvi_compute_dense_state(search->integrator, theta, &state[2 * n], state, state + n);
+    return tvi_evaluate_dense_output(search->integrator, theta, &state[2 * n], state, state + n);
 }
 
 static tvi_status add_event_to_error_text(int event_index, tvi_status status)

@@ -112,12 +112,12 @@ static bool read_double(const char *text, double *number)
 
 /* A text of a state that is being read, or written, or only measured to find its length. */
 typedef struct {
-    const char *input;       /* the text that is read; NULL if a text is written or measured */
-    char *output;            /* memory for the text that is written; NULL if it is only measured */
-    size_t position;         /* index of the next character in the input or the output */
-    size_t input_size;       /* the number of characters of the input */
-    uint64_t hash;           /* FNV-1a of the words so far, each followed by a blank */
-    const char *first_fault; /* describes the first error in the input; NULL if there is none */
+    const char *input;           /* the text that is read; NULL if a text is written or measured */
+    char *output;                /* memory for the text that is written; NULL if it is only measured */
+    size_t next_character_index; /* index of the next character in the input or the output */
+    size_t input_size;           /* the number of characters of the input */
+    uint64_t hash;               /* FNV-1a of the words so far, each followed by a blank */
+    const char *first_fault;     /* describes the first error in the input; NULL if there is none */
 } text_stream;
 
 static void record_first_fault(text_stream *stream, bool has_fault, const char *fault)
@@ -127,9 +127,9 @@ static void record_first_fault(text_stream *stream, bool has_fault, const char *
 
 static void skip_whitespace(text_stream *stream)
 {
-    while (stream->position < stream->input_size && stream->input[stream->position] &&
-           strchr(" \t\r\n", stream->input[stream->position]))
-        stream->position++;
+    while (stream->next_character_index < stream->input_size && stream->input[stream->next_character_index] &&
+           strchr(" \t\r\n", stream->input[stream->next_character_index]))
+        stream->next_character_index++;
 }
 
 /* Reads the next word of the input. A longer word than LONGEST_WORD is cut, and matches nothing that is expected. */
@@ -137,21 +137,21 @@ static void read_word(text_stream *stream, char word[LONGEST_WORD + 1])
 {
     size_t length = 0;
     skip_whitespace(stream);
-    for (; stream->position < stream->input_size && length < LONGEST_WORD; stream->position++) {
-        if (strchr(" \t\r\n", stream->input[stream->position])) break; /* a 0, too */
-        word[length++] = stream->input[stream->position];
+    for (; stream->next_character_index < stream->input_size && length < LONGEST_WORD; stream->next_character_index++) {
+        if (strchr(" \t\r\n", stream->input[stream->next_character_index])) break; /* a 0, too */
+        word[length++] = stream->input[stream->next_character_index];
     }
     word[length] = '\0';
 }
 
 static void write_word(text_stream *stream, char separator, const char *word)
 {
-    if (stream->position > 0) {
-        if (stream->output) stream->output[stream->position] = separator;
-        stream->position++;
+    if (stream->next_character_index > 0) {
+        if (stream->output) stream->output[stream->next_character_index] = separator;
+        stream->next_character_index++;
     }
-    if (stream->output) memcpy(stream->output + stream->position, word, strlen(word));
-    stream->position += strlen(word);
+    if (stream->output) memcpy(stream->output + stream->next_character_index, word, strlen(word));
+    stream->next_character_index += strlen(word);
 }
 
 /* Writes `word` to the output, or reads the next word of the input into `word`. Adds the word to the hash. */
@@ -228,8 +228,8 @@ size_t tvi_state_text_write(const tvi_state_text *state_text, char *text)
     text_stream stream = {.output = text, .hash = JET_HASH_OF_NOTHING};
     tvi_state_text same = *state_text;
     read_or_write_state(&stream, &same);
-    if (text) text[stream.position] = '\n';
-    return stream.position + 1;
+    if (text) text[stream.next_character_index] = '\n';
+    return stream.next_character_index + 1;
 }
 
 const char *tvi_state_text_read(tvi_state_text *state_text, const char *text, size_t size)
@@ -237,6 +237,6 @@ const char *tvi_state_text_read(tvi_state_text *state_text, const char *text, si
     text_stream stream = {.input = text, .input_size = size, .hash = JET_HASH_OF_NOTHING};
     read_or_write_state(&stream, state_text);
     skip_whitespace(&stream);
-    record_first_fault(&stream, stream.position < size, "something follows the end of the state's text");
+    record_first_fault(&stream, stream.next_character_index < size, "something follows the end of the state's text");
     return stream.first_fault;
 }

@@ -89,9 +89,9 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     return is_finite;
 }
 
-/* Returns the status for a step whose result is not finite: the step is too large (TVI_ETOOLARGE), or the field is not
- * finite even at its start (TVI_ENONFINITE). */
-static tvi_status status_of_overflow(tvi_integrator *it, int member)
+/* Returns the status of a step whose result is not finite: TVI_ETOOLARGE if the field is finite at the start of the
+ * step, so that the step is too large, and otherwise TVI_ENONFINITE. */
+static tvi_status status_of_nonfinite_result(tvi_integrator *it, int member)
 {
     return is_field_finite_at_start(it, member) ? TVI_ETOOLARGE : TVI_ENONFINITE;
 }
@@ -100,7 +100,7 @@ static tvi_status status_of_overflow(tvi_integrator *it, int member)
 static tvi_status explain_stepper_failure(tvi_integrator *it, int member)
 {
     const tvi_status status = it->status[member];
-    if (status == TVI_ENONFINITE && status_of_overflow(it, member) == TVI_ETOOLARGE)
+    if (status == TVI_ENONFINITE && status_of_nonfinite_result(it, member) == TVI_ETOOLARGE)
         return jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
     return tvi_refuse_failed_evaluation("its equations", status);
 }
@@ -109,7 +109,7 @@ static tvi_status explain_stepper_failure(tvi_integrator *it, int member)
 static tvi_status refuse_overflowing_component(tvi_integrator *it, int member)
 {
     const int width = it->width, rows = it->stepped->n;
-    const tvi_status status = status_of_overflow(it, member);
+    const tvi_status status = status_of_nonfinite_result(it, member);
     for (int i = 0, at = member; i <= rows; i++, at += width)
         if (!isfinite(it->state.q[at] + (it->state.q_low[at] + it->increments.dq[at])))
             return jet_refuse(status, "q[%d] overflows", i);
@@ -157,7 +157,7 @@ JET_INLINE void check_new_states(tvi_integrator *it, int width, bool step_used_s
         else if (it->overflow_flags[member] != 0) *status = refuse_overflowing_component(it, member);
         else if (tvi_is_rescaled(it)) *status = check_time_moves_with_h(it, member);
     }
-    tvi_guard_step(it, step_used_series);
+    tvi_refuse_too_large_steps(it, step_used_series);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
@@ -209,7 +209,7 @@ static int step_all_members(tvi_integrator *it, double tolerance, double h)
     return it->width == 1 ? step_members(it, 1, tolerance, h) : step_members(it, it->width, tolerance, h);
 }
 
-void tvi_step_batch(tvi_integrator *it, long most_steps, double h)
+void tvi_make_steps_of_batch(tvi_integrator *it, long most_steps, double h)
 {
     for (long k = 0, made = 1; k < most_steps && made > 0; k++) made = step_all_members(it, 0, h);
 }

@@ -69,11 +69,11 @@ static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
     return TVI_OK;
 }
 
-static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
+static tvi_status create_tangent(tvi_tangent **out, tvi_integrator *it)
 {
     const size_t n = (size_t)it->stepped->n;
     const size_t parameters = (size_t)tvi_system_parameters(it->system);
-    tvi_tangent *tangent = *product = calloc(1, sizeof *tangent);
+    tvi_tangent *tangent = *out = calloc(1, sizeof *tangent);
     if (!tangent) return TVI_ENOMEM;
     tangent->n = it->stepped->n;
     tangent->lifted_q = calloc(8 * n + 3 * parameters, sizeof *tangent->lifted_q);
@@ -94,7 +94,7 @@ static tvi_status create_tangent(tvi_tangent **product, tvi_integrator *it)
 }
 
 /* Allocates memory for more columns of a run, and keeps the contents. */
-static tvi_status reserve_columns(tvi_integrator *it, int column_count)
+static tvi_status reserve_tangent_columns(tvi_integrator *it, int column_count)
 {
     tvi_tangent *tangent = it->tangent;
     if (column_count <= tangent->column_capacity) return TVI_OK;
@@ -125,13 +125,13 @@ tvi_status tvi_integrator_allocate_tangents(tvi_integrator *it, int column_count
         it->stats.bytes += sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->lifted_q +
                            tangent->lifted_integrator->stats.bytes;
     }
-    return reserve_columns(it, column_count);
+    return reserve_tangent_columns(it, column_count);
 }
 
 /* Returns the exponent of the power of two that scales a column to the size of the state. The norm of the lifted step's
  * corrector then gives the state and the column the same weight. M is linear and powers of two are exact, so the scale
  * does not change the result. */
-static int find_scaling_exponent(int n, const double q[], const double p[], const double column[])
+static int find_tangent_scaling_exponent(int n, const double q[], const double p[], const double column[])
 {
     const double size_q = tvi_largest_magnitude(n, q, 1), size_p = tvi_largest_magnitude(n, p, 1);
     const double of_q = tvi_largest_magnitude(n, column, 1) / (size_q > 0 ? size_q : 1);
@@ -182,7 +182,7 @@ static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *
     double *dq = tangent->lifted_q + n, *dp = tangent->lifted_p + (tangent->are_momenta_swapped ? 0 : n),
            *column = tangent->column;
     double t = step->start->q[n];
-    const int exponent = find_scaling_exponent(n, step->start->q, step->start->p, column);
+    const int exponent = find_tangent_scaling_exponent(n, step->start->q, step->start->p, column);
     set_state_and_scaled_tangent(it, step, exponent);
     tvi_integrator_reset(tangent->lifted_integrator);
     tvi_status status = set_parameters_and_scaled_tangent(it, step, exponent);

@@ -12,8 +12,8 @@
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
-/* Returns the index, in a member array of q or p, of one of the numbers t, q[n], p[n], e, which are counted in this
- * order. */
+/* The text lists the numbers t, q[n], p[n], e of a member in this order. Returns the index of number number_index of
+ * this list in the integrator's array [components][width] of q (for t and q) or of p (for p and e). */
 static size_t index_in_member_arrays(const tvi_integrator *it, int member, int number_index)
 {
     const int n = it->system->n, row = number_index == 0   ? n
@@ -151,12 +151,13 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
 /* ---- Texts of a member of an ensemble ---------------------------------------------------------------------------- */
 
 static tvi_status check_member_arguments(const tvi_ensemble *ensemble, int member, const void *const pointers[4],
-                                         const char *last_name)
+                                         const char *last_pointer_name)
 {
     const void *const all[] = {ensemble, pointers[0], pointers[1], pointers[2], pointers[3]};
     for (int i = 0; i < 5; i++)
         if (!all[i])
-            return tvi_refuse_first_null_pointer(5, all, (const char *const[]){"ensemble", "t", "q", "p", last_name});
+            return tvi_refuse_first_null_pointer(5, all,
+                                                 (const char *const[]){"ensemble", "t", "q", "p", last_pointer_name});
     if (member < 0 || member >= ensemble->member_count)
         return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, ensemble->member_count - 1);
     return tvi_ensemble_refuse_if_running(ensemble);

@@ -125,7 +125,7 @@ END_TEST
 START_TEST(too_many_threads)
 {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    if (tvi_parallel_thread_count() == 1) return; /* as without OpenMP, which ends the program */
+    if (tvi_parallel_default_thread_count() == 1) return; /* as without OpenMP, which ends the program */
     tvi_ensemble *none = ensemble;
     const struct rlimit two = {(rlim_t)2 << 30, (rlim_t)2 << 30};
     ck_assert_int_eq(setrlimit(RLIMIT_AS, &two), 0);
