@@ -30,10 +30,10 @@ static double lower_bound_of_convex_function(tvi_event_sample a, double least_sl
     return a.g + least_slope / (least_slope - largest_slope) * (b.g - a.g - largest_slope * width);
 }
 
-/* Tells whether g cannot have a zero among the five samples. If g is convex where it is positive (concave where it is
- * negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a zero.
- * The argument includes functions g with a kink. */
-static bool is_zero_excluded(const tvi_event_sample dip[TVI_DIP_SAMPLES])
+/* Tells whether g certainly has no zero between dip[1] and dip[3]. If g is convex where it is positive (concave where
+ * it is negative), it lies above the straight lines through neighbouring samples, and these lines may already exclude a
+ * zero. The same holds if g has a kink. */
+static bool has_certainly_no_zero(const tvi_event_sample dip[TVI_DIP_SAMPLES])
 {
     tvi_event_sample x[TVI_DIP_SAMPLES];
     for (int i = 0; i < TVI_DIP_SAMPLES; i++)
@@ -46,11 +46,11 @@ static bool is_zero_excluded(const tvi_event_sample dip[TVI_DIP_SAMPLES])
     return first <= fall && rise <= last && least > 0;
 }
 
-bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta)
+bool tvi_dip_needs_another_sample(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta)
 {
     const double change = fmax(fabs(dip[1].g), fabs(dip[3].g)) - fabs(dip[2].g);
     if (sample_count >= EVENT_DIP_MAX_SAMPLES || dip[3].theta - dip[1].theta <= EVENT_DIP_MIN_WIDTH ||
-        is_zero_excluded(dip))
+        has_certainly_no_zero(dip))
         return false;
     if (change <= EVENT_ROUNDOFF_UNITS * DBL_EPSILON * fabs(dip[2].g)) return false;
     *theta = next_sample_theta(dip, sample_count % 3 == 2);

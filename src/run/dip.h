@@ -14,9 +14,10 @@ typedef struct {
  * and |g| is smallest at dip[2]. The outer samples dip[0] and dip[4] may be missing; their g is NAN then. */
 enum { TVI_DIP_SAMPLES = 5 };
 
-/* Sets *theta to the next abscissa at which the caller should sample g, after sample_count samples. Returns false if
- * the search ends: g has no zero between dip[1] and dip[3], or only one that roundoff would hide. */
-bool tvi_dip_choose_next_theta(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta);
+/* Tells whether the search needs another sample of g after sample_count samples, and sets *theta to the abscissa of
+ * that sample. The result is false if the search ends: g has no zero between dip[1] and dip[3], or only one that
+ * roundoff would hide. */
+bool tvi_dip_needs_another_sample(const tvi_event_sample dip[TVI_DIP_SAMPLES], int sample_count, double *theta);
 /* Inserts a new sample, whose g has the sign of dip[2].g. It becomes dip[2] or one of its neighbours. */
 void tvi_dip_insert_sample(tvi_event_sample dip[TVI_DIP_SAMPLES], tvi_event_sample sample);
 

@@ -84,18 +84,17 @@ static double relative_distance_of_line_origin_to_curve(const tvi_event_finder *
     return tvi_ratio_or_zero(apart, size);
 }
 
-/* Returns the difference between the time of finder->chord_midpoint and the time t of finder->line_origin, divided by
- * |t| + |dt/dtheta|, which is not 0. */
-static double relative_time_difference_at_line_origin(const tvi_event_finder *finder)
+/* Returns the difference between the time t of finder->line_origin and the time of finder->chord_midpoint, which
+ * represents the curve, divided by |t| + |dt/dtheta|. */
+static double relative_time_from_line_origin_to_curve(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
     return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
                              fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
-/* Copies the state that the last partial step has computed to finder->line_origin. theta is the position of this
- * state. */
-static void copy_partial_step_to_line_origin(tvi_event_finder *finder, double theta)
+/* Sets finder->line_origin to the state that the last partial step has computed, which lies at theta. */
+static void set_line_origin_to_partial_step_state(tvi_event_finder *finder, double theta)
 {
     tvi_partial_step_copy_state(finder->search->partial_step, finder->line_origin);
     finder->line_origin_theta = theta;
@@ -133,24 +132,25 @@ static tvi_status move_bracket_to_root(const tvi_event_root *root, tvi_sign_brac
 {
     tvi_status status = function(ctx, bracket->left, &bracket->g_left);
     if (status == TVI_OK) status = function(ctx, bracket->right, &bracket->g_right);
-    for (; status == TVI_OK && tvi_has_sign_after_root(root, bracket->g_left) && bracket->left > lower_limit;
+    for (; status == TVI_OK && tvi_has_sign_after_root_or_is_zero(root, bracket->g_left) && bracket->left > lower_limit;
          next_width *= width_growth) {
         bracket->right = bracket->left, bracket->g_right = bracket->g_left;
         bracket->left = fmax(bracket->left - next_width, lower_limit);
         status = function(ctx, bracket->left, &bracket->g_left);
     }
-    for (; status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_right) && bracket->right < upper_limit;
+    for (; status == TVI_OK && !tvi_has_sign_after_root_or_is_zero(root, bracket->g_right) &&
+           bracket->right < upper_limit;
          next_width *= width_growth) {
         bracket->left = bracket->right, bracket->g_left = bracket->g_right;
         bracket->right = fmin(bracket->right + next_width, upper_limit);
         status = function(ctx, bracket->right, &bracket->g_right);
     }
-    *has_root = status == TVI_OK && !tvi_has_sign_after_root(root, bracket->g_left) &&
-                tvi_has_sign_after_root(root, bracket->g_right);
+    *has_root = status == TVI_OK && !tvi_has_sign_after_root_or_is_zero(root, bracket->g_left) &&
+                tvi_has_sign_after_root_or_is_zero(root, bracket->g_right);
     return status;
 }
 
-/* Computes the distance (in theta) from finder->line_origin to the root on the line. Sets finder->is_root_on_line to
+/* Computes the distance (in theta) from finder->line_origin to the root on the line. Sets finder->has_root_on_line to
  * true if the line has a root inside the step at a distance of at most EVENT_BRACKET_MAX_DISTANCE. g is the value at
  * finder->line_origin. `slope` is an estimate of the derivative of g along the line, which need not be accurate. */
 static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_root *root, double g, double slope,
@@ -167,10 +167,10 @@ static tvi_status find_root_on_line(tvi_event_finder *finder, const tvi_event_ro
     if (fabs(next) < fabs(g) && fabs(second) <= EVENT_BRACKET_MAX_DISTANCE) *distance = second;
     tvi_sign_bracket bracket = {.left = fmin(fmax(*distance - EVENT_SURE_DISTANCE, least), largest),
                                 .right = fmin(fmax(*distance + EVENT_SURE_DISTANCE, least), largest)};
-    status =
-        move_bracket_to_root(root, &bracket, least, largest, EVENT_BRACKET_GROWTH * EVENT_SURE_DISTANCE,
-                             EVENT_BRACKET_GROWTH, evaluate_event_at_line_distance, &context, &finder->is_root_on_line);
-    if (!finder->is_root_on_line || bracket.right - bracket.left <= 2 * EVENT_SURE_DISTANCE) return status;
+    status = move_bracket_to_root(root, &bracket, least, largest, EVENT_BRACKET_GROWTH * EVENT_SURE_DISTANCE,
+                                  EVENT_BRACKET_GROWTH, evaluate_event_at_line_distance, &context,
+                                  &finder->has_root_on_line);
+    if (!finder->has_root_on_line || bracket.right - bracket.left <= 2 * EVENT_SURE_DISTANCE) return status;
     status = tvi_narrow_bracket(&bracket, DBL_EPSILON / 4, evaluate_event_at_line_distance, &context);
     *distance = bracket.right;
     return status;
@@ -190,7 +190,7 @@ static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_
 {
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
-    copy_partial_step_to_line_origin(finder, theta);
+    set_line_origin_to_partial_step_state(finder, theta);
     if (status == TVI_OK) set_event_state_on_line(finder, root, 0, state);
     return status;
 }
@@ -203,10 +203,10 @@ static tvi_status start_line_at(tvi_event_finder *finder, double theta)
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
-    copy_partial_step_to_line_origin(finder, theta);
+    set_line_origin_to_partial_step_state(finder, theta);
     const double apart = fmax(fmax(relative_distance_of_line_origin_to_curve(finder, 0, n),
                                    relative_distance_of_line_origin_to_curve(finder, n, n)),
-                              relative_time_difference_at_line_origin(finder));
+                              relative_time_from_line_origin_to_curve(finder));
     finder->accurate_distance =
         finder->is_chord_inside_step ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart) : 0;
     return TVI_OK;
@@ -240,7 +240,7 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
 
 /* Finds the root on the curve first, and then on straight lines with the slope of the curve. Each line begins at the
  * theta of the root on the line before. The iteration ends when two successive roots are near each other. */
-static tvi_status find_event_on_lines_along_curve(tvi_event_finder *finder, tvi_event_root *root, double state[])
+static tvi_status find_event_on_lines_with_curve_slope(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
@@ -256,7 +256,7 @@ static tvi_status find_event_on_lines_along_curve(tvi_event_finder *finder, tvi_
             status = evaluate_event_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
         if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &distance);
         if (status != TVI_OK) return status;
-        if (!finder->is_root_on_line) break;
+        if (!finder->has_root_on_line) break;
         if (fabs(distance) <= fmax(finder->accurate_distance, DBL_EPSILON)) {
             set_event_state_on_line(finder, root, distance, state);
             return TVI_OK;
@@ -283,16 +283,17 @@ static tvi_status compute_line_direction_from_rates(tvi_event_finder *finder, co
 
 /* Finds the event by a single partial step, to root->theta_guess, and a line from the state there in the direction of
  * its time derivatives. If the root is farther from this state than EVENT_LINE_MAX_LENGTH, the time derivatives are
- * computed again halfway to the root. *is_done is set if the result is accurate. */
+ * computed again halfway to the root. *is_accurate tells whether the computed event is accurate to roundoff; otherwise
+ * another method must compute it. */
 static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_event_root *root, double state[],
-                                                 bool *is_done)
+                                                 bool *is_accurate)
 {
     finder_event_context context = {finder, root->event_index};
     double g = 0, before = 0, after = 0, found = 0;
     const double h = finder->search->integrator->h;
     tvi_status status = tvi_partial_step_compute_state(finder->search->partial_step, root->theta_guess * h);
     if (status != TVI_OK) return status;
-    copy_partial_step_to_line_origin(finder, root->theta_guess);
+    set_line_origin_to_partial_step_state(finder, root->theta_guess);
     status = compute_line_direction_from_rates(finder, finder->line_origin);
     if (status == TVI_OK)
         status = tvi_search_evaluate_event(finder->search, root->event_index, finder->line_origin, &g);
@@ -311,8 +312,8 @@ static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_e
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);
     if (status == TVI_OK) set_event_state_on_line(finder, root, found, state);
-    *is_done = status == TVI_OK && finder->is_root_on_line && fabs(found - distance) <= EVENT_LINE_MAX_LENGTH &&
-               tvi_all_finite(finder->state_size, state);
+    *is_accurate = status == TVI_OK && finder->has_root_on_line && fabs(found - distance) <= EVENT_LINE_MAX_LENGTH &&
+                   tvi_all_finite(finder->state_size, state);
     return status;
 }
 
@@ -336,16 +337,16 @@ static tvi_status compute_g_change_per_theta(void *ctx, double theta, double *g)
     double g_change = 0;
     bool known;
     const tvi_status status =
-        tvi_step_start_compute_g_change(context->finder->search, context->event_index, theta, &g_change, &known);
+        tvi_compute_g_change_from_step_start(context->finder->search, context->event_index, theta, &g_change, &known);
     *g = g_change / theta;
     return status;
 }
 
 tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
-    bool is_done = false;
+    bool is_accurate = false;
     tvi_status status = TVI_OK;
-    if (root->is_return_to_zero) {
+    if (root->is_next_zero_after_zero_at_step_start) {
         const double first = finder->search->watched_events[root->event_index].theta_after_leaving_zero;
         const tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
         return find_event_by_partial_steps(finder, root, compute_g_change_per_theta, bracket, first,
@@ -354,6 +355,6 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
     if (is_theta_guess_inside_bracket(root) && is_line_along_rates_accurate(finder))
-        status = find_event_on_line_along_rates(finder, root, state, &is_done);
-    return is_done || status != TVI_OK ? status : find_event_on_lines_along_curve(finder, root, state);
+        status = find_event_on_line_along_rates(finder, root, state, &is_accurate);
+    return is_accurate || status != TVI_OK ? status : find_event_on_lines_with_curve_slope(finder, root, state);
 }

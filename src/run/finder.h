@@ -18,7 +18,7 @@ typedef struct {
     double *line_direction, accurate_distance;
     double *chord_midpoint;    /* the midpoint of the chord of the curve whose slope is line_direction */
     bool is_chord_inside_step; /* true if both ends of this chord lie inside the step */
-    bool is_root_on_line;      /* true if the event function changes its sign on the current line */
+    bool has_root_on_line;     /* true if the event function changes its sign on the current line */
     double *scratch_state;     /* scratch memory for one state */
 } tvi_event_finder;
 
@@ -30,8 +30,8 @@ void tvi_finder_close(tvi_event_finder *finder);
  * only on the less accurate curve, since it nearly touches 0 there, root->is_only_on_curve is set instead. */
 TVI_NODISCARD tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[]);
 
-/* Tells whether the value g has the sign that the event function has after the root, or is 0. */
-static inline bool tvi_has_sign_after_root(const tvi_event_root *root, double g)
+/* Tells whether the value g has the sign that the event function has just after the root, or is 0. */
+static inline bool tvi_has_sign_after_root_or_is_zero(const tvi_event_root *root, double g)
 {
     return root->g_sign_after > 0 ? g >= 0 : g <= 0;
 }

@@ -77,7 +77,7 @@ static tvi_status reserve_root_states(tvi_locator *locator)
  * partial steps lack, are dropped. */
 static tvi_status locate_events_of_step(tvi_locator *locator)
 {
-    tvi_status status = tvi_search_last_step(&locator->search);
+    tvi_status status = tvi_search_last_step_for_roots(&locator->search);
     int count = 0;
     if (status == TVI_OK) status = reserve_root_states(locator);
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++) {
@@ -90,8 +90,8 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
     return status;
 }
 
-/* Calls the observer of events with the state of a root. Returns true if the observer asks to end the run there. */
-static bool report_event_to_observer(tvi_locator *locator, const tvi_event_root *root, const double state[])
+/* Calls the observer of events with the state of a root. Returns true if the observer stops the run at the root. */
+static bool report_event_and_tell_if_stopped(tvi_locator *locator, const tvi_event_root *root, const double state[])
 {
     tvi_integrator *it = locator->search.integrator;
     const int n = it->system->n;
@@ -105,7 +105,7 @@ static bool report_event_to_observer(tvi_locator *locator, const tvi_event_root 
 
 /* Computes the tangent vectors at the root, if the observer of events may read them, or the user after a terminal
  * event. */
-static tvi_status propagate_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
+static tvi_status propagate_tangent_columns_to_root(tvi_locator *locator, const tvi_event_root *root)
 {
     const bool is_seen =
         locator->run->observers.on_event || locator->search.watched_events[root->event_index].event->is_terminal;
@@ -127,7 +127,7 @@ static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_e
     *is_at_stop = fabs(own - t) <= EVENT_SAME_TIME * fmax(fabs(own), fabs(t));
     if (*is_at_stop || fabs(root->theta - theta) > EVENT_NEAR_STOP) return TVI_OK;
     const tvi_status status = tvi_search_evaluate_event(&locator->search, root->event_index, state, &g);
-    *is_at_stop = tvi_has_sign_after_root(root, g) == (root->theta > theta);
+    *is_at_stop = tvi_has_sign_after_root_or_is_zero(root, g) == (root->theta > theta);
     return status;
 }
 
@@ -147,15 +147,16 @@ static tvi_status find_whether_unwanted_crossing_is_at_stop(tvi_locator *locator
     return status;
 }
 
-/* Finds the last root of the event before root number last_root, and the first one after it. NULL stands for none. */
-static void find_neighbouring_roots(const tvi_locator *locator, int event_index, int last_root,
+/* Finds, of all roots of the event, the last one before root number stop_root_index, and the first one after root
+ * number stop_root_index. NULL stands for none. */
+static void find_neighbouring_roots(const tvi_locator *locator, int event_index, int stop_root_index,
                                     const tvi_event_root **earlier, const tvi_event_root **later)
 {
     *earlier = *later = NULL;
     for (int i = 0; i < locator->search.root_count; i++) {
         const tvi_event_root *root = &locator->search.roots[i];
-        if (root->event_index != event_index || i == last_root) continue;
-        if (i < last_root) *earlier = root;
+        if (root->event_index != event_index || i == stop_root_index) continue;
+        if (i < stop_root_index) *earlier = root;
         else if (!*later) *later = root;
     }
 }
@@ -171,18 +172,18 @@ static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int e
            theta < 1 - fmax(EVENT_NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
 }
 
-/* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number last_root. The event
- * may have this root, or an earlier or a later root that also lies at `state`. *unreported becomes this later root, or
- * NULL if there is none. */
-static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_index, int last_root,
+/* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number stop_root_index. The
+ * event may have this root, or an earlier or a later root that also lies at `state`. *unreported becomes this later
+ * root, or NULL if there is none. */
+static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_index, int stop_root_index,
                                                 const double state[], bool *is_at_stop,
                                                 const tvi_event_root **unreported)
 {
-    const double theta = locator->search.roots[last_root].theta;
+    const double theta = locator->search.roots[stop_root_index].theta;
     const tvi_event_root *earlier, *later;
-    bool has_later = false, was_reported = locator->search.roots[last_root].event_index == event_index;
+    bool has_later = false, was_reported = locator->search.roots[stop_root_index].event_index == event_index;
     tvi_status status = TVI_OK;
-    find_neighbouring_roots(locator, event_index, last_root, &earlier, &later);
+    find_neighbouring_roots(locator, event_index, stop_root_index, &earlier, &later);
     if (later) status = find_whether_root_is_at_stop(locator, later, theta, state, &has_later);
     if (status == TVI_OK && earlier && !was_reported)
         status = find_whether_root_is_at_stop(locator, earlier, theta, state, &was_reported);
@@ -194,10 +195,10 @@ static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_
     return status;
 }
 
-/* Ends the run at the root number last_root with the given state, and reports other events at the same time. The
+/* Ends the run at the root number stop_root_index with the given state, and reports other events at the same time. The
  * integrator's tvi_event_stop stores all these events, so that a run that goes on from `state` does not report them
  * again. It keeps the events of the previous stop if the times of both stops differ by less than EVENT_SAME_STOP. */
-static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const double state[])
+static tvi_status stop_run_at_event(tvi_locator *locator, int stop_root_index, const double state[])
 {
     tvi_integrator *it = locator->search.integrator;
     tvi_event_stop *stop = it->stop;
@@ -208,16 +209,16 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
         bool is_at_stop;
         const tvi_event_root *unreported;
         const tvi_status status =
-            find_whether_event_is_at_stop(locator, event_index, last_root, state, &is_at_stop, &unreported);
+            find_whether_event_is_at_stop(locator, event_index, stop_root_index, state, &is_at_stop, &unreported);
         if (status != TVI_OK) return status;
-        if (unreported) (void)report_event_to_observer(locator, unreported, state);
+        if (unreported) (void)report_event_and_tell_if_stopped(locator, unreported, state);
         const tvi_event *event = locator->search.watched_events[event_index].event;
         if (is_at_stop && stop->event_count < TVI_STOP_EVENTS && !tvi_stop_has_event(stop, event))
             stop->event_hashes[stop->event_count++] = event->hash;
     }
     memcpy(stop->state, state, (size_t)locator->state_size * sizeof *state);
     /* The stop is not valid if an observer has just set parameters, since the events' functions change with them. */
-    stop->is_set = it->parameter_version == locator->partial_step.parameter_version;
+    stop->is_set = it->parameter_version == locator->partial_step.copied_parameter_version;
     tvi_integrator_reset(it);
     return TVI_ESTOPPED;
 }
@@ -227,7 +228,7 @@ static tvi_status stop_run_at_event(tvi_locator *locator, int last_root, const d
 static tvi_status update_event_parameters(tvi_locator *locator)
 {
     const tvi_integrator *it = locator->search.integrator;
-    if (locator->partial_step.parameter_version == it->parameter_version) return TVI_OK;
+    if (locator->partial_step.copied_parameter_version == it->parameter_version) return TVI_OK;
     tvi_search_set_parameters(&locator->search);
     tvi_state_rates_set_parameters(&locator->finder.rates_evaluator, it->parameters);
     return tvi_partial_step_update_parameters(&locator->partial_step);
@@ -250,9 +251,9 @@ static tvi_status report_root(tvi_locator *locator, tvi_times_progress *times, i
     const tvi_event_root *root = &locator->search.roots[root_index];
     const double *state = state_of_root(locator, root);
     tvi_status status = times ? tvi_times_report_until(times, state[locator->state_size - 1]) : TVI_OK;
-    if (status == TVI_OK) status = propagate_columns_to_root(locator, root);
+    if (status == TVI_OK) status = propagate_tangent_columns_to_root(locator, root);
     if (status != TVI_OK) return status;
-    const bool ends = report_event_to_observer(locator, root, state);
+    const bool ends = report_event_and_tell_if_stopped(locator, root, state);
     if (!ends && !locator->search.watched_events[root->event_index].event->is_terminal) return TVI_OK;
     status = stop_run_at_event(locator, root_index, state);
     if (status == TVI_ESTOPPED) copy_state_to_user(locator, state, t, q, p);
@@ -264,13 +265,13 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.has_return_hidden_by_roundoff) {
+    if (locator->search.has_event_again_before_time_moves) {
         tvi_integrator_undo_step(locator->search.integrator, t, q, p);
         tvi_columns_restore_step_start(locator->search.integrator, columns);
     }
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.has_return_hidden_by_roundoff)
+    if (status != TVI_ESTOPPED && !locator->search.has_event_again_before_time_moves)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }
@@ -313,7 +314,7 @@ tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *it, const tvi_sin
     return jet_explain_out_of_memory(status);
 }
 
-bool tvi_events_match_system(const tvi_integrator *it, const tvi_event *const events[], int count)
+bool tvi_events_match_dimension(const tvi_integrator *it, const tvi_event *const events[], int count)
 {
     if (count >= 0 && (count == 0 || events)) {
         int event_index = 0;

@@ -9,9 +9,9 @@ typedef struct tvi_locator tvi_locator;
 typedef struct tvi_times_progress tvi_times_progress;
 typedef struct tvi_single_run tvi_single_run;
 
-/* Tells whether all events were made for systems with the integrator's number of coordinates. If one was not, the error
- * text of tvi_last_error names it. */
-bool tvi_events_match_system(const tvi_integrator *integrator, const tvi_event *const events[], int event_count);
+/* Tells whether all events were made for systems with as many coordinates as the integrator's system. If the result is
+ * false, the text of tvi_last_error names the first event that was not. */
+bool tvi_events_match_dimension(const tvi_integrator *integrator, const tvi_event *const events[], int event_count);
 /* Creates a locator for the events of the run's plan. The run begins at the time t with q = start_state[0] and p =
  * start_state[1]. On failure *out is NULL. */
 TVI_NODISCARD tvi_status tvi_locator_open(tvi_locator **out, tvi_integrator *integrator, const tvi_single_run *run,

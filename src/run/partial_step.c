@@ -16,7 +16,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
     *partial_step =
         (tvi_partial_step){.full_step_integrator = full_step_integrator,
                            .uses_corrector_history_of_full_step_end = uses_corrector_history_of_full_step_end,
-                           .parameter_version = full_step_integrator->parameter_version};
+                           .copied_parameter_version = full_step_integrator->parameter_version};
     partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
     if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
     partial_step->p = partial_step->q + n;
@@ -41,8 +41,8 @@ void tvi_partial_step_close(tvi_partial_step *partial_step)
 tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
-    if (partial_step->parameter_version == it->parameter_version) return TVI_OK;
-    partial_step->parameter_version = it->parameter_version;
+    if (partial_step->copied_parameter_version == it->parameter_version) return TVI_OK;
+    partial_step->copied_parameter_version = it->parameter_version;
     partial_step->full_step_number = 0;
     if (partial_step->rates_evaluator.field_block)
         tvi_state_rates_set_parameters(&partial_step->rates_evaluator, it->parameters);
@@ -59,9 +59,9 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
     const size_t state =
         partial_step->uses_corrector_history_of_full_step_end ? it->state_bytes : it->copied_history_bytes;
     const bool is_near = partial_step->uses_corrector_history_of_full_step_end &&
-                         partial_step->full_step_number == it->stats.steps && partial_step->offset != it->h &&
-                         partial_step->offset != 0 &&
-                         fabs(offset - partial_step->offset) < PARTIAL_STEP_NEAR * fabs(it->h);
+                         partial_step->full_step_number == it->stats.steps && partial_step->state_offset != it->h &&
+                         partial_step->state_offset != 0 &&
+                         fabs(offset - partial_step->state_offset) < PARTIAL_STEP_NEAR * fabs(it->h);
     tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
     if (!is_near)
         tvi_arena_copy_history(partial_step->partial_step_integrator->history + state, it->history + state,
@@ -73,7 +73,7 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
     const bool is_end = offset == it->h;
-    if (partial_step->full_step_number == it->stats.steps && partial_step->offset == offset) return TVI_OK;
+    if (partial_step->full_step_number == it->stats.steps && partial_step->state_offset == offset) return TVI_OK;
     const tvi_run_state *state = is_end ? &it->state : &it->start;
     partial_step->t = state->q[it->system->n];
     memcpy(partial_step->q, state->q, bytes);
@@ -86,7 +86,7 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
         if (status != TVI_OK) return status;
     }
     partial_step->full_step_number = it->stats.steps;
-    partial_step->offset = offset;
+    partial_step->state_offset = offset;
     return TVI_OK;
 }
 
@@ -133,9 +133,9 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
 }
 
 /* Computes the state at the given time in a rescaled system. Newton's method finds the offset at which a partial step
- * reaches the time, from the given offset, at which the curve reaches the time. The state with the nearest time is
- * kept. time_from_start is the wanted increment of the time, which is more accurate than the difference of rounded
- * times. */
+ * reaches the time. It starts from `offset`, where the curve of the full step reaches the time. The result is the
+ * computed state whose time is nearest. time_from_start is the wanted increment of the time, which is more accurate
+ * than the difference of rounded times. */
 static tvi_status compute_state_at_time_by_newton(tvi_partial_step *partial_step, double time, double time_from_start,
                                                   double offset)
 {

@@ -20,9 +20,9 @@ typedef struct {
     double t, *q, *p;                    /* the state (t, q[n], p[n]) that was computed last */
     tvi_rates_evaluator rates_evaluator; /* evaluates dq/ds and dp/ds of a rescaled system; unused otherwise */
     double *rates_input, *rates_output;  /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
-    long parameter_version;              /* full_step_integrator->parameter_version when the parameters were copied */
-    long full_step_number; /* the number of the full step that the state lies in; 0 if there is no state */
-    double offset;         /* the state lies at this distance from the start of the full step, 0 to h */
+    long copied_parameter_version; /* full_step_integrator->parameter_version when the parameters were last copied */
+    long full_step_number;         /* the number of the full step that the state lies in; 0 if there is no state */
+    double state_offset;           /* the distance, 0 to h, of the state (t, q, p) from the start of the full step */
 } tvi_partial_step;
 
 /* Creates the integrator for the partial steps, and allocates the memory. */

@@ -42,7 +42,7 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
 {
     const char *reason = plan ? find_contradiction(plan) : "plan is NULL";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
-    if (!tvi_events_match_system(it, plan->events, plan->event_count)) return TVI_EINVAL;
+    if (!tvi_events_match_dimension(it, plan->events, plan->event_count)) return TVI_EINVAL;
     return plan->tolerance != 0 ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 

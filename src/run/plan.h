@@ -18,7 +18,7 @@ typedef struct {
     tvi_run_mode run_mode;
     int member_index, member_count;
     /* An ensemble may run a plan in several segments. step_count_before_segment is the number of steps in earlier
-     * segments, and plan->steps that in the present segment. */
+     * segments, and plan->steps the number of steps in the present segment. */
     long step_count_before_segment;
     /* The observer that is called after plan->at_step; NULL if the ensemble itself calls the observer of the plan. */
     tvi_ensemble_observer *ensemble_observer;

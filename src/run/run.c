@@ -23,9 +23,9 @@ int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, dou
 /* The sequence of steps of a run, which depends on its mode. */
 typedef struct tvi_schedule tvi_schedule;
 struct tvi_schedule {
-    /* Makes the next step or steps. It sets *is_last if the run ends with them. */
+    /* Makes the next step or steps, and sets *is_end_of_run to true if the run ends with them. */
     tvi_status (*step)(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
-                       bool *is_last);
+                       bool *is_end_of_run);
     const tvi_run_plan *plan;
     /* The largest number of calls of `step` in the run, and the largest number of steps that one call may make. */
     long most_calls, most_steps_per_call;
@@ -63,7 +63,7 @@ static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, dou
     const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
     tvi_status status = opened == TVI_OK ? tvi_partial_step_compute_state_at_time(&partial_step, t_end) : opened;
     tvi_integrator_undo_step(it, t, q, p);
-    if (status == TVI_OK && partial_step.offset != 0) status = tvi_step(it, partial_step.offset, t, q, p);
+    if (status == TVI_OK && partial_step.state_offset != 0) status = tvi_step(it, partial_step.state_offset, t, q, p);
     if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
     return status;
 }
@@ -89,7 +89,7 @@ static long count_steps_for_one_stepper_call(const tvi_integrator *it, const tvi
 /* Makes one or more steps of size h, or the last step of the run. If the steps are steps in time, the last one has the
  * size of the remaining time. */
 static tvi_status make_steps_towards_end_time(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
-                                              double p[], bool *is_last)
+                                              double p[], bool *is_end_of_run)
 {
     const double h = schedule->plan->h, t_end = schedule->t_end, remaining_time = remaining_time_to(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
@@ -99,16 +99,17 @@ static tvi_status make_steps_towards_end_time(tvi_integrator *it, const tvi_sche
                              : tvi_make_steps(it, count_steps_for_one_stepper_call(it, schedule, remaining_time), 0, h,
                                               before_end, t, q, p);
     const double left = ends ? 0 : remaining_time_to(it, t_end);
-    *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
-    if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten_step_to_end_time(it, t_end, t, q, p);
-    if (status == TVI_OK && *is_last) set_time_to_t_end(it, t_end, t);
+    *is_end_of_run = fabs(left) <= roundoff || (left > 0) != (h > 0);
+    if (status == TVI_OK && fabs(left) > roundoff && *is_end_of_run)
+        status = shorten_step_to_end_time(it, t_end, t, q, p);
+    if (status == TVI_OK && *is_end_of_run) set_time_to_t_end(it, t_end, t);
     return status;
 }
 
 /* Makes one step whose size keeps the local error within the tolerance, no farther than t_end and no larger than the
  * plan's largest_step. A step that ends within roundoff of t_end ends at t_end, so that no tiny step must follow. */
 static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
-                                         double p[], bool *is_last)
+                                         double p[], bool *is_end_of_run)
 {
     const double rest = remaining_time_to(it, schedule->t_end), largest = schedule->plan->largest_step;
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(schedule->t_end), fabs(*t));
@@ -116,8 +117,8 @@ static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule 
     const double farthest = is_limited ? copysign(largest, rest) : rest;
     const tvi_status status =
         tvi_make_steps(it, 1, schedule->plan->tolerance, farthest, tvi_infinite_end_time(farthest), t, q, p);
-    *is_last = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
-    if (*is_last) set_time_to_t_end(it, schedule->t_end, t);
+    *is_end_of_run = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
+    if (*is_end_of_run) set_time_to_t_end(it, schedule->t_end, t);
     return status;
 }
 
@@ -125,9 +126,9 @@ static tvi_status make_step_by_tolerance(tvi_integrator *it, const tvi_schedule 
 
 /* Makes steps of size h in a run that ends after a number of steps, or after the last of the given times. */
 static tvi_status make_steps_without_end_time(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[],
-                                              double p[], bool *is_last)
+                                              double p[], bool *is_end_of_run)
 {
-    (void)is_last;
+    (void)is_end_of_run;
     return tvi_make_steps(it, schedule->most_steps_per_call, 0, schedule->plan->h,
                           tvi_infinite_end_time(schedule->plan->h), t, q, p);
 }
@@ -150,8 +151,8 @@ static tvi_status set_schedule_for_step_count(const tvi_single_run *run, tvi_sch
     return TVI_OK;
 }
 
-static tvi_status set_schedule_to_time(const tvi_integrator *it, const tvi_single_run *run, double t,
-                                       tvi_schedule *schedule)
+static tvi_status set_schedule_for_end_time(const tvi_integrator *it, const tvi_single_run *run, double t,
+                                            tvi_schedule *schedule)
 {
     const tvi_run_plan *plan = run->plan;
     const bool by_tolerance = run->mode == TVI_RUN_TO_TOLERANCE;
@@ -204,10 +205,10 @@ static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_sing
                                         const double p[], tvi_schedule *schedule)
 {
     const double h = run->plan->h;
-    if (!tvi_events_match_system(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
-    if (run->mode == TVI_RUN_TO_TOLERANCE) return set_schedule_to_time(it, run, t, schedule);
+    if (!tvi_events_match_dimension(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
+    if (run->mode == TVI_RUN_TO_TOLERANCE) return set_schedule_for_end_time(it, run, t, schedule);
     if (h == 0 || !isfinite(h)) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, &t, q, p, h}, "");
-    if (run->mode == TVI_RUN_TO_TIME) return set_schedule_to_time(it, run, t, schedule);
+    if (run->mode == TVI_RUN_TO_TIME) return set_schedule_for_end_time(it, run, t, schedule);
     if (run->mode == TVI_RUN_AT_TIMES) return set_schedule_for_times(it, run, t, q, p, schedule);
     return set_schedule_for_step_count(run, schedule);
 }
@@ -226,10 +227,12 @@ typedef struct {
 
 /* Makes the next step, and multiplies the tangent vectors by its Jacobian matrix. If the multiplication fails, the step
  * is undone. */
-static tvi_status make_next_step(const run_in_progress *in_progress, double *t, double q[], double p[], bool *is_last)
+static tvi_status make_next_step(const run_in_progress *in_progress, double *t, double q[], double p[],
+                                 bool *is_end_of_run)
 {
     const long before = in_progress->integrator->stats.steps;
-    tvi_status status = in_progress->schedule.step(in_progress->integrator, &in_progress->schedule, t, q, p, is_last);
+    tvi_status status =
+        in_progress->schedule.step(in_progress->integrator, &in_progress->schedule, t, q, p, is_end_of_run);
     if (status != TVI_OK || in_progress->integrator->stats.steps == before) return status;
     status = tvi_columns_propagate_by_last_step(in_progress->integrator, &in_progress->run->columns);
     if (status != TVI_OK) tvi_integrator_undo_step(in_progress->integrator, t, q, p);
@@ -260,13 +263,13 @@ static tvi_status make_all_steps(run_in_progress *in_progress, double *t, double
     tvi_status status =
         has_events ? tvi_locator_open(&in_progress->locator, in_progress->integrator, in_progress->run, *t, state)
                    : TVI_OK;
-    bool is_last = false;
+    bool is_end_of_run = false;
     int slow_step_count = 0;
-    for (long step = 1; step <= in_progress->schedule.most_calls && !is_last && status == TVI_OK; step++) {
-        status = make_next_step(in_progress, t, q, p, &is_last);
+    for (long step = 1; step <= in_progress->schedule.most_calls && !is_end_of_run && status == TVI_OK; step++) {
+        status = make_next_step(in_progress, t, q, p, &is_end_of_run);
         if (status == TVI_OK) status = report_times_events_and_step(in_progress, step, t, q, p);
-        is_last = is_last || (in_progress->times && tvi_times_are_all_reported(in_progress->times));
-        if (status == TVI_OK && in_progress->schedule.ends_at_t_end && !is_last)
+        is_end_of_run = is_end_of_run || (in_progress->times && tvi_times_are_all_reported(in_progress->times));
+        if (status == TVI_OK && in_progress->schedule.ends_at_t_end && !is_end_of_run)
             status = check_time_advances(in_progress->integrator, in_progress->schedule.t_end, &slow_step_count);
     }
     tvi_locator_close(in_progress->locator);

@@ -21,9 +21,10 @@ typedef enum { TVI_RUN_STEPS, TVI_RUN_TO_TIME, TVI_RUN_AT_TIMES, TVI_RUN_TO_TOLE
 /* The arguments of a run of one integrator: its plan, the observers that are called, and its tangent vectors. */
 struct tvi_single_run {
     tvi_run_mode mode;
-    /* The step size, the end, the times and the events; the observers below are called instead of the plan's. */
+    /* The step size, the end of the run, the given times and the events. The observers of the plan are not used
+     * here. */
     const tvi_run_plan *plan;
-    tvi_observers observers; /* the observers that the run calls */
+    tvi_observers observers; /* the observers that the run calls instead of those of the plan */
     /* The tangent vectors that the run's steps propagate; elements = NULL if there are none. */
     tvi_tangent_columns columns;
     long step_count_before_segment; /* the number of steps in earlier segments of an ensemble's run */

@@ -78,17 +78,17 @@ tvi_status tvi_search_find_curve_root(tvi_event_search *search, const tvi_event_
 }
 
 /* Adds a root between the samples `left` and `right` to the search, if the user has asked for this direction of the
- * sign change. sign_after is the sign of g after the root. Returns NULL if the direction was not asked for. */
-static tvi_event_root *add_root(tvi_event_search *search, int event_index, int sign_after, tvi_event_sample left,
+ * sign change. g_sign_after is the sign of g after the root. Returns NULL if the direction was not asked for. */
+static tvi_event_root *add_root(tvi_event_search *search, int event_index, int g_sign_after, tvi_event_sample left,
                                 tvi_event_sample right)
 {
-    if (!tvi_event_reports_sign_change(search->watched_events[event_index].event, sign_after)) return NULL;
+    if (!tvi_event_reports_sign_change(search->watched_events[event_index].event, g_sign_after)) return NULL;
     tvi_event_root *added = &search->roots[search->root_count];
     *added = (tvi_event_root){.event_index = event_index,
                               .found_index = search->root_count,
-                              .g_sign_after = sign_after,
+                              .g_sign_after = g_sign_after,
                               .bracket = {left.theta, left.g, right.theta, right.g},
-                              .is_return_to_zero =
+                              .is_next_zero_after_zero_at_step_start =
                                   left.theta == 0 && search->watched_events[event_index].is_zero_at_step_start,
                               .theta_guess = NAN};
     search->root_count++;
@@ -131,7 +131,7 @@ static tvi_status search_dip_for_roots(tvi_event_search *search, int event_index
 {
     tvi_event_sample x[TVI_DIP_SAMPLES], new;
     memcpy(x, dip, sizeof x);
-    for (int sample_count = 0; tvi_dip_choose_next_theta(x, sample_count, &new.theta); sample_count++) {
+    for (int sample_count = 0; tvi_dip_needs_another_sample(x, sample_count, &new.theta); sample_count++) {
         const tvi_status status = evaluate_event_on_curve(search, event_index, new.theta, &new.g);
         if (status != TVI_OK) return status;
         if (tvi_sign(new.g) != tvi_sign(x[2].g)) return add_root_pair(search, event_index, dip[1], new, dip[3]);
@@ -150,7 +150,7 @@ static bool is_local_minimum_of_abs_g(const double g[])
  * between the first two samples. abs_g_increase is the increase of |g| between these samples. The slope at the start is
  * that of the polynomial through five samples. With stride = -1 the samples are read backwards from the end of the
  * step. */
-static bool is_falling_or_flat_at_boundary(const double g[], int stride, double abs_g_increase)
+static bool is_abs_g_falling_or_flat_at_boundary(const double g[], int stride, double abs_g_increase)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
     return (g[0] > 0 ? slope : -slope) <= 12 * EVENT_FLAT_SLOPE * abs_g_increase;
@@ -186,7 +186,7 @@ static bool may_have_dip_at_boundary(const double g[], int stride)
      * sample before the end. */
     const bool rises = stride > 0 ? abs_g_increase >= 0 : abs_g_increase > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
-           (is_falling_or_flat_at_boundary(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
+           (is_abs_g_falling_or_flat_at_boundary(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
 }
 
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
@@ -230,7 +230,7 @@ static tvi_status search_between_samples(tvi_event_search *search, int event_ind
     if (status != TVI_OK) return status;
     if (left.g != 0 && right.g != 0 && tvi_sign(left.g) != tvi_sign(right.g)) {
         tvi_event_root *root = add_root(search, event_index, tvi_sign(right.g), left, right);
-        if (root && may_interpolate && !root->is_return_to_zero)
+        if (root && may_interpolate && !root->is_next_zero_after_zero_at_step_start)
             root->theta_guess =
                 guess_root_by_interpolation(search->watched_events[event_index].g_samples, root->bracket.left,
                                             root->bracket.g_left, root->bracket.right, root->bracket.g_right);
@@ -296,11 +296,11 @@ static tvi_status refuse_failing_event(tvi_event_search *search)
 static tvi_status sample_all_events(tvi_event_search *search)
 {
     const long step = search->integrator->stats.steps;
-    const bool continues = search->last_searched_step > 0 && *search->integrator->was_state_from_step &&
-                           step == search->last_searched_step + 1;
+    const bool continues = search->last_searched_step_number > 0 && *search->integrator->was_state_from_step &&
+                           step == search->last_searched_step_number + 1;
     for (int event_index = 0; event_index < search->event_count; event_index++)
         search->watched_events[event_index].g_samples[0] = search->watched_events[event_index].g_samples[TVI_SAMPLES];
-    tvi_status status = continues ? TVI_OK : tvi_step_start_evaluate_events(search);
+    tvi_status status = continues ? TVI_OK : tvi_evaluate_events_at_step_start(search);
     if (status != TVI_OK) return status;
     tvi_sample_dense_output(search->integrator, search->used_components, search->joint_tape_block);
     if (!jet_sweep_values(search->joint_tape, search->joint_tape_block, TVI_SAMPLES))
@@ -311,16 +311,16 @@ static tvi_status sample_all_events(tvi_event_search *search)
                search->joint_tape_block + (size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES,
                TVI_SAMPLES * sizeof *w->g_samples);
         w->is_zero_at_step_start = false;
-        if (w->g_samples[0] == 0) status = tvi_step_start_find_sign_leaving_zero(search, event_index);
+        if (w->g_samples[0] == 0) status = tvi_find_sign_leaving_zero_at_step_start(search, event_index);
         w->was_reported_at_stop = false;
     }
     search->next_step_start_kind =
         TVI_FROM_ANY; /* The next step may start from any state, since an observer may change it. */
-    search->last_searched_step = step;
+    search->last_searched_step_number = step;
     return status;
 }
 
-tvi_status tvi_search_last_step(tvi_event_search *search)
+tvi_status tvi_search_last_step_for_roots(tvi_event_search *search)
 {
     tvi_status status = sample_all_events(search);
     search->root_count = 0;

@@ -1,6 +1,6 @@
 /* search.h - Finds the roots of event functions g(q, p, t) along the curve of the last step (tvi_dense), to the
- * accuracy of that curve. locate.c calls it after each step of a run with events. theta = 0 ... 1 is the position in
- * the step. */
+ * accuracy of that curve. locate.c calls it after each step of a run with events. theta is the part of the step, from 0
+ * at its start to 1 at its end. */
 #ifndef TVI_SRC_RUN_SEARCH_H
 #define TVI_SRC_RUN_SEARCH_H
 
@@ -15,11 +15,11 @@ typedef struct {
     int g_sign_after;         /* the sign of g just after the root: +1 or -1 */
     tvi_sign_bracket bracket; /* an interval of theta that contains the root; at `right` g has g_sign_after or is 0 */
     double theta_guess;       /* an estimate of the root's theta; NAN if there is none */
-    /* True if the step begins on the event, and g first leaves 0 with the sign of bracket.g_left and then returns to 0
-     * at this root. */
-    bool is_return_to_zero;
+    /* True if g = 0 at the start of the step, and this root is the next zero of g. Between both zeros g has the sign of
+     * bracket.g_left. */
+    bool is_next_zero_after_zero_at_step_start;
     bool is_only_on_curve; /* true if only the curve has the root; the more accurate partial steps (finder.c) lack it */
-    double theta;          /* the position of the root to roundoff, which finder.c sets */
+    double theta;          /* the theta of the root to roundoff, which finder.c sets */
 } tvi_event_root;
 
 /* An event function that a search watches, and its values in the current step. */
@@ -50,10 +50,11 @@ typedef struct {
     /* The kind of state from which the next step to be searched starts. */
     tvi_run_start_kind next_step_start_kind;
     bool is_momentum_changed_at_stop; /* true if the run begins at its last stop with another momentum p */
-    /* True if the g of an event returns to 0 in a time that roundoff hides, as for a ball at rest on the floor. */
-    bool has_return_hidden_by_roundoff;
-    long last_searched_step; /* the number of the last step that was searched; 0 if there is none */
-    jet_tape *joint_tape;    /* a tape that evaluates the functions of all events together */
+    /* True if an event that stopped the run comes again before the time changes by more than its roundoff, as for a
+     * ball at rest on the floor. */
+    bool has_event_again_before_time_moves;
+    long last_searched_step_number; /* the number of the last step that was searched; 0 if there is none */
+    jet_tape *joint_tape;           /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated at TVI_SAMPLES states at once. It begins with the tape's inputs, the
      * states [2n + 1][TVI_SAMPLES]. */
     double *joint_tape_block;
@@ -73,8 +74,8 @@ void tvi_search_close(tvi_event_search *search);
 void tvi_search_set_parameters(tvi_event_search *search);
 
 /* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if
- * has_return_hidden_by_roundoff. */
-TVI_NODISCARD tvi_status tvi_search_last_step(tvi_event_search *search);
+ * search->has_event_again_before_time_moves becomes true. */
+TVI_NODISCARD tvi_status tvi_search_last_step_for_roots(tvi_event_search *search);
 /* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);
 /* Computes the value *g of one event function at the state [2n + 1]. */
@@ -95,19 +96,19 @@ tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *integrator, doub
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);
 
 /* Evaluates the functions g of all events at the start of the last step, and sets their g_samples[0]: to 0 if the start
- * lies on the event up to roundoff. The search calls this function if it has no values from the end of the step
+ * lies on the event up to roundoff. The search calls this function if it has no values of g from the end of the step
  * before. */
-TVI_NODISCARD tvi_status tvi_step_start_evaluate_events(tvi_event_search *search);
+TVI_NODISCARD tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search);
 
 /* Sets g_samples[0] of an event on which the step begins (g = 0) to a tiny number with the sign that g has just
  * after the start of the step. Also sets is_zero_at_step_start and theta_after_leaving_zero (tvi_watched_event). */
-TVI_NODISCARD tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int event_index);
+TVI_NODISCARD tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, int event_index);
 
 /* Sets *g_change to g(x(theta)) - g(x(0)) for a step that begins on the event. x(theta) is the state after a partial
  * step of the method, which search->partial_step then holds. *is_sign_certain tells whether |*g_change| is larger
  * than its roundoff. */
-TVI_NODISCARD tvi_status tvi_step_start_compute_g_change(tvi_event_search *search, int event_index, double theta,
-                                                         double *g_change, bool *is_sign_certain);
+TVI_NODISCARD tvi_status tvi_compute_g_change_from_step_start(tvi_event_search *search, int event_index, double theta,
+                                                              double *g_change, bool *is_sign_certain);
 
 /* Sets *is_roundoff: true if |g| stays below its roundoff over the whole step. */
 TVI_NODISCARD tvi_status tvi_search_find_whether_g_is_roundoff(tvi_event_search *search, int event_index,

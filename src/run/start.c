@@ -46,8 +46,8 @@ bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event)
 }
 
 /* Computes g at the q and t of the given state with the momentum p of the last stop. */
-static tvi_status evaluate_with_stop_momentum(tvi_event_search *search, int event_index, const double state[],
-                                              double *g)
+static tvi_status evaluate_event_with_stop_momentum(tvi_event_search *search, int event_index, const double state[],
+                                                    double *g)
 {
     const size_t n = (size_t)search->integrator->system->n;
     memcpy(search->scratch_increment, state, (2 * n + 1) * sizeof *state);
@@ -69,7 +69,7 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
     /* If only p was changed at the stop and g is unchanged, the state does not lie on the event, since the event was
      * not reported at the stop. */
     if (search->next_step_start_kind == TVI_FROM_STOP && search->integrator->stop->event_count < TVI_STOP_EVENTS) {
-        status = evaluate_with_stop_momentum(search, event_index, state, &before);
+        status = evaluate_event_with_stop_momentum(search, event_index, state, &before);
         if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, state, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
     }
@@ -79,7 +79,7 @@ static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_
     return status;
 }
 
-tvi_status tvi_step_start_evaluate_events(tvi_event_search *search)
+tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search)
 {
     const int inputs = 2 * search->integrator->system->n + 1;
     const double *g = search->joint_tape_block;
@@ -129,8 +129,8 @@ static tvi_status compute_increment_to_theta(tvi_event_search *search, double th
     return TVI_OK;
 }
 
-tvi_status tvi_step_start_compute_g_change(tvi_event_search *search, int event_index, double theta, double *g_change,
-                                           bool *is_sign_certain)
+tvi_status tvi_compute_g_change_from_step_start(tvi_event_search *search, int event_index, double theta,
+                                                double *g_change, bool *is_sign_certain)
 {
     const tvi_watched_event *w = &search->watched_events[event_index];
     double scale;
@@ -153,35 +153,37 @@ static tvi_status find_sign_of_g_change(tvi_event_search *search, int event_inde
 {
     double g_change = 0;
     bool is_sign_certain = false;
-    const tvi_status status = tvi_step_start_compute_g_change(search, event_index, theta, &g_change, &is_sign_certain);
+    const tvi_status status =
+        tvi_compute_g_change_from_step_start(search, event_index, theta, &g_change, &is_sign_certain);
     *sign = is_sign_certain ? tvi_sign(g_change) : 0;
     return status;
 }
 
-/* Returns a theta, at least EVENT_RETURN_MIN_THETA, up to which the time changes by one unit of its roundoff.
- * search->scratch_increment holds the increments of q, p and t up to first_theta. */
-static double first_theta_that_moves_time(const tvi_event_search *search, double first_theta)
+/* Returns the theta at which the time has changed by one unit of its roundoff since the start of the step, or
+ * EVENT_RETURN_MIN_THETA if that theta does not lie between EVENT_RETURN_MIN_THETA and the first sample.
+ * search->scratch_increment must hold the increments of q, p and t from the start of the step to increment_theta. */
+static double theta_where_time_changes_by_roundoff(const tvi_event_search *search, double increment_theta)
 {
     const int n = search->integrator->system->n;
     const double resolution =
         DBL_EPSILON * fmax(fabs(search->integrator->start.q[n]), fabs(search->integrator->state.q[n]));
-    const double theta = resolution * first_theta / fabs(search->scratch_increment[2 * n]);
+    const double theta = resolution * increment_theta / fabs(search->scratch_increment[2 * n]);
     return theta > EVENT_RETURN_MIN_THETA && theta < tvi_sample_theta[0] ? theta : EVENT_RETURN_MIN_THETA;
 }
 
-tvi_status tvi_step_start_find_sign_leaving_zero(tvi_event_search *search, int event_index)
+tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, int event_index)
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     int first, sign;
     const double at_first = tvi_is_rescaled(search->integrator) ? EVENT_FIRST_RESCALED_THETA : EVENT_FIRST_THETA;
     tvi_status status = find_sign_of_g_change(search, event_index, at_first, &first);
     if (status != TVI_OK) return status;
-    double theta = first_theta_that_moves_time(search, at_first);
+    double theta = theta_where_time_changes_by_roundoff(search, at_first);
     status = find_sign_of_g_change(search, event_index, theta, &sign);
-    search->has_return_hidden_by_roundoff = status == TVI_OK && w->was_reported_at_stop &&
-                                            search->is_momentum_changed_at_stop && first * sign < 0 &&
-                                            tvi_event_reports_sign_change(w->event, sign);
-    if (search->has_return_hidden_by_roundoff)
+    search->has_event_again_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
+                                                search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                                tvi_event_reports_sign_change(w->event, sign);
+    if (search->has_event_again_before_time_moves)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * EVENT_RETURN_THETA_GROWTH < tvi_sample_theta[0])

@@ -43,7 +43,7 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, 
 }
 
 /* Reports the next given time with its state q, p, by calling the observer. */
-static void report_next_time(tvi_times_progress *times_progress, const double q[], const double p[])
+static void report_state_at_next_time(tvi_times_progress *times_progress, const double q[], const double p[])
 {
     const tvi_observers *observers = &times_progress->run->observers;
     const int which = times_progress->next_time_index++;
@@ -52,23 +52,23 @@ static void report_next_time(tvi_times_progress *times_progress, const double q[
         times_progress->is_stopped_by_observer = true;
 }
 
-/* Computes the state at the next given time, which lies in the last step, and reports it. */
-static tvi_status report_next_time_inside_step(tvi_times_progress *times_progress)
+/* Computes the state at the next given time, which lies in the last step, and reports the state. */
+static tvi_status report_state_at_next_time_in_step(tvi_times_progress *times_progress)
 {
     const tvi_partial_step *partial_step = &times_progress->partial_step;
     tvi_status status = tvi_partial_step_compute_state_at_time(
         &times_progress->partial_step, times_progress->run->plan->times[times_progress->next_time_index]);
     if (status == TVI_OK && times_progress->run->observers.at_time)
-        status =
-            tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
-                                            partial_step->offset, partial_step->partial_step_integrator->parameters);
-    if (status == TVI_OK) report_next_time(times_progress, partial_step->q, partial_step->p);
+        status = tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
+                                                 partial_step->state_offset,
+                                                 partial_step->partial_step_integrator->parameters);
+    if (status == TVI_OK) report_state_at_next_time(times_progress, partial_step->q, partial_step->p);
     return status;
 }
 
-/* Reports the given times up to last_time. Stops reporting when the observer stops the run, unless reports_all is
- * set. */
-static tvi_status report_times_until(tvi_times_progress *times_progress, double last_time, bool reports_all)
+/* Reports the given times up to last_time. After the observer has stopped the run, no further time is reported, unless
+ * ignores_observer_stop is true. */
+static tvi_status report_times_until(tvi_times_progress *times_progress, double last_time, bool ignores_observer_stop)
 {
     const tvi_run_plan *plan = times_progress->run->plan;
     const double direction = plan->h > 0 ? 1 : -1;
@@ -76,8 +76,8 @@ static tvi_status report_times_until(tvi_times_progress *times_progress, double 
     tvi_status status = TVI_OK;
     while (status == TVI_OK && !tvi_times_are_all_reported(times_progress) &&
            direction * (plan->times[times_progress->next_time_index] - last_time) <= 0 &&
-           (reports_all || !times_progress->is_stopped_by_observer))
-        status = report_next_time_inside_step(times_progress);
+           (ignores_observer_stop || !times_progress->is_stopped_by_observer))
+        status = report_state_at_next_time_in_step(times_progress);
     if (times_progress->next_time_index > first)
         tvi_columns_restore_step_end(times_progress->integrator, &times_progress->run->columns);
     return status;
@@ -99,7 +99,7 @@ tvi_status tvi_times_open(tvi_times_progress *times_progress, tvi_integrator *it
     *times_progress = (tvi_times_progress){.integrator = it, .run = run};
     while (!continues_last_step && !times_progress->is_stopped_by_observer &&
            !tvi_times_are_all_reported(times_progress) && run->plan->times[times_progress->next_time_index] == t) {
-        report_next_time(times_progress, q, p);
+        report_state_at_next_time(times_progress, q, p);
         tvi_columns_restore_step_end(it, &run->columns);
     }
     if (times_progress->is_stopped_by_observer || tvi_times_are_all_reported(times_progress))

@@ -208,7 +208,7 @@ START_TEST(dips_are_decided)
         tvi_event_sample next;
         bool is_below = false;
         int looks = 0;
-        for (; !is_below && tvi_dip_choose_next_theta(x, looks, &next.theta); looks++) {
+        for (; !is_below && tvi_dip_needs_another_sample(x, looks, &next.theta); looks++) {
             next.g = unit * (base + shape(which, next.theta - at));
             is_below = next.g <= 0;
             if (!is_below) tvi_dip_insert_sample(x, next);
