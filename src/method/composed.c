@@ -9,25 +9,25 @@
 /* The memory of the stepper for compositions. */
 typedef struct {
     int n;
-    tvi_options options[2]; /* The options of the first half (the method), and of the second half (its adjoint). */
-    const tvi_stepper *stepper[2];
-    void *work[2];                   /* The memory of the steppers of both halves. */
-    tvi_run_state middle_state;      /* The state between the two halves. */
-    tvi_increments first_increments; /* The increments of the first half of the step. */
+    tvi_options half_options[2]; /* The options of the first half (the method), and of the second half (its adjoint). */
+    const tvi_stepper *half_stepper[2];
+    void *half_work[2];                   /* The memory of the steppers of both halves. */
+    tvi_run_state middle_state;           /* The state between the two halves. */
+    tvi_increments first_half_increments; /* The increments of the first half of the step. */
 } composed_stepper;
 
 static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     composed_stepper *allocated = tvi_arena_allocate(arena, sizeof *allocated);
-    composed_stepper composition = {.n = system->n, .options = {*options, tvi_adjoint_options(options)}};
-    tvi_allocate_state_and_increments(arena, system->n, &composition.middle_state, &composition.first_increments);
+    composed_stepper composition = {.n = system->n, .half_options = {*options, tvi_adjoint_options(options)}};
+    tvi_allocate_state_and_increments(arena, system->n, &composition.middle_state, &composition.first_half_increments);
     for (int half = 0; half < 2; half++) {
-        composition.options[half].compose_adjoint = false;
+        composition.half_options[half].compose_adjoint = false;
         /* The steppers of the halves keep pointers to their options, which are therefore copied into the arena. */
-        if (allocated) allocated->options[half] = composition.options[half];
-        composition.stepper[half] = tvi_choose_stepper(&composition.options[half]);
-        composition.work[half] = composition.stepper[half]->allocate(
-            arena, system, allocated ? &allocated->options[half] : &composition.options[half]);
+        if (allocated) allocated->half_options[half] = composition.half_options[half];
+        composition.half_stepper[half] = tvi_choose_stepper(&composition.half_options[half]);
+        composition.half_work[half] = composition.half_stepper[half]->allocate(
+            arena, system, allocated ? &allocated->half_options[half] : &composition.half_options[half]);
     }
     if (allocated) *allocated = composition;
     return allocated;
@@ -36,7 +36,7 @@ static void *allocate_composed_work(tvi_arena *arena, const tvi_system *system, 
 static void set_tables_of_halves(void *work)
 {
     composed_stepper *composition = work;
-    for (int half = 0; half < 2; half++) composition->stepper[half]->set_tables(composition->work[half]);
+    for (int half = 0; half < 2; half++) composition->half_stepper[half]->set_tables(composition->half_work[half]);
 }
 
 /* Computes (sum, sum_low) = (x, x_low) + (increment, increment_low) by compensated summation. */
@@ -53,17 +53,17 @@ static tvi_status step_both_halves(void *work, double h, const tvi_step_origin *
                                    const tvi_increments *increments, tvi_stats *stats)
 {
     composed_stepper *composition = work;
-    const tvi_increments *half = &composition->first_increments;
+    const tvi_increments *half = &composition->first_half_increments;
     const tvi_run_state *middle = &composition->middle_state;
     const int n = composition->n;
-    tvi_status status = composition->stepper[0]->step(composition->work[0], h / 2, origin, half, stats);
+    tvi_status status = composition->half_stepper[0]->step(composition->half_work[0], h / 2, origin, half, stats);
     if (status != TVI_OK) return status;
     const double first_tail = stats->tail;
     add_increments_compensated(n, origin->q, origin->q_low, half->dq, half->dq_low, middle->q, middle->q_low);
     add_increments_compensated(n, origin->p, origin->p_low, half->dp, half->dp_low, middle->p, middle->p_low);
     tvi_step_origin second_origin = {origin->t, origin->t_low, middle->q, middle->q_low, middle->p, middle->p_low};
     second_origin.t = tvi_add_compensated(origin->t, &second_origin.t_low, h / 2, 0);
-    status = composition->stepper[1]->step(composition->work[1], h / 2, &second_origin, increments, stats);
+    status = composition->half_stepper[1]->step(composition->half_work[1], h / 2, &second_origin, increments, stats);
     stats->tail = fmax(stats->tail, first_tail);
     add_increments_compensated(n, increments->dq, increments->dq_low, half->dq, half->dq_low, increments->dq,
                                increments->dq_low);
@@ -76,11 +76,11 @@ static void interpolate_within_half(void *work, double theta, double dq[], doubl
 {
     composed_stepper *composition = work;
     const int half = theta > 0.5;
-    composition->stepper[half]->interpolate(composition->work[half], 2 * theta - half, dq, dp);
+    composition->half_stepper[half]->interpolate(composition->half_work[half], 2 * theta - half, dq, dp);
     if (half == 0) return;
     for (int i = 0; i < composition->n; i++) {
-        dq[i] += composition->first_increments.dq[i];
-        dp[i] += composition->first_increments.dp[i];
+        dq[i] += composition->first_half_increments.dq[i];
+        dp[i] += composition->first_half_increments.dp[i];
     }
 }
 
@@ -96,8 +96,8 @@ static bool are_histories_valid(const void *work)
 {
     const composed_stepper *composition = work;
     for (int half = 0; half < 2; half++)
-        if (composition->stepper[half]->is_history_valid &&
-            !composition->stepper[half]->is_history_valid(composition->work[half]))
+        if (composition->half_stepper[half]->is_history_valid &&
+            !composition->half_stepper[half]->is_history_valid(composition->half_work[half]))
             return false;
     return true;
 }

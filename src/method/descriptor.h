@@ -53,8 +53,8 @@ typedef struct {
     tvi_action_kind action;
     /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
     bool uses_highest_momentum_term;
-    tvi_correct_ends_fn *correct_ends;      /* Computes the corrections of the ends; NULL: they are not corrected. */
-    tvi_end_correction_factors end_factors; /* The factors by which correct_ends computes them. */
+    tvi_correct_ends_fn *correct_ends; /* Computes the corrections of the ends; NULL: the ends are not corrected. */
+    tvi_end_correction_factors end_factors; /* The factors with which correct_ends computes the corrections. */
     /* A step needs one more pass than the first two corrections suggest. The first pass reduces the residual much more
      * than later passes do, and does not show how fast the later passes converge. */
     bool needs_extra_pass;

@@ -22,8 +22,8 @@ const tvi_supported_forms tvi_supports_hamilton = {
 #define WITH_ADJOINT(method, adjoint) &method, &adjoint,
 const tvi_descriptor *const tvi_methods[] = {TVI_METHOD_LIST(ONE, WITH_ADJOINT) NULL};
 
-/* Sets *why to the reason of a refusal, and returns the status. */
-static tvi_status set_reason(tvi_status status, const char *reason, const char **why)
+/* Sets *why to the reason of a refusal, and returns `status`. */
+static tvi_status refuse_with_reason(tvi_status status, const char *reason, const char **why)
 {
     *why = reason;
     return status;
@@ -36,7 +36,7 @@ static int compute_order(const tvi_descriptor *descriptor, const tvi_options *op
     return tvi_is_method_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
 }
 
-static bool has_even_orders(const tvi_descriptor *descriptor, const tvi_options *options)
+static bool has_only_even_orders(const tvi_descriptor *descriptor, const tvi_options *options)
 {
     const int least = descriptor->least_degree;
     return (compute_order(descriptor, options, least) | compute_order(descriptor, options, least + 1)) % 2 == 0;
@@ -59,33 +59,35 @@ const tvi_descriptor *tvi_find_method(const tvi_options *options)
 }
 
 /* Refuses values of `method` and `expansion` that no method has. */
-static tvi_status check_method(const tvi_options *options, const char **why)
+static tvi_status check_method_and_expansion(const tvi_options *options, const char **why)
 {
     bool has_method = false, has_expansion = false;
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++) {
         has_method |= (*d)->method == options->method;
         has_expansion |= (*d)->expansion == options->expansion;
     }
-    if (!has_method) return set_reason(TVI_EINVAL, "method is not a tvi_method", why);
-    return has_expansion ? TVI_OK : set_reason(TVI_EINVAL, "expansion is not a tvi_expansion", why);
+    if (!has_method) return refuse_with_reason(TVI_EINVAL, "method is not a tvi_method", why);
+    return has_expansion ? TVI_OK : refuse_with_reason(TVI_EINVAL, "expansion is not a tvi_expansion", why);
 }
 
 static tvi_status check_option_ranges(const tvi_options *options, const char **why)
 {
-    const tvi_status status = check_method(options, why);
+    const tvi_status status = check_method_and_expansion(options, why);
     if (status != TVI_OK) return status;
-    if ((unsigned)options->nodes > TVI_NODES_TRUNCATED) return set_reason(TVI_EINVAL, "nodes is not a tvi_nodes", why);
+    if ((unsigned)options->nodes > TVI_NODES_TRUNCATED)
+        return refuse_with_reason(TVI_EINVAL, "nodes is not a tvi_nodes", why);
     if ((unsigned)options->quadrature > TVI_RECTANGLE_END)
-        return set_reason(TVI_EINVAL, "quadrature is not a tvi_quadrature", why);
-    if (options->order < 0) return set_reason(TVI_EINVAL, "order is negative", why);
-    if (options->degree < 0) return set_reason(TVI_EINVAL, "degree is negative", why);
+        return refuse_with_reason(TVI_EINVAL, "quadrature is not a tvi_quadrature", why);
+    if (options->order < 0) return refuse_with_reason(TVI_EINVAL, "order is negative", why);
+    if (options->degree < 0) return refuse_with_reason(TVI_EINVAL, "degree is negative", why);
     if (options->quadrature_points < 0 || options->quadrature_points > TVI_MAX_POINTS)
-        return set_reason(TVI_EINVAL, "quadrature_points is negative or above TVI_MAX_DEGREE + 2", why);
+        return refuse_with_reason(TVI_EINVAL, "quadrature_points is negative or above TVI_MAX_DEGREE + 2", why);
     if (!(options->tolerance >= 0) || !isfinite(options->tolerance))
-        return set_reason(TVI_EINVAL, "tolerance is negative or not finite", why);
-    if (options->passes < TVI_PREDICT_ONLY) return set_reason(TVI_EINVAL, "passes is below TVI_PREDICT_ONLY", why);
-    if (options->max_passes < 0) return set_reason(TVI_EINVAL, "max_passes is negative", why);
-    if (isnan(options->max_tail)) return set_reason(TVI_EINVAL, "max_tail is not a number", why);
+        return refuse_with_reason(TVI_EINVAL, "tolerance is negative or not finite", why);
+    if (options->passes < TVI_PREDICT_ONLY)
+        return refuse_with_reason(TVI_EINVAL, "passes is below TVI_PREDICT_ONLY", why);
+    if (options->max_passes < 0) return refuse_with_reason(TVI_EINVAL, "max_passes is negative", why);
+    if (isnan(options->max_tail)) return refuse_with_reason(TVI_EINVAL, "max_tail is not a number", why);
     return TVI_OK;
 }
 
@@ -108,7 +110,7 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
     const int least = descriptor->least_degree, most = descriptor->most_degree;
     if (options->degree > 0) {
         if (options->degree < least || options->degree > most)
-            return set_reason(TVI_EINVAL, "the method has no such degree", why);
+            return refuse_with_reason(TVI_EINVAL, "the method has no such degree", why);
         options->order = compute_order(descriptor, options, options->degree);
         return TVI_OK;
     }
@@ -117,9 +119,9 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
         options->degree = degree;
         return TVI_OK;
     }
-    if (has_even_orders(descriptor, options) && options->order % 2 != 0)
-        return set_reason(TVI_EINVAL, "the orders of the method are even", why);
-    return set_reason(TVI_EINVAL, "no degree gives the method this order", why);
+    if (has_only_even_orders(descriptor, options) && options->order % 2 != 0)
+        return refuse_with_reason(TVI_EINVAL, "the orders of the method are even", why);
+    return refuse_with_reason(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
 /* Sets the quadrature of the Galerkin curve, which is Gauss with as many nodes as the degree. Refuses options that
@@ -127,9 +129,9 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
 static tvi_status resolve_gauss_quadrature(tvi_options *options, const char **why)
 {
     if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
-        return set_reason(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
+        return refuse_with_reason(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
     if (options->quadrature_points != 0 && options->quadrature_points != options->degree)
-        return set_reason(TVI_EINVAL, "the Galerkin curve has as many quadrature points as its degree", why);
+        return refuse_with_reason(TVI_EINVAL, "the Galerkin curve has as many quadrature points as its degree", why);
     options->quadrature = TVI_GAUSS;
     options->quadrature_points = options->degree;
     return TVI_OK;
@@ -143,7 +145,7 @@ static tvi_status resolve_chosen_quadrature(tvi_options *options, bool is_order_
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
     const int fixed = tvi_quadrature_required_point_count(options->quadrature);
     if (fixed && options->quadrature_points != 0 && options->quadrature_points != fixed)
-        return set_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
+        return refuse_with_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
     if (fixed) options->quadrature_points = fixed;
     if (options->quadrature_points == 0) {
         int points = tvi_quadrature_least_point_count(options->quadrature);
@@ -151,11 +153,11 @@ static tvi_status resolve_chosen_quadrature(tvi_options *options, bool is_order_
         options->quadrature_points = points < TVI_MAX_POINTS ? points + 1 : points;
     }
     if (options->quadrature_points < tvi_quadrature_least_point_count(options->quadrature))
-        return set_reason(TVI_EINVAL, "the quadrature needs more points", why);
+        return refuse_with_reason(TVI_EINVAL, "the quadrature needs more points", why);
     int order = tvi_quadrature_order(options->quadrature, options->quadrature_points);
     if (options->compose_adjoint) order += order % 2;
     if (is_order_requested && order < options->order)
-        return set_reason(TVI_EINVAL, "the quadrature is of lower order than the method", why);
+        return refuse_with_reason(TVI_EINVAL, "the quadrature is of lower order than the method", why);
     if (order < options->order) options->order = order;
     return TVI_OK;
 }
@@ -176,11 +178,11 @@ static tvi_status resolve_options(tvi_options *options, const tvi_system *system
     if (status != TVI_OK) return status;
     const tvi_descriptor *descriptor = tvi_find_method(options);
     if (!descriptor)
-        return set_reason(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
+        return refuse_with_reason(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
     if (options->compose_adjoint && !descriptor->adjoint)
-        return set_reason(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
+        return refuse_with_reason(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
     const char *reason = system ? find_why_unsupported(descriptor, system) : NULL;
-    if (reason) return set_reason(TVI_EUNSUPPORTED, reason, why);
+    if (reason) return refuse_with_reason(TVI_EUNSUPPORTED, reason, why);
     const bool is_order_requested = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;
@@ -232,9 +234,9 @@ static tvi_status refuse_order(const char *name, int least, int most, bool needs
     return jet_refuse(TVI_EINVAL, "%s has %sorders from %d to %d, not %d", name, even, least, most, order);
 }
 
-/* Sets the options of a method with this node rule and order, or refuses an order that the method does not have. */
-static tvi_status set_options_of_rule(const tvi_descriptor *descriptor, tvi_nodes nodes, int order,
-                                      tvi_options *options)
+/* Sets *options to a method with this node rule and order, or refuses an order that the method does not have. */
+static tvi_status set_options_of_node_rule(const tvi_descriptor *descriptor, tvi_nodes nodes, int order,
+                                           tvi_options *options)
 {
     const tvi_options found = {
         .method = descriptor->method, .expansion = descriptor->expansion, .nodes = nodes, .order = order};
@@ -245,7 +247,7 @@ static tvi_status set_options_of_rule(const tvi_descriptor *descriptor, tvi_node
     }
     const int least = compute_order(descriptor, &found, descriptor->least_degree);
     const int most = compute_order(descriptor, &found, descriptor->most_degree);
-    return refuse_order(descriptor->nodes[nodes].name, least, most, has_even_orders(descriptor, &found), order);
+    return refuse_order(descriptor->nodes[nodes].name, least, most, has_only_even_orders(descriptor, &found), order);
 }
 
 /* Tells whether a method of the list has this name. list_name NULL stands for a method without a name. */
@@ -268,7 +270,7 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
             if (is_same_name((*d)->nodes[nodes].name, name))
-                return set_options_of_rule(*d, (tvi_nodes)nodes, order, options);
+                return set_options_of_node_rule(*d, (tvi_nodes)nodes, order, options);
     if (strcmp(name, tvi_svhd.name) != 0) return refuse_name(name);
     const int own = tvi_svhd.options.order;
     if (order != own) return refuse_order(name, own, own, true, order);

@@ -1,6 +1,6 @@
 /* single.h - Makes the step of one member of a batch, which is a group of members of an ensemble that are stepped
- * together. The step is made by the stepper for single integrators. Batch steppers call the file for the first step of
- * a member, and for a step that fails in the batch, so that failures are treated by one stepper only. */
+ * together. The step is made by the stepper for single integrators. Batch steppers call tvi_step_member for the first
+ * step of a member, and for a step that fails in the batch, so that failures are treated by one stepper only. */
 #ifndef TVI_SRC_METHOD_SINGLE_H
 #define TVI_SRC_METHOD_SINGLE_H
 
@@ -24,11 +24,12 @@ typedef struct tvi_member_stepper {
 /* Allocates the vectors of a state and of the increments of a step, with n components each. */
 void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *state, tvi_increments *increments);
 
-/* Allocates the memory. `point_count` is the number of points of one member in a sweep. In a block of the batch, lane
- * point * width + member belongs to the member. */
+/* Allocates the memory of a member stepper. `point_count` is the number of points of one member in a sweep. In a block
+ * of the batch, lane point * width + member belongs to the member. */
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
                                  const tvi_system *system, const tvi_options *options, int width, int point_count);
-/* Sets the constants of the blocks and the tables of the stepper, after the memory is obtained. */
+/* Sets the constants of the blocks and the tables of the stepper. It is called after the arena's memory is
+ * allocated. */
 void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper);
 
 /* Copy the numbers of one member from an array [rows][width] to an array [rows], and back. */

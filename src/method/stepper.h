@@ -31,7 +31,9 @@ typedef struct {
 /* The tapes of a system that the steps of a method run, and the parts of each that generated code is to contain
  * (src/compiled/). A tape with the name NULL is not used. */
 typedef struct {
-    jet_emission_request series, values, r_dot_Hp, hessian; /* One request for each tape (jet_emission_request). */
+    /* Requests for the code of four tapes: the series of the field, its values, the gradient of r.H_p for a vector r
+     * (Hamiltonian), and the second derivatives. */
+    jet_emission_request series, values, r_dot_Hp, hessian;
     /* The name of the pointer in tvi_code (compiled/code.h) to the generated loops of the method. NULL: the method has
      * no generated loops. */
     const char *loops_pointer_name;
@@ -43,7 +45,7 @@ typedef struct {
 /* The results of a step of several members. The stepper writes to nothing else except its own memory. */
 typedef struct {
     tvi_increments increments; /* The increments of all members, arrays [components][width]. */
-    /* [width] Only lanes with TVI_OK are stepped. Nothing is written for other lanes. */
+    /* [width] Only lanes whose status is TVI_OK are stepped. Nothing is written for other lanes. */
     tvi_status *status;
     double *tail;     /* [width] The tail of each member's step (tvi_stats.tail). */
     int *pass_counts; /* [width] The number of passes of each member's step. */

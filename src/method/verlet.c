@@ -107,8 +107,8 @@ static int choose_batch_width(const tvi_system *system, const tvi_options *optio
     return width;
 }
 
-/* Fills the constant tables of the stepper that makes the step of a single member if the batch cannot. */
-static void prepare_single_member_stepper(void *work)
+/* Sets the tables of the stepper that makes the step of a single member if the batch cannot. */
+static void set_tables_of_single_stepper(void *work)
 {
     tvi_member_stepper_set_tables(((verlet_work *)work)->single_stepper);
 }
@@ -137,7 +137,7 @@ static void step_members(void *work, double h, const tvi_batch_origin *origin, c
 
 static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .allocate = allocate_members,
-                                                .set_tables = prepare_single_member_stepper,
+                                                .set_tables = set_tables_of_single_stepper,
                                                 .step = step_members,
                                                 .bound_energy_change = bound_energy_changes_of_step};
 
