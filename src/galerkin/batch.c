@@ -1,16 +1,18 @@
-/* batch.c - Makes a step of the Galerkin curves of several members of an ensemble at once; tvi_stepper_galerkin.batch
- * is this stepper. Element i * member_count + m of a row belongs to node i of member m, and is one lane of the tape.
- * The members in lanes are those that make a step together: their last step had the same size and ended where the new
- * step begins. Each member has its own test of convergence: a member that has converged no longer moves, while passes
- * of other members go on. The stepper of a single curve (galerkin.c) makes all other steps, one member after the other:
- * the first step of a run, a step that fails in lanes, and a step whose roundoff has to be measured. */
+/* batch.c - Makes a step of the Galerkin curves of several members of an ensemble at once. The ensembles of src/run/
+ * call these functions through tvi_stepper_galerkin.batch. In an array [unknowns][node_count][member_count], lane m +
+ * member_count i of each row belongs to node i of member m, and is one lane of the tape. The members in lanes are those
+ * that make a step together: their last step had the same size and ended where the new step begins. Each member has its
+ * own test of convergence: a member that has converged no longer moves, while passes of other members go on. The
+ * stepper of a single curve (galerkin.c) makes all other steps, one member after the other: the first step of a run, a
+ * step that fails in lanes, and a step whose roundoff has to be measured. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 #include "method/single.h"
 
 typedef struct {
     tvi_member_stepper member_stepper;
-    /* the stepper of a single curve in member_stepper, which owns all tables of coefficients */
+    /* The stepper that makes the step of one member alone; its tables of coefficients also serve the steps of several
+     * members. */
     galerkin_stepper *single_stepper;
     galerkin_nodes nodes;
     galerkin_rate_tail_data tail_inputs;
@@ -19,10 +21,10 @@ typedef struct {
     /* [member_count] All bits of stepped_together_mask are set if the member takes this step together with others. All
      * bits of last_step_only_mask are set if its unknowns are predicted from its last step alone. */
     long long *stepped_together_mask, *last_step_only_mask;
-    tvi_increments increments;   /* [n][member_count] the increments of the state */
-    double *tail_size_of_member; /* [member_count] the tail of each member's step (tvi_stats.tail) */
-    /* The integrator's history stores the next three fields. */
-    galerkin_history *history; /* [member_count] galerkin_history.last_ring_index is not used here */
+    tvi_increments increments; /* [n][member_count] the increments of the state */
+    double *tail_of_member;    /* [member_count] the tail of each member's step (tvi_stats.tail) */
+    /* The next three arrays are the history, the memory that a step leaves to the next step. */
+    galerkin_history *history; /* [member_count] the history of each member; its last_ring_index is not set */
     long *last_ring_index;     /* the index of the last step's impulses in impulse_ring, for all members */
     /* [unknowns][node_count][member_count] The impulses (galerkin_nodes) of the last two steps and of the next one. */
     double *impulse_ring[GALERKIN_RING_LENGTH];
@@ -80,18 +82,19 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     const size_t count = (size_t)member_count, n = (size_t)system->n * count,
                  unknowns = (size_t)system->input_count * count;
     galerkin_impulse_sums *sums = &stepper.tail_inputs.impulse_sums_over_nodes;
-    double **const row_arrays[] = {&sums->single_integral,   &sums->double_integral,      &sums->last_term,
-                                   &sums->end_impulse_size,  &sums->single_integral_low,  &sums->double_integral_low,
+    double **const row_arrays[] = {&sums->rate_integral,     &sums->rate_double_integral,
+                                   &sums->last_term,         &sums->end_impulse_size,
+                                   &sums->rate_integral_low, &sums->rate_double_integral_low,
                                    &stepper.step_data.drift, &stepper.step_data.drift_low};
     double **const of_n[] = {&stepper.increments.dq,
                              &stepper.increments.dp,
                              &stepper.increments.dq_low,
                              &stepper.increments.dp_low,
-                             &stepper.tail_inputs.component_share,
-                             &stepper.tail_inputs.component_ratio};
+                             &stepper.tail_inputs.component_motion_share,
+                             &stepper.tail_inputs.component_tail_ratio};
     for (size_t i = 0; i < 8; i++) *row_arrays[i] = tvi_arena_allocate_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
-    stepper.tail_size_of_member = tvi_arena_allocate_doubles(arena, count);
+    stepper.tail_of_member = tvi_arena_allocate_doubles(arena, count);
     stepper.stepped_together_mask = tvi_arena_allocate(arena, count * sizeof *stepper.stepped_together_mask);
     stepper.last_step_only_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_only_mask);
     stepper.history = tvi_arena_allocate_in_copied_history(arena, count * sizeof *stepper.history);
@@ -103,7 +106,7 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     return taken;
 }
 
-static void prepare_batch_stepper(void *work)
+static void set_tables_of_batch_stepper(void *work)
 {
     galerkin_batch_stepper *stepper = work;
     galerkin_stepper *single_stepper = stepper->single_stepper;
@@ -121,8 +124,8 @@ static void prepare_batch_stepper(void *work)
     const galerkin_rate_tail_data arrays = stepper->tail_inputs;
     stepper->tail_inputs = single_stepper->tail_inputs;
     stepper->tail_inputs.impulse_sums_over_nodes = arrays.impulse_sums_over_nodes;
-    stepper->tail_inputs.component_share = arrays.component_share;
-    stepper->tail_inputs.component_ratio = arrays.component_ratio;
+    stepper->tail_inputs.component_motion_share = arrays.component_motion_share;
+    stepper->tail_inputs.component_tail_ratio = arrays.component_tail_ratio;
     stepper->step_data = single_stepper->step_data;
     stepper->step_data.kernels = *kernel_tables[single_stepper->field.system->field_values->sweeps->isa];
     stepper->step_data.nodes = nodes;
@@ -182,7 +185,7 @@ static void copy_history_to_lane(void *work, int lane, const void *single_steppe
                                 find_impulses_of_step(stepper, -i));
 }
 
-static void forget_lane_history(void *work, int lane)
+static void clear_lane_history(void *work, int lane)
 {
     ((const galerkin_batch_stepper *)work)->history[lane] = (galerkin_history){0};
 }
@@ -212,8 +215,8 @@ static int select_members_to_step_together(galerkin_batch_stepper *stepper, doub
     int count = 0;
     for (int member = 0; member < stepper->nodes.member_count; member++) {
         const galerkin_history *history = &stepper->history[member];
-        const bool is_next =
-            status[member] == TVI_OK && history->step_size == h && galerkin_follows_last_step(history, h, t[member]);
+        const bool is_next = status[member] == TVI_OK && history->last_step_size == h &&
+                             galerkin_follows_last_step(history, h, t[member]);
         stepper->iteration.largest_contraction_ratio[member] = history->convergence.largest_contraction_ratio;
         stepper->stepped_together_mask[member] = stepper->iteration.moving_mask[member] = is_next ? -1 : 0;
         stepper->last_step_only_mask[member] = galerkin_make_last_step_only_mask(
@@ -248,7 +251,7 @@ static void set_node_times(const galerkin_batch_stepper *stepper, double h, cons
                    (origins->t_low[member] + h * stepper->single_stepper->coefficients.node_abscissa[i]);
 }
 
-/* The data of make_batch_pass. */
+/* The data that make_batch_pass gets as its argument `work`. */
 typedef struct {
     galerkin_batch_stepper *stepper;
     tvi_stats *stats;
@@ -299,7 +302,7 @@ static void solve_step_equations_in_lanes(galerkin_batch_stepper *stepper, doubl
         stepper->stepped_together_mask[member] = stepper->iteration.converged_mask[member];
 }
 
-/* Advances the index of the last step in the ring, which is the same for all members. It also moves the impulses of
+/* Advances the index of the last step in the ring, which is the same for all members. Also moves the impulses of
  * members that are stepped alone by one place in the ring, so that their history stays the same. */
 static void advance_impulse_ring(const galerkin_batch_stepper *stepper)
 {
@@ -315,7 +318,8 @@ static void advance_impulse_ring(const galerkin_batch_stepper *stepper)
     *stepper->last_ring_index = (*stepper->last_ring_index + 1) % GALERKIN_RING_LENGTH;
 }
 
-/* Copies the elements of rows [member_count] that belong to members in lanes. */
+/* Copies the numbers of the members in lanes from an array [row_count][member_count] to another one. Numbers of other
+ * members are not changed. */
 static void copy_rows_of_members_in_lanes(const galerkin_batch_stepper *stepper, int row_count, const double *source,
                                           double *destination)
 {
@@ -332,19 +336,19 @@ static void compute_results_of_members_in_lanes(galerkin_batch_stepper *stepper,
 {
     const int n = stepper->single_stepper->n;
     galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments,
-                                stepper->tail_size_of_member);
+                                stepper->tail_of_member);
     advance_impulse_ring(stepper);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp, results->increments.dp);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq_low, results->increments.dq_low);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dp_low, results->increments.dp_low);
-    copy_rows_of_members_in_lanes(stepper, 1, stepper->tail_size_of_member, results->tail);
+    copy_rows_of_members_in_lanes(stepper, 1, stepper->tail_of_member, results->tail);
     for (int member = 0; member < stepper->nodes.member_count; member++) {
         if (!stepper->stepped_together_mask[member]) continue;
         stepper->history[member] =
-            (galerkin_history){.step_size = h,
+            (galerkin_history){.last_step_size = h,
                                .previous_step_size = h,
-                               .start_time = origins->t[member],
+                               .last_step_start_time = origins->t[member],
                                .convergence = {stepper->iteration.largest_contraction_ratio[member],
                                                stepper->iteration.first_movement_square[member]}};
         results->pass_counts[member] = (int)stepper->iteration.pass_count_as_double[member];
@@ -369,9 +373,9 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origins, co
 
 const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,
                                               .allocate = allocate_batch_stepper,
-                                              .set_tables = prepare_batch_stepper,
+                                              .set_tables = set_tables_of_batch_stepper,
                                               .step = step_batch,
                                               .copy_history_from_lane = copy_history_from_lane,
                                               .copy_history_to_lane = copy_history_to_lane,
-                                              .clear_history = forget_lane_history,
+                                              .clear_history = clear_lane_history,
                                               .is_history_valid = is_ring_index_valid};

@@ -1,6 +1,6 @@
 /* blocks.h - Evaluates the gradient of a Lagrangian L(q, v) or a Hamiltonian K(q, p) at the nodes of a Galerkin curve,
- * with or without its second derivatives. The passes that use second derivatives call it (docs/method.md section 5).
- * The library and generated code include it; in generated code all sizes are constants. */
+ * with or without its second derivatives. The passes that use second derivatives call these functions (docs/method.md
+ * section 5). The library and generated code include this file; in generated code all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_BLOCKS_H
 #define TVI_SRC_GALERKIN_BLOCKS_H
 
@@ -15,25 +15,25 @@
  * or p, then the time and the parameters. */
 typedef struct {
     int n, lane_count, input_count;
-    const void *sweep_argument; /* the galerkin_field, which tvi_galerkin_sweep_tape needs */
-    /* values_block is the block of the tape of the gradient. hessian_block is the block of the tape that also
-     * computes second derivatives; one row of zeros follows it. */
-    double *values_block, *hessian_block;
+    const void *field_for_sweep; /* the galerkin_field whose tapes tvi_galerkin_sweep_tape evaluates */
+    /* gradient_block is the block of the tape that computes the gradient alone. hessian_block is the block of the tape
+     * that also computes second derivatives; one row of zeros follows hessian_block. */
+    double *gradient_block, *hessian_block;
 } galerkin_tape_blocks;
 
-/* Evaluates the tape of values_block, or of hessian_block if with_hessian is set. Returns false if an operand is
+/* Evaluates the tape of gradient_block, or of hessian_block if with_hessian is set. Returns false if an operand is
  * outside its domain. */
 typedef bool galerkin_sweep(const galerkin_tape_blocks *blocks, bool with_hessian);
 
-/* Evaluates the gradient at the points whose coordinates are in values_block, with or without second derivatives.
+/* Evaluates the gradient at the points whose coordinates are in gradient_block, with or without second derivatives.
  * Returns the block that contains the result, or NULL if an operand is outside its domain. */
 static inline const double *galerkin_evaluate_gradient(const galerkin_tape_blocks *blocks, galerkin_sweep *sweep,
                                                        bool with_hessian)
 {
     if (with_hessian)
-        memcpy(blocks->hessian_block, blocks->values_block,
+        memcpy(blocks->hessian_block, blocks->gradient_block,
                (size_t)(blocks->input_count * blocks->lane_count) * sizeof(double));
-    return !sweep(blocks, with_hessian) ? NULL : with_hessian ? blocks->hessian_block : blocks->values_block;
+    return !sweep(blocks, with_hessian) ? NULL : with_hessian ? blocks->hessian_block : blocks->gradient_block;
 }
 
 /* Evaluates the gradient at the nodes, with the coordinates q [n][lanes] and the velocities or momenta v_or_p
@@ -43,8 +43,8 @@ static inline const double *galerkin_evaluate_gradient_at_nodes(const galerkin_t
                                                                 const double *q, const double *v_or_p)
 {
     const int half = blocks->n * blocks->lane_count;
-    memcpy(blocks->values_block, q, (size_t)half * sizeof *q);
-    memcpy(blocks->values_block + half, v_or_p, (size_t)half * sizeof *v_or_p);
+    memcpy(blocks->gradient_block, q, (size_t)half * sizeof *q);
+    memcpy(blocks->gradient_block + half, v_or_p, (size_t)half * sizeof *v_or_p);
     return galerkin_evaluate_gradient(blocks, sweep, with_hessian);
 }
 

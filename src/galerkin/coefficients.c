@@ -1,5 +1,6 @@
 /* coefficients.c - Computes the nodes, the weights and the impulse matrix of Gauss collocation, and the polynomials
- * through the nodes (coefficients.h). */
+ * through the nodes (coefficients.h). The stepper of the Galerkin curve (galerkin.c) calls these functions when it is
+ * made. */
 #include "galerkin/coefficients.h"
 #include "algebra/quadrature.h"
 
@@ -17,8 +18,8 @@ void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomia
     polynomials->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
     polynomials->transposed_legendre_coefficient =
         tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
-    polynomials->single_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
-    polynomials->double_integral = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->integral_to_sample = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->double_integral_to_sample = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
 /* Computes P_0 .. P_max_degree at x = 2 s - 1, max_degree >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
@@ -47,17 +48,17 @@ static void set_legendre_coefficients(galerkin_node_polynomials *polynomials, in
 }
 
 /* Computes all tables of `polynomials` for the Gauss nodes of [0, 1]. */
-static void prepare_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
+static void set_tables_of_node_polynomials(galerkin_node_polynomials *polynomials, int lanes, const long double node[])
 {
     double single_integral[MAX_LANES], double_integral[MAX_LANES];
     for (int k = 1; k < MAX_LANES + 2; k++) polynomials->reciprocal_integer[k] = 1 / (long double)k;
     for (int k = 1; k < MAX_LANES + 1; k++) polynomials->legendre_integral_factor[k] = 1 / (long double)(4 * k + 2);
     set_legendre_coefficients(polynomials, lanes, node);
     for (int place = 0; place < TVI_SAMPLES; place++) {
-        tvi_galerkin_integrate_twice(polynomials, tvi_sample_theta[place], single_integral, double_integral);
+        tvi_galerkin_integrate_node_polynomials(polynomials, tvi_sample_theta[place], single_integral, double_integral);
         for (int j = 0; j < polynomials->node_count; j++) {
-            polynomials->single_integral[j * TVI_SAMPLES + place] = single_integral[j];
-            polynomials->double_integral[j * TVI_SAMPLES + place] = double_integral[j];
+            polynomials->integral_to_sample[j * TVI_SAMPLES + place] = single_integral[j];
+            polynomials->double_integral_to_sample[j * TVI_SAMPLES + place] = double_integral[j];
         }
     }
 }
@@ -100,8 +101,8 @@ static void integrate_node_polynomials(const galerkin_node_polynomials *polynomi
 /* Computes both integrals of l_j / b_j from those of Legendre's polynomials. The integral of I_k is s^2 / 2 for k = 0,
  * and (I_{k+1} - I_{k-1}) / (4 k + 2) otherwise. If s is small, I_{k+1} and I_{k-1} nearly cancel, but the difference
  * in long double still has the digits of a double. */
-void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
-                                  double double_integral[])
+void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, double s,
+                                             double single_integral[], double double_integral[])
 {
     const int m = polynomials->node_count;
     long double I[MAX_LANES + 1];
@@ -139,13 +140,14 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
 {
     const int m = coefficients->node_count;
     double left = 1;
-    tvi_quadrature_compute_nodes(TVI_GAUSS, m, coefficients->long_double_abscissa, coefficients->long_double_weight);
+    tvi_quadrature_compute_nodes(TVI_GAUSS, m, coefficients->long_double_node_abscissa,
+                                 coefficients->long_double_weight);
     for (int i = 0; i < m; i++) {
-        coefficients->long_double_abscissa[i] = (1 + coefficients->long_double_abscissa[i]) / 2;
+        coefficients->long_double_node_abscissa[i] = (1 + coefficients->long_double_node_abscissa[i]) / 2;
         coefficients->long_double_weight[i] /= 2;
     }
     for (int i = 0; i < (m + 1) / 2; i++) {
-        coefficients->node_abscissa[i] = round_to_binary_grid(coefficients->long_double_abscissa[i], 53);
+        coefficients->node_abscissa[i] = round_to_binary_grid(coefficients->long_double_node_abscissa[i], 53);
         coefficients->node_abscissa[m - 1 - i] = 1 - coefficients->node_abscissa[i];
         coefficients->node_weight[i] = coefficients->node_weight[m - 1 - i] =
             i < m - 1 - i ? round_to_binary_grid(coefficients->long_double_weight[i], 53) : left;
@@ -162,7 +164,7 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
 /* Sets the weights of the sums at the end of a step. The rate of an unknown is sum_k f_k P_k(x), x in [-1, 1], with
  * P_k Legendre's polynomials. last_term_weight gives f_{m-1}, which is the size of the last term at the ends of the
  * step. */
-static void set_end_weights(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials)
+static void set_impulse_sum_weights(galerkin_coefficients *coefficients, const galerkin_node_polynomials *polynomials)
 {
     const int m = coefficients->node_count;
     for (int j = 0; j < m; j++) {
@@ -196,8 +198,8 @@ static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerk
     const int m = coefficients->node_count, lanes = coefficients->lane_count;
     double *matrix = coefficients->impulse_matrix;
     for (int i = 0; i < m; i++)
-        integrate_node_polynomials(polynomials, coefficients->long_double_abscissa[i],
-                                   coefficients->long_double_abscissa, collocation_matrix[i]);
+        integrate_node_polynomials(polynomials, coefficients->long_double_node_abscissa[i],
+                                   coefficients->long_double_node_abscissa, collocation_matrix[i]);
     for (int i = 0; i < m; i++)
         for (int j = 0; j <= i; j++) {
             const long double exact =
@@ -216,7 +218,7 @@ void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, gale
                                        bool is_second_order)
 {
     set_nodes_and_weights(coefficients);
-    prepare_node_polynomials(polynomials, coefficients->lane_count, coefficients->long_double_abscissa);
-    set_end_weights(coefficients, polynomials);
+    set_tables_of_node_polynomials(polynomials, coefficients->lane_count, coefficients->long_double_node_abscissa);
+    set_impulse_sum_weights(coefficients, polynomials);
     set_impulse_matrix(coefficients, polynomials, is_second_order);
 }

@@ -12,7 +12,7 @@
  * nodes. These integrals times the impulses h b_j F_j give the curve at any point of the step. */
 typedef struct {
     int node_count;
-    const jet_sweeps *sweeps; /* the functions for the instruction set, of which `combine` is called */
+    const jet_sweeps *sweeps; /* the tapes' functions for the instruction set; `combine` alone is called here */
     /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
     double *legendre_coefficient;
     long double reciprocal_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] the number 1 / k */
@@ -20,8 +20,9 @@ typedef struct {
     long double legendre_integral_factor[TVI_GALERKIN_MAX_LANES + 1];
     /* [j][lanes] legendre_coefficient, transposed: a row holds the factors of P_0, P_1, .. for one node */
     double *transposed_legendre_coefficient;
-    /* [lanes][TVI_SAMPLES] The single and double integrals of l_j / b_j from 0 to each sample point. */
-    double *single_integral, *double_integral;
+    /* [lanes][TVI_SAMPLES] The integrals and the double integrals of l_j / b_j from 0 to each sample point of a
+     * step. */
+    double *integral_to_sample, *double_integral_to_sample;
 } galerkin_node_polynomials;
 
 void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
@@ -30,8 +31,8 @@ void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomia
 void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int lanes,
                                                 const double s[], double *P);
 /* Computes single_integral[j] = int_0^s l_j(r) / b_j dr and double_integral[j] = int_0^s (s - r) l_j(r) / b_j dr. */
-void tvi_galerkin_integrate_twice(const galerkin_node_polynomials *polynomials, double s, double single_integral[],
-                                  double double_integral[]);
+void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *polynomials, double s,
+                                             double single_integral[], double double_integral[]);
 
 typedef struct {
     int node_count, lane_count;
@@ -42,13 +43,13 @@ typedef struct {
      * separable system. */
     double *impulse_matrix;
     galerkin_impulse_sum_weights impulse_sum_weights;
-    long double long_double_abscissa[TVI_GALERKIN_MAX_LANES], long_double_weight[TVI_GALERKIN_MAX_LANES];
+    long double long_double_node_abscissa[TVI_GALERKIN_MAX_LANES], long_double_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 
 void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi_arena *arena, int node_count,
                                         int lanes);
-/* Computes the coefficients for Q'' = F if is_second_order is set, and for Q' = V, P' = F otherwise. It also
- * prepares the polynomials, whose integrals the coefficients use. */
+/* Computes the coefficients for Q'' = F if is_second_order is set, and for Q' = V, P' = F otherwise. Also prepares the
+ * polynomials, whose integrals the coefficients use. */
 void tvi_galerkin_compute_coefficients(galerkin_coefficients *coefficients, galerkin_node_polynomials *polynomials,
                                        bool is_second_order);
 #endif

@@ -1,6 +1,6 @@
 /* emit.c - Writes the Galerkin steps of one system into generated code: the sizes of the system as constants, the
  * kernels of kernel.h for these sizes, and the steps of steps.h. The passes of these steps depend on the form of the
- * field (field.h). galerkin.c calls it. */
+ * field (field.h). The stepper (galerkin.c) calls tvi_galerkin_emit_steps. */
 #include "galerkin/field.h"
 
 extern const char *const tvi_embedded_galerkin[];
@@ -18,7 +18,7 @@ static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
 {
     const struct {
         const char *name;
-        double value; /* the value of the member `name`; integers are converted */
+        double value; /* the value of the field `name` of the rule, converted to double */
     } field[] = {{FIELD(max_passes)},           {FIELD(exact_passes)},
                  {FIELD(correction_goal)},      {FIELD(roundoff_level)},
                  {FIELD(max_trusted_ratio)},    {FIELD(stall_ratio)},

@@ -1,6 +1,7 @@
 /* field.c - Evaluates the field at the nodes for passes that are a fixed-point iteration: F of a separable system, or
- * (H_p, -H_q) of a Hamiltonian. The unknowns are the inputs of the tape. The tape computes H_q; impulse_scale of the
- * momenta is -1 and gives its sign. The stepper (galerkin.c) calls the functions of tvi_galerkin_form_plain. */
+ * (H_p, -H_q) of a Hamiltonian. The unknowns at the nodes are inputs of the field's tape, and their rates follow from
+ * its outputs. For a Hamiltonian the tape computes H_q, but the rate of a momentum is -H_q: the factor impulse_scale =
+ * -1 of the momenta changes the sign. The stepper (galerkin.c) calls the functions of tvi_galerkin_form_fixed_point. */
 #include "galerkin/field.h"
 
 static void allocate_fixed_point_field(galerkin_field *field, tvi_arena *arena)
@@ -19,7 +20,7 @@ static int find_rate_slot(const tvi_system *system, int unknown)
     return system->field_values->output_slot[output];
 }
 
-static void prepare_fixed_point_field(galerkin_field *field)
+static void set_tables_of_fixed_point_field(galerkin_field *field)
 {
     for (int u = 0; u < field->nodes.unknown_count; u++)
         field->rate_row_of_unknown[u] = find_rate_slot(field->system, u);
@@ -50,6 +51,6 @@ static void emit_fixed_point_field(jet_text *text, const galerkin_field *field)
     tvi_galerkin_emit_int_array(text, "rate_row_of_unknown", field->nodes.unknown_count, field->rate_row_of_unknown);
 }
 
-const galerkin_field_form tvi_galerkin_form_plain = {
-    allocate_fixed_point_field, prepare_fixed_point_field,  predict_fixed_point_unknowns_from_start, NULL, NULL,
+const galerkin_field_form tvi_galerkin_form_fixed_point = {
+    allocate_fixed_point_field, set_tables_of_fixed_point_field, predict_fixed_point_unknowns_from_start, NULL, NULL,
     emit_fixed_point_field,     tvi_embedded_galerkin_plain};

@@ -22,42 +22,43 @@ typedef struct {
     const galerkin_kernels *kernels;
     int node_count; /* the number of nodes; further lanes repeat the last node */
     galerkin_nodes nodes;
-    /* the number of rows of nodes.values on which a pass depends; they are saved while roundoff is measured */
+    /* The number of rows of nodes.values that a pass reads. While roundoff is measured, a copy of these rows is
+     * kept. */
     int pass_input_row_count;
     /* The step size h for which the weights and scales of the nodes were computed; 0 before the first step. */
     double step_size;
     double *node_weight; /* [lanes] the quadrature weights b_j; 0 for lanes that repeat the last node */
     /* [unknowns] The row of nodes.values that contains the rate of each unknown. */
     int *rate_row_of_unknown;
-    /* [unknowns] The factor 1/h of impulses in rates: impulse_scale of the nodes whose unknowns are the rates, in the
-     * forms that predict rates. */
+    /* [unknowns] 1/h for each unknown, where h is the step size: the factor that turns sums of impulses (step size
+     * times quadrature weight times rate) into rates. It is used when rates are predicted from the impulses of earlier
+     * steps. */
     double *rate_per_impulse;
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
     double *impulse_matrix;
-    /* [j][i] The factor of the impulse of node j in the quantity that the form's `predict` extrapolates, at node i: the
-     * unknown, or its rate. The tables of the predictor are products with this matrix. */
+    /* [j][i] The factor of the impulse of node j in the predicted quantity at node i. The predicted quantity is the
+     * unknown in the fixed-point form, and h times the rate of the unknown in the other forms. */
     double *impulse_to_predicted_matrix;
     /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
      * otherwise. */
     tvi_roundoff_estimator *output_displacements;
-    /* The data of the field's form: lagrangian_work or hamiltonian_work, or NULL for the plain form. The first member
-     * of both structures is the data of the passes. */
+    /* The data of the field's form: lagrangian_work or hamiltonian_work, or NULL for the fixed-point form. The first
+     * member of both structures is the data of the passes. */
     void *form_work;
 } galerkin_field;
 
 struct galerkin_field_form {
     void (*allocate)(galerkin_field *field, tvi_arena *arena);
-    /* Prepares the form's data after the coefficients have been computed. */
-    void (*prepare)(galerkin_field *field);
+    /* Sets the index lists and tables of the form, after the coefficients of the nodes have been computed. */
+    void (*set_tables)(galerkin_field *field);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
     tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
-    /* Predicts the unknowns from the impulses of earlier steps, as galerkin_pass_functions.predict does. The factors of
-     * the extrapolation contain impulse_to_predicted_matrix. If the form has NULL here, galerkin_predict_unknowns calls
-     * the kernel `predict` itself. */
+    /* Predicts the unknowns from the impulses of earlier steps and the factors in `extrapolation`, which contain
+     * impulse_to_predicted_matrix. NULL: the kernel `predict` predicts the unknowns. */
     void (*predict)(void *form_work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
-    /* Makes a pass, without counting it. If the form has NULL here, galerkin_make_pass evaluates the field and
-     * moves the unknowns itself. */
+    /* Makes a pass, without counting it. NULL: galerkin_make_pass evaluates the field and moves the unknowns by their
+     * rates. */
     tvi_status (*pass)(galerkin_field *field, double *movement, tvi_stats *stats);
     /* Writes the form's constants into generated code. */
     void (*emit)(jet_text *text, const galerkin_field *field);
@@ -68,18 +69,19 @@ struct galerkin_field_form {
  * Newton's method (probe.c). */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
-/* The forms of the field. In the plain form the rates are outputs of the tape. The forms of a Lagrangian and of a
- * Hamiltonian also use second derivatives. */
-extern const galerkin_field_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian;
+/* The forms of the field. In the fixed-point form the rates are outputs of the tape, and passes are a fixed-point
+ * iteration. The passes of the forms of a Lagrangian and of a Hamiltonian also use second derivatives. */
+extern const galerkin_field_form tvi_galerkin_form_fixed_point, tvi_galerkin_form_lagrangian,
+    tvi_galerkin_form_hamiltonian;
 
-/* Returns whether the equations are Q'' = F, and not Q' = V and P' = F. */
+/* Returns true if the equations are Q'' = F, and false if they are Q' = V and P' = F. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)
 {
     return field->system->form == TVI_SEPARABLE;
 }
 
-/* Writes the steps of one system into generated code, after the sweeps of its tapes (emit.c). `rule` is that of the
- * field's passes. */
+/* Writes the steps of one system into generated code, after the sweeps of its tapes (emit.c). `rule` decides when the
+ * passes of a step end. */
 void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule);
 /* Writes the definition of the array `static const int galerkin_NAME[]`, with a 0 after its last element. */
 void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[]);
@@ -105,7 +107,8 @@ static inline tvi_status galerkin_evaluate_field(galerkin_field *field)
     return TVI_OK;
 }
 
-/* Moves the unknowns by their rates. Returns the movement, as the kernel `move` measures it. */
+/* Moves the unknowns by their rates. Returns the movement: the sum of the squares of the relative changes of the
+ * unknowns. */
 static inline double galerkin_move_unknowns_by_rates(const galerkin_field *field)
 {
     double movement;
@@ -121,8 +124,8 @@ static inline void galerkin_predict_unknowns(const galerkin_field *field, const 
     else field->kernels->predict(&field->nodes, extrapolation);
 }
 
-/* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts the pass. *movement
- * is measured as by the kernel `move`. */
+/* Makes a pass: evaluates the rates of the unknowns, moves the unknowns by their rates, and counts the pass. *movement
+ * becomes the sum of the squares of the relative changes of the unknowns. */
 static inline tvi_status galerkin_make_pass(galerkin_field *field, double *movement, tvi_stats *stats)
 {
     stats->force_evaluations += field->node_count;

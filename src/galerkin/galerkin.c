@@ -42,14 +42,14 @@ static const galerkin_kernels *const *const kernel_tables[JET_ISA_COUNT] = {
 
 static const galerkin_field_form *select_field_form(const tvi_system *system)
 {
-    return !system->hessian_values          ? &tvi_galerkin_form_plain
+    return !system->hessian_values          ? &tvi_galerkin_form_fixed_point
            : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
                                             : &tvi_galerkin_form_hamiltonian;
 }
 
 /* Returns the rule that ends the passes. If the second derivatives of a Hamiltonian K = g h (hamiltonian.c) are
- * computed without the term h g'', each pass reduces the error by a constant factor only: its rule is not that of
- * Newton's method. */
+ * computed without the term h g'', each pass reduces the error by a constant factor only. Such passes do not have the
+ * rule of Newton's method. */
 static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
 {
     return !system->hessian_values                                          ? &tvi_galerkin_fixed_point
@@ -102,8 +102,8 @@ static void allocate_tail_inputs(galerkin_rate_tail_data *inputs, tvi_arena *are
                                  double *impulse_scale)
 {
     galerkin_impulse_sums *sums = &inputs->impulse_sums_over_nodes;
-    double **const vectors[] = {&sums->single_integral,  &sums->double_integral,     &sums->last_term,
-                                &sums->end_impulse_size, &sums->single_integral_low, &sums->double_integral_low};
+    double **const vectors[] = {&sums->rate_integral,    &sums->rate_double_integral, &sums->last_term,
+                                &sums->end_impulse_size, &sums->rate_integral_low,    &sums->rate_double_integral_low};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_allocate_doubles(arena, (size_t)system->input_count + 7);
     inputs->n = system->n;
     inputs->is_separable = system->form == TVI_SEPARABLE;
@@ -111,8 +111,8 @@ static void allocate_tail_inputs(galerkin_rate_tail_data *inputs, tvi_arena *are
     inputs->subsystems = system->tail_subsystems;
     inputs->impulse_scale = impulse_scale;
     inputs->inverse_impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
-    inputs->component_share = tvi_arena_allocate_doubles(arena, (size_t)system->n);
-    inputs->component_ratio = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    inputs->component_motion_share = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    inputs->component_tail_ratio = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -129,7 +129,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
                                            system->field_values->sweeps);
     stepper.step_data.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     stepper.step_data.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
-    stepper.increment_factor = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
+    stepper.increment_per_impulse = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
     allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
     stepper.field.form->allocate(&stepper.field, arena);
     tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.field);
@@ -137,14 +137,14 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     return taken;
 }
 
-static void prepare_stepper(void *work)
+static void set_tables_of_stepper(void *work)
 {
     galerkin_stepper *stepper = work;
     tvi_galerkin_compute_coefficients(&stepper->coefficients, &stepper->node_polynomials,
                                       galerkin_is_second_order(&stepper->field));
-    stepper->field.form->prepare(&stepper->field);
+    stepper->field.form->set_tables(&stepper->field);
     const int numbers = stepper->field.nodes.unknown_count * stepper->field.nodes.lane_count;
-    tvi_galerkin_prepare_predictor(&stepper->predictor, &stepper->coefficients, &stepper->field);
+    tvi_galerkin_set_predictor_tables(&stepper->predictor, &stepper->coefficients, &stepper->field);
     stepper->tail_inputs.inverse_outermost_weight = stepper->coefficients.inverse_outermost_weight;
     stepper->passes_rule =
         tvi_galerkin_scale_passes_rule(select_passes_rule(stepper->field.system), numbers, stepper->options);
@@ -180,16 +180,16 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
                                   : u < stepper->n || stepper->field.system->form == TVI_LAGRANGIAN ? 1
                                                                                                     : -1;
     for (int i = 0; i < stepper->n; i++) {
-        stepper->increment_factor[i] = nodes->impulse_scale[i];
+        stepper->increment_per_impulse[i] = nodes->impulse_scale[i];
         stepper->tail_inputs.inverse_impulse_scale[i] = 1 / fabs(nodes->impulse_scale[i]);
         nodes->momentum_per_unit_drift[i] =
             stepper->field.system->has_masses ? stepper->field.system->mass[i] / fabs(h) : INFINITY;
-        stepper->increment_factor[stepper->n + i] =
+        stepper->increment_per_impulse[stepper->n + i] =
             galerkin_is_second_order(&stepper->field) ? 1 : nodes->impulse_scale[stepper->n + i];
     }
 }
 
-/* Writes the times of the nodes of a step of size h into the field's tape, if it uses the time. */
+/* Writes the times of the nodes of a step of size h into the block of the field's tape, if the tape uses the time. */
 static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *origin, double h)
 {
     double t[MAX_LANES];
@@ -199,9 +199,9 @@ static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *ori
     tvi_system_write_time(stepper->field.system, stepper->field.tape_block, stepper->field.nodes.lane_count, t);
 }
 
-/* Predicts the unknowns of a step that has no earlier step of the same size. If elapsed_fraction is not NULL, it
- * extrapolates the last step, and the new step begins at the fraction *elapsed_fraction of the last one. If it is NULL,
- * the prediction uses the field at the start of the step. */
+/* Predicts the unknowns of a step that has no earlier step of the same size. If elapsed_fraction is not NULL, the last
+ * step is extrapolated, and the new step begins at the fraction *elapsed_fraction of the last step. If elapsed_fraction
+ * is NULL, the prediction uses the field at the start of the step. */
 static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_origin *origin,
                                      const double *elapsed_fraction, tvi_stats *stats)
 {
@@ -228,10 +228,11 @@ typedef struct {
     tvi_stats *stats, completed_stats;
 } library_pass_work;
 
-/* Makes the next pass of a step. If passes no longer shrink, it also measures their roundoff, provided that the
- * movement is as small as roundoff or that the nodes are near the start of the step. Otherwise the step is too
+/* Makes the next pass of a step. If the movements of passes no longer shrink, also measures their roundoff, provided
+ * that the movement is as small as roundoff or that the nodes are near the start of the step. Otherwise the step is too
  * large, and its movements back and forth are no roundoff. */
-JET_INLINE tvi_status make_pass_in_library(void *work, const galerkin_nodes *nodes, double *movement, double *roundoff)
+JET_INLINE tvi_status make_pass_without_generated_code(void *work, const galerkin_nodes *nodes, double *movement,
+                                                       double *roundoff)
 {
     const library_pass_work *step = work;
     galerkin_field *field = &step->stepper->field;
@@ -242,8 +243,8 @@ JET_INLINE tvi_status make_pass_in_library(void *work, const galerkin_nodes *nod
     return galerkin_make_pass(field, movement, step->stats);
 }
 
-JET_INLINE void predict_unknowns_in_library(void *work, const galerkin_nodes *nodes,
-                                            const galerkin_extrapolation *extrapolation)
+JET_INLINE void predict_unknowns_without_generated_code(void *work, const galerkin_nodes *nodes,
+                                                        const galerkin_extrapolation *extrapolation)
 {
     const library_pass_work *step = work;
     (void)nodes;
@@ -256,12 +257,14 @@ static void save_stats_of_completed_steps(void *work)
     step->completed_stats = *step->stats;
 }
 
-static void make_steps_in_library(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
-                                  const tvi_run_state *state, galerkin_steps_outcome *outcome, tvi_stats *stats)
+static void make_steps_without_generated_code(galerkin_stepper *stepper, const tvi_run_request *run,
+                                              const tvi_step_origin *origin, const tvi_run_state *state,
+                                              galerkin_steps_outcome *outcome, tvi_stats *stats)
 {
     library_pass_work step = {.stepper = stepper, .origin = origin, .stats = stats};
     galerkin_make_steps(&stepper->step_data, &stepper->field.nodes,
-                        &(galerkin_pass_functions){make_pass_in_library, predict_unknowns_in_library,
+                        &(galerkin_pass_functions){make_pass_without_generated_code,
+                                                   predict_unknowns_without_generated_code,
                                                    save_stats_of_completed_steps, &step},
                         run, origin, state, outcome);
     if (outcome->step_count > 0) *stats = step.completed_stats;
@@ -294,22 +297,22 @@ static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, 
                                       .largest_tail = stats->largest_tail};
     double elapsed_fraction;
     tvi_galerkin_set_step_size(stepper, h);
-    if (h == history->step_size) outcome.convergence = history->convergence;
+    if (h == history->last_step_size) outcome.convergence = history->convergence;
     if (can_use_earlier_steps)
-        outcome.is_predicted_from_last_step =
+        outcome.is_first_step_extrapolated =
             tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_fraction);
-    if (outcome.is_predicted_from_last_step && elapsed_fraction == 1 && h == history->step_size)
+    if (outcome.is_first_step_extrapolated && elapsed_fraction == 1 && h == history->last_step_size)
         outcome.equal_step_count = h == history->previous_step_size ? 2 : 1;
     if (outcome.equal_step_count == 0)
         outcome.status =
-            predict_first_step(stepper, origin, outcome.is_predicted_from_last_step ? &elapsed_fraction : NULL, stats);
+            predict_first_step(stepper, origin, outcome.is_first_step_extrapolated ? &elapsed_fraction : NULL, stats);
     if (outcome.status != TVI_OK) return outcome;
     set_node_times(stepper, origin, h);
     make_steps(stepper, run, origin, state, &outcome, stats);
     if (outcome.step_count < 1) return outcome;
-    *history = (galerkin_history){.step_size = h,
-                                  .previous_step_size = outcome.step_count > 1 ? h : history->step_size,
-                                  .start_time = outcome.start_time_of_last_step,
+    *history = (galerkin_history){.last_step_size = h,
+                                  .previous_step_size = outcome.step_count > 1 ? h : history->last_step_size,
+                                  .last_step_start_time = outcome.start_time_of_last_step,
                                   .convergence = outcome.convergence,
                                   .last_ring_index = outcome.last_ring_index};
     stats->residual = sqrt(outcome.last_pass_movement_square);
@@ -317,8 +320,8 @@ static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, 
     return outcome;
 }
 
-/* Makes a step, predicted from earlier steps. If its passes do not converge, it makes the step again, predicted from
- * the state alone. */
+/* Makes a step, predicted from earlier steps. If the passes do not converge, makes the step again, predicted from the
+ * state at its start alone. */
 static tvi_status make_single_step(void *work, double h, const tvi_step_origin *origin,
                                    const tvi_increments *increments, tvi_stats *stats)
 {
@@ -329,9 +332,10 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
     if (stepper->generated_code)
         outcome = predict_and_make_steps(stepper, make_steps_by_generated_code, true, &run, origin, NULL, stats);
     if (outcome.step_count < 1)
-        outcome = predict_and_make_steps(stepper, make_steps_in_library, iterates, &run, origin, NULL, stats);
-    if (outcome.step_count < 1 && outcome.is_predicted_from_last_step)
-        outcome = predict_and_make_steps(stepper, make_steps_in_library, false, &run, origin, NULL, stats);
+        outcome =
+            predict_and_make_steps(stepper, make_steps_without_generated_code, iterates, &run, origin, NULL, stats);
+    if (outcome.step_count < 1 && outcome.is_first_step_extrapolated)
+        outcome = predict_and_make_steps(stepper, make_steps_without_generated_code, false, &run, origin, NULL, stats);
     return outcome.step_count > 0 ? TVI_OK : outcome.status;
 }
 
@@ -342,9 +346,9 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
                                     state->p_low};
     tvi_stats counted = *stats;
     if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
-    const galerkin_steps_outcome outcome =
-        predict_and_make_steps(stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_in_library,
-                               true, run, &origin, state, &counted);
+    const galerkin_steps_outcome outcome = predict_and_make_steps(
+        stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_without_generated_code, true, run,
+        &origin, state, &counted);
     if (outcome.step_count < 1) return 0;
     *stats = counted;
     stats->largest_tail = outcome.largest_tail;
@@ -361,7 +365,7 @@ static void emit_generated_steps(jet_text *text, const tvi_system *system, const
     galerkin_stepper *stepper = memory ? allocate_stepper(&arena, system, options) : NULL;
     text->is_incomplete |= !stepper;
     if (!stepper) return;
-    prepare_stepper(stepper);
+    set_tables_of_stepper(stepper);
     tvi_galerkin_emit_steps(text, &stepper->field, &stepper->passes_rule);
     free(memory);
 }
@@ -384,7 +388,7 @@ static bool is_history_valid(const void *work)
 }
 
 const tvi_stepper tvi_stepper_galerkin = {.allocate = allocate_stepper,
-                                          .set_tables = prepare_stepper,
+                                          .set_tables = set_tables_of_stepper,
                                           .step = make_single_step,
                                           .run = make_steps_of_run,
                                           .interpolate = tvi_galerkin_compute_dense_output,

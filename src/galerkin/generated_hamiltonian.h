@@ -40,7 +40,8 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.nodes = &nodes;
     passes.tape_blocks = galerkin_make_local_blocks(&passes.tape_blocks, &nodes, &own);
     if (GALERKIN_HAS_LOCAL_BLOCKS)
-        galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
+        galerkin_copy_rows(own.node_values, step_data->nodes->values, 0,
+                           outcome->equal_step_count > 0 ? 0 : GALERKIN_UNKNOWNS);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + GALERKIN_UNKNOWNS * GALERKIN_LANES;
     passes.rate_row_of_unknown = galerkin_rate_row_of_unknown;
@@ -49,7 +50,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.newton_inner_iteration_data.hessian_column_count = GALERKIN_HESSIAN_COLUMNS;
     passes.newton_inner_iteration_data.hessian_row_count = GALERKIN_HESSIAN_ROWS;
     passes.newton_inner_iteration_data.unknown_of_row = galerkin_unknown_of_row;
-    passes.newton_inner_iteration_data.hessian_index = galerkin_hessian_index;
+    passes.newton_inner_iteration_data.index_in_hessian_block = galerkin_index_in_hessian_block;
     passes.newton_inner_iteration_data.hessian_block = passes.tape_blocks.hessian_block;
     if (IS_PACKED) {
         passes.newton_inner_iteration_data.packed_hessian = packed;

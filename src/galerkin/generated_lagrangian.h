@@ -35,7 +35,7 @@ static void galerkin_make_generated_steps(const galerkin_step_data *step_data, c
     passes.nodes = &nodes;
     passes.tape_blocks = galerkin_make_local_blocks(&passes.tape_blocks, &nodes, &own);
     if (GALERKIN_HAS_LOCAL_BLOCKS)
-        galerkin_copy_rows(own.x, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
+        galerkin_copy_rows(own.node_values, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
     passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
     passes.rate_nodes.values = nodes.values + 2 * N * GALERKIN_LANES;
     passes.rate_row_of_unknown = galerkin_rate_row_of_unknown;

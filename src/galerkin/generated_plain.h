@@ -5,9 +5,9 @@
 
 #include "galerkin/generated.h"
 
-/* The number of nodes in one register. If the tape's operations are emitted as separate functions
- * (tvi_values_is_split), the tape is evaluated for one register of nodes at a time, and only the impulses are
- * stored. */
+/* The number of nodes that one vector register holds. It is used if the tape's operations are emitted as separate
+ * functions (tvi_values_is_split). The tape is then evaluated for the nodes of one register at a time, and the impulses
+ * are the only results that are stored. Otherwise the tape is evaluated for all nodes at once. */
 enum { GALERKIN_NODES_PER_REGISTER = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
 #define COPY_VECTOR(V, blocks) BLOCK_AT(V, destination, 0) = BLOCK_OF(V, source, 0);

@@ -9,7 +9,7 @@
  *
  *     d_{k+1} = (step size) a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q),
  *
- * with the matrix a of Gauss collocation. The computation of one d_k is an inner iteration; it takes a small part of
+ * with the matrix a of Gauss collocation. The computation of one d_k is an inner iteration, which takes a small part of
  * the time of an evaluation. The pass ends with a movement by the gradient, expanded to first order, at x + sum_k
  * d_k. */
 #include "galerkin/hamiltonian_passes.h"
@@ -18,8 +18,8 @@
 typedef struct {
     hamiltonian_passes passes;
     galerkin_sparse_hessian sparse_hessian;
-    /* The memory of the fields of `passes` that have these names. */
-    int *rate_slot[2], *unknown_of_row, *hessian_index;
+    /* The arrays to which the fields of the same names point in `passes` and in its newton_inner_iteration_data. */
+    int *rate_slot[2], *unknown_of_row, *index_in_hessian_block;
 } hamiltonian_work;
 
 static void allocate_inner_iterations(lanes_inner_iterations *inner, tvi_arena *arena, size_t rows, size_t lanes)
@@ -41,7 +41,7 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     field->pass_input_row_count = field->nodes.unknown_count;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
     tvi_galerkin_allocate_sparse_hessian(&work.sparse_hessian, arena, field);
-    field->tape_block = work.sparse_hessian.blocks.values_block;
+    field->tape_block = work.sparse_hessian.blocks.gradient_block;
     field->impulse_to_predicted_matrix = tvi_arena_allocate_doubles(arena, lanes * lanes);
     work.passes.rate_nodes = field->nodes;
     work.passes.rate_nodes.values = field->nodes.values ? field->nodes.values + unknowns * lanes : NULL;
@@ -50,7 +50,7 @@ static void allocate_hamiltonian_field(galerkin_field *field, tvi_arena *arena)
     work.passes.rate_nodes.impulse_scale = field->rate_per_impulse;
     work.passes.newton_inner_iteration_data.unknown_of_row = work.unknown_of_row =
         tvi_arena_allocate(arena, unknowns * sizeof(int));
-    work.passes.newton_inner_iteration_data.hessian_index = work.hessian_index =
+    work.passes.newton_inner_iteration_data.index_in_hessian_block = work.index_in_hessian_block =
         tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     allocate_inner_iterations(&work.passes.newton_inner_iteration_data, arena, unknowns, lanes);
     work.passes.impulse_changes = tvi_arena_allocate_doubles(arena, unknowns * lanes);
@@ -77,8 +77,8 @@ static bool has_hessian_row_entries(const galerkin_sparse_hessian *sparse_hessia
 }
 
 /* Returns whether an unknown takes part in the inner iterations: its rate depends on unknowns, so that it moves, and
- * some rate depends on it. Two unknowns do not: a cyclic coordinate moves, but no rate depends on it, and its momentum
- * is constant. */
+ * some rate depends on it. A cyclic coordinate and its momentum take no part: no rate depends on the coordinate, and
+ * the momentum is constant. */
 static bool is_unknown_in_inner_iterations(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
                                            int unknown)
 {
@@ -86,10 +86,10 @@ static bool is_unknown_in_inner_iterations(const galerkin_field *field, const ga
            has_hessian_row_entries(sparse_hessian, find_gradient_component_of_rate(field, unknown));
 }
 
-/* Returns the index of a second derivative in hessian_block. If the derivative is 0 by construction, this is the
- * index of the row of zeros after the block. */
-static int find_hessian_index(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian, int row,
-                              int column)
+/* Returns the index of the second derivative (row, column) in hessian_block. If the derivative is 0 by construction,
+ * the result is the index of the row of zeros after the block. */
+static int find_index_in_hessian_block(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
+                                       int row, int column)
 {
     int slot = field->system->hessian_values->slot_count;
     for (int k = find_hessian_row_begin(sparse_hessian, row); k < sparse_hessian->row_end[row]; k++)
@@ -112,19 +112,19 @@ static int append_unknowns_with_hessian_row(const galerkin_field *field, const g
 
 /* Lists the index in hessian_block of each matrix element of the inner iterations, one group of rows after the
  * other. */
-static void list_hessian_indices(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
-                                 const lanes_inner_iterations *inner, int *index)
+static void list_indices_in_hessian_block(const galerkin_field *field, const galerkin_sparse_hessian *sparse_hessian,
+                                          const lanes_inner_iterations *inner, int *index)
 {
     for (int first = 0; first < inner->hessian_row_count; first += LANES_ROWS_PER_GROUP)
         for (int column = 0; column < inner->hessian_column_count; column++)
             for (int i = first; i < first + lanes_count_rows_in_group(inner, first); i++)
-                *index++ = find_hessian_index(field, sparse_hessian,
-                                              find_gradient_component_of_rate(field, inner->unknown_of_row[i]),
-                                              inner->unknown_of_row[column]);
+                *index++ = find_index_in_hessian_block(field, sparse_hessian,
+                                                       find_gradient_component_of_rate(field, inner->unknown_of_row[i]),
+                                                       inner->unknown_of_row[column]);
 }
 
-static void prepare_inner_iterations(const galerkin_field *field, const hamiltonian_work *work,
-                                     lanes_inner_iterations *inner)
+static void set_tables_of_inner_iterations(const galerkin_field *field, const hamiltonian_work *work,
+                                           lanes_inner_iterations *inner)
 {
     const galerkin_sparse_hessian *sparse_hessian = &work->sparse_hessian;
     int *unknown = work->unknown_of_row;
@@ -134,15 +134,15 @@ static void prepare_inner_iterations(const galerkin_field *field, const hamilton
     inner->hessian_block = sparse_hessian->blocks.hessian_block;
     for (int i = 0; i < field->nodes.lane_count * field->nodes.lane_count; i++)
         inner->impulse_matrix[i] = (float)field->impulse_matrix[i];
-    list_hessian_indices(field, sparse_hessian, inner, work->hessian_index);
+    list_indices_in_hessian_block(field, sparse_hessian, inner, work->index_in_hessian_block);
 }
 
-static void prepare_hamiltonian_field(galerkin_field *field)
+static void set_tables_of_hamiltonian_field(galerkin_field *field)
 {
     hamiltonian_work *work = field->form_work;
     hamiltonian_passes *passes = &work->passes;
-    tvi_galerkin_prepare_sparse_hessian(&work->sparse_hessian, field);
-    prepare_inner_iterations(field, work, &passes->newton_inner_iteration_data);
+    tvi_galerkin_set_sparse_hessian_tables(&work->sparse_hessian, field);
+    set_tables_of_inner_iterations(field, work, &passes->newton_inner_iteration_data);
     for (int u = 0; u < field->nodes.unknown_count; u++) {
         field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
         work->rate_slot[false][u] = field->system->field_values->output_slot[find_gradient_component_of_rate(field, u)];
@@ -195,12 +195,12 @@ static void emit_hamiltonian_field(jet_text *text, const galerkin_field *field)
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns, work->rate_slot[false]);
     tvi_galerkin_emit_int_array(text, "hessian_slot", unknowns, work->rate_slot[true]);
     tvi_galerkin_emit_int_array(text, "unknown_of_row", inner->hessian_row_count, inner->unknown_of_row);
-    tvi_galerkin_emit_int_array(text, "hessian_index", inner->hessian_row_count * inner->hessian_column_count,
-                                inner->hessian_index);
+    tvi_galerkin_emit_int_array(text, "index_in_hessian_block", inner->hessian_row_count * inner->hessian_column_count,
+                                inner->index_in_hessian_block);
     tvi_galerkin_emit_int_array(text, "rate_row_of_unknown", unknowns, field->rate_row_of_unknown);
 }
 
 const galerkin_field_form tvi_galerkin_form_hamiltonian = {
-    allocate_hamiltonian_field,       prepare_hamiltonian_field, predict_hamiltonian_unknowns_from_start,
-    hamiltonian_predict_unknowns,     make_hamiltonian_pass,     emit_hamiltonian_field,
+    allocate_hamiltonian_field,       set_tables_of_hamiltonian_field, predict_hamiltonian_unknowns_from_start,
+    hamiltonian_predict_unknowns,     make_hamiltonian_pass,           emit_hamiltonian_field,
     tvi_embedded_galerkin_hamiltonian};

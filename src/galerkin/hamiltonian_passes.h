@@ -24,28 +24,29 @@ typedef struct {
     /* [unknowns] The row of nodes->values that contains each unknown's rate. */
     const int *rate_row_of_unknown;
     galerkin_tape_blocks tape_blocks;
-    /* [unknowns] The slot of each unknown's rate: rate_slot[false] is for values_block, rate_slot[true] for
+    /* [unknowns] The slot of each unknown's rate: rate_slot[false] is for gradient_block, rate_slot[true] for
      * hessian_block. */
     const int *rate_slot[2];
     lanes_inner_iterations newton_inner_iteration_data;
     /* [unknowns][lanes] The changes of the impulses that the inner iterations make. */
     double *impulse_changes;
-    /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
+    /* The movement of the last pass: the sum of the squares of the relative changes of the unknowns. It is infinity
+     * before the first pass of a step. */
     double last_pass_movement_square;
 } hamiltonian_passes;
 
-/* In the first pass of a step the inner iterations end when the square of a relative movement is below this, since a
- * second pass follows in any case. */
+/* In the first pass of a step the inner iterations end when the square of a relative movement is below this number,
+ * since a second pass follows in any case. */
 #define HAMILTONIAN_FIRST_PASS_GOAL_SQUARE 0x1p-108
 
-/* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a hamiltonian_passes. */
+/* Predicts the unknowns from the impulses of earlier steps. `work` is a pointer to hamiltonian_passes. */
 static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes *nodes,
                                                 const galerkin_extrapolation *extrapolation)
 {
     hamiltonian_passes *passes = work;
     (void)nodes;
     double moved;
-    const galerkin_nodes all = galerkin_copy_nodes_with_all_moving(passes->nodes);
+    const galerkin_nodes all = galerkin_copy_nodes_to_move_all_unknowns(passes->nodes);
     GALERKIN_KERNEL(passes->kernels, predict, &passes->rate_nodes, extrapolation);
     GALERKIN_KERNEL(passes->kernels, move, &all, passes->impulse_matrix, passes->nodes->values,
                     passes->rate_row_of_unknown, &moved);

@@ -1,7 +1,7 @@
-/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). It is included once for each
- * number of lanes of a single member (LANES), and once for several members (MEMBERS). A vector V holds successive nodes
- * of one member, or one node of successive members, the first of which has the number `here`. The code is the same for
- * both, so that a member gets the same results alone and in a batch, bit for bit. */
+/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). The file is included once for
+ * each number of lanes of a single member (LANES), and once for several members (MEMBERS). A vector V holds successive
+ * nodes of one member, or one node of successive members, the first of which has the number `here`. The code is the
+ * same for both, so that a member gets the same results alone and in a batch, bit for bit. */
 #undef NAME
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS
@@ -24,8 +24,8 @@
 #define MAGNITUDE(x)            JET_ABS(V, x)
 #define IF_ABOVE(a, b, yes, no) JET_CHOOSE(V, (a) > (b), yes, no)
 #define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->moving_mask + here), now, was)
-/* Calls the function for each vector of members. For the usual numbers P of nodes, L of lanes and W of members these
- * are compile-time constants in the call. */
+/* Makes the call `call` for each vector of members. Inside the call the numbers P of nodes, L of lanes and W of members
+ * are the sizes `shape`, which EACH_VECTOR makes compile-time constants for the usual numbers. */
 #define EACH_VECTOR_OF(P, L, W, call)                                                                                  \
     do {                                                                                                               \
         const galerkin_array_shape shape = {P, L, W};                                                                  \

@@ -36,7 +36,7 @@ JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double 
         row[k] = ROW(nodes->impulses, u + k < nodes->unknown_count ? u + k : nodes->unknown_count - 1);
 }
 
-/* Returns the impulses of node j in these rows, as a vector. */
+/* Returns the impulses of node j in the rows row[0], row[1], .. as a vector. */
 JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_shape shape)
 {
     (void)shape;
@@ -68,8 +68,8 @@ JET_INLINE void NAME(sum_all_impulses)(const galerkin_nodes *nodes, const galerk
         }
         const COLUMN first = NAME(column)(row, 0, shape);
         const COLUMN final = NAME(column)(row, shape.node_count - 1, shape);
-        NAME(join_compensated_sums)(&once, sums->single_integral + at, sums->single_integral_low + at);
-        NAME(join_compensated_sums)(&twice, sums->double_integral + at, sums->double_integral_low + at);
+        NAME(join_compensated_sums)(&once, sums->rate_integral + at, sums->rate_integral_low + at);
+        NAME(join_compensated_sums)(&twice, sums->rate_double_integral + at, sums->rate_double_integral_low + at);
         *(COLUMN *)(sums->last_term + at) = JET_ABS(COLUMN, last);
         *(COLUMN *)(sums->end_impulse_size + at) = JET_ABS(COLUMN, first) + JET_ABS(COLUMN, final);
     }

@@ -28,7 +28,7 @@ enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(
  * impulse_scale is 1 or -1 here. */
 JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner)
 {
-    const int *index = inner->hessian_index;
+    const int *index = inner->index_in_hessian_block;
     float *packed = inner->packed_hessian;
     for (int first = 0, group; first < inner->hessian_row_count; first += group) {
         group = lanes_count_rows_in_group(inner, first);

@@ -55,10 +55,10 @@ KERNEL_FUNCTION void NAME(compute_drifting_increments)(const galerkin_nodes *nod
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
             increments->dq[at] = galerkin_compute_coordinate_increment(
-                drift[at], drift_low[at], nodes->impulse_scale[u], sums->double_integral[at],
-                sums->double_integral_low[at], &increments->dq_low[at]);
-            increments->dp[at] = sums->single_integral[at];
-            increments->dp_low[at] = sums->single_integral_low[at];
+                drift[at], drift_low[at], nodes->impulse_scale[u], sums->rate_double_integral[at],
+                sums->rate_double_integral_low[at], &increments->dq_low[at]);
+            increments->dp[at] = sums->rate_integral[at];
+            increments->dp_low[at] = sums->rate_integral_low[at];
         }
 }
 
@@ -68,10 +68,10 @@ KERNEL_FUNCTION void NAME(compute_increments)(const galerkin_nodes *nodes, const
     const int width = MEMBERS ? nodes->member_count : 1, half = n * width;
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            increments->dq[at] = nodes->impulse_scale[i] * sums->single_integral[at];
-            increments->dq_low[at] = nodes->impulse_scale[i] * sums->single_integral_low[at];
-            increments->dp[at] = nodes->impulse_scale[n + i] * sums->single_integral[half + at];
-            increments->dp_low[at] = nodes->impulse_scale[n + i] * sums->single_integral_low[half + at];
+            increments->dq[at] = nodes->impulse_scale[i] * sums->rate_integral[at];
+            increments->dq_low[at] = nodes->impulse_scale[i] * sums->rate_integral_low[at];
+            increments->dp[at] = nodes->impulse_scale[n + i] * sums->rate_integral[half + at];
+            increments->dp_low[at] = nodes->impulse_scale[n + i] * sums->rate_integral_low[half + at];
         }
 }
 
@@ -81,7 +81,7 @@ JET_INLINE void NAME(compute_tails_of_form)(const galerkin_rate_tail_data *tail_
                                             double tail[])
 {
     galerkin_rate_tail_data inputs = *tail_inputs;
-    double *restrict share = inputs.component_share, *restrict ratio = inputs.component_ratio;
+    double *restrict share = inputs.component_motion_share, *restrict ratio = inputs.component_tail_ratio;
     inputs.is_separable = is_separable;
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {

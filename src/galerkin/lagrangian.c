@@ -39,7 +39,7 @@ static void allocate_lagrangian_field(galerkin_field *field, tvi_arena *arena)
     field->pass_input_row_count = 3 * n;
     field->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
     tvi_galerkin_allocate_sparse_hessian(&work.sparse_hessian, arena, field);
-    field->tape_block = work.sparse_hessian.blocks.values_block;
+    field->tape_block = work.sparse_hessian.blocks.gradient_block;
     field->impulse_to_predicted_matrix = tvi_arena_allocate_doubles(arena, lanes * lanes);
     double **const rows[] = {&work.passes.coordinate_minus_drift, &work.passes.drift_minus_centre[0],
                              &work.passes.drift_minus_centre[1]};
@@ -73,8 +73,8 @@ bool tvi_galerkin_invert_with_row_exchanges(const lanes_matrix_inverse *inverse,
     return true;
 }
 
-static void prepare_lagrangian_passes(lagrangian_passes *passes, const galerkin_field *field,
-                                      const galerkin_sparse_hessian *sparse_hessian)
+static void set_pointers_of_lagrangian_passes(lagrangian_passes *passes, const galerkin_field *field,
+                                              const galerkin_sparse_hessian *sparse_hessian)
 {
     const tvi_system *system = field->system;
     passes->nodes = &field->nodes;
@@ -92,13 +92,13 @@ static void prepare_lagrangian_passes(lagrangian_passes *passes, const galerkin_
                                                             sparse_hessian->row_end};
 }
 
-static void prepare_lagrangian_field(galerkin_field *field)
+static void set_tables_of_lagrangian_field(galerkin_field *field)
 {
     lagrangian_work *work = field->form_work;
-    tvi_galerkin_prepare_sparse_hessian(&work->sparse_hessian, field);
-    prepare_lagrangian_passes(&work->passes, field, &work->sparse_hessian);
+    tvi_galerkin_set_sparse_hessian_tables(&work->sparse_hessian, field);
+    set_pointers_of_lagrangian_passes(&work->passes, field, &work->sparse_hessian);
     work->passes.invert_with_row_exchanges = tvi_galerkin_invert_with_row_exchanges;
-    work->passes.inverse_in_library_arrays = &work->passes.velocity_hessian_inverse;
+    work->passes.library_velocity_hessian_inverse = &work->passes.velocity_hessian_inverse;
     work->passes.velocity_hessian_lu_factor = &work->legendre_transform.jacobian_factor;
     for (int u = 0; u < field->nodes.unknown_count; u++) field->rate_row_of_unknown[u] = field->nodes.unknown_count + u;
 }
@@ -113,7 +113,7 @@ static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first_
 }
 
 /* Predicts that Q and P stay as they are at the start of the step, and computes V there by the Legendre transform,
- * whose iteration begins with V = 0. Then it moves Q and P by the rates at this point. */
+ * whose iteration begins with V = 0. Then moves Q and P by the rates at this point. */
 static tvi_status predict_lagrangian_unknowns_from_start(galerkin_field *field, const tvi_step_origin *origin)
 {
     lagrangian_work *work = field->form_work;
@@ -165,6 +165,6 @@ static void emit_lagrangian_field(jet_text *text, const galerkin_field *field)
 }
 
 const galerkin_field_form tvi_galerkin_form_lagrangian = {
-    allocate_lagrangian_field,       prepare_lagrangian_field, predict_lagrangian_unknowns_from_start,
-    lagrangian_predict_unknowns,     make_lagrangian_pass,     emit_lagrangian_field,
+    allocate_lagrangian_field,       set_tables_of_lagrangian_field, predict_lagrangian_unknowns_from_start,
+    lagrangian_predict_unknowns,     make_lagrangian_pass,           emit_lagrangian_field,
     tvi_embedded_galerkin_lagrangian};

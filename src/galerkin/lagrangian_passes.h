@@ -25,7 +25,7 @@ typedef struct {
     const double *impulse_matrix;
     const int *rate_row_of_unknown;
     galerkin_tape_blocks tape_blocks;
-    /* [2n] The slots of the gradient: gradient_slot[false] is for values_block, gradient_slot[true] for
+    /* [2n] The slots of the gradient: gradient_slot[false] is for gradient_block, gradient_slot[true] for
      * hessian_block. */
     const int *gradient_slot[2];
     double *coordinate_minus_drift; /* [n][lanes] Q minus drift_values of the nodes */
@@ -36,15 +36,16 @@ typedef struct {
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
-    /* If the kernel `invert` fails, this function inverts L_vv (tvi_galerkin_invert_with_row_exchanges). Generated
-     * code, too, passes it arrays and a tvi_lu_factor that the library allocated, and not the local arrays of its own
-     * velocity_hessian_inverse. */
+    /* The function tvi_galerkin_invert_with_row_exchanges, which inverts L_vv if the kernel `invert` fails. Generated
+     * code, too, calls it with arrays that the library allocated, library_velocity_hessian_inverse and
+     * velocity_hessian_lu_factor, and not with local arrays. */
     bool (*invert_with_row_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
-    const lanes_matrix_inverse *inverse_in_library_arrays;
+    const lanes_matrix_inverse *library_velocity_hessian_inverse;
     /* The tvi_lu_factor in which invert_with_row_exchanges factors L_vv of one node after the other. */
     void *velocity_hessian_lu_factor;
-    int inversion_count; /* the number of times that L_vv was inverted */
-    /* The movement of the last pass, as the kernel `move` measures it, or infinity before the first pass of a step. */
+    int inversion_count; /* the number of times that L_vv was inverted at all nodes */
+    /* The movement of the last pass: the sum of the squares of the relative changes of the unknowns. It is infinity
+     * before the first pass of a step. */
     double last_pass_movement_square;
 } lagrangian_passes;
 
@@ -55,8 +56,8 @@ typedef enum {
     LAGRANGIAN_SINGULAR
 } lagrangian_pass_result;
 
-/* The square of a relative movement that is only roundoff. A pass ends after an iteration that moves the unknowns by no
- * more, but makes at least LAGRANGIAN_MIN_ITERATIONS. */
+/* The square of a relative movement that is only roundoff. A pass makes at least LAGRANGIAN_MIN_ITERATIONS iterations,
+ * and ends when an iteration moves the unknowns by no more than this number. */
 #define LAGRANGIAN_ROUNDOFF_MOVEMENT_SQUARE (0.25 * DBL_EPSILON * DBL_EPSILON)
 
 static inline double *lagrangian_find_values_row(const galerkin_nodes *nodes, int row)
@@ -105,7 +106,7 @@ static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
     passes->last_pass_movement_square = INFINITY;
 }
 
-/* Predicts the unknowns, as galerkin_pass_functions.predict. `work` is a lagrangian_passes. */
+/* Predicts the unknowns from the impulses of earlier steps. `work` is a pointer to lagrangian_passes. */
 static inline void lagrangian_predict_unknowns(void *work, const galerkin_nodes *nodes,
                                                const galerkin_extrapolation *extrapolation)
 {
@@ -133,9 +134,9 @@ static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galer
     const galerkin_nodes *nodes = passes->nodes;
     const int lanes = nodes->lane_count, half = nodes->unknown_count / 2 * lanes,
               *output = passes->gradient_slot[with_hessian];
-    lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.values_block);
+    lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.gradient_block);
     lagrangian_round_last_bits(half, lagrangian_find_values_row(nodes, nodes->unknown_count),
-                               passes->tape_blocks.values_block + half);
+                               passes->tape_blocks.gradient_block + half);
     const double *x = galerkin_evaluate_gradient(&passes->tape_blocks, sweep, with_hessian);
     if (!x) return false;
     for (int i = 0; i < nodes->unknown_count; i++)
@@ -162,10 +163,10 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
     /* The called function must not get the address of a local array of generated code. Otherwise a compiler would have
      * to assume that other pointers may point to the array, too. */
-    memmove(passes->inverse_in_library_arrays->matrix, a, bytes);
-    if (passes->invert_with_row_exchanges(passes->inverse_in_library_arrays, lanes,
+    memmove(passes->library_velocity_hessian_inverse->matrix, a, bytes);
+    if (passes->invert_with_row_exchanges(passes->library_velocity_hessian_inverse, lanes,
                                           passes->velocity_hessian_lu_factor)) {
-        memmove(passes->velocity_hessian_inverse.inverse, passes->inverse_in_library_arrays->inverse, bytes);
+        memmove(passes->velocity_hessian_inverse.inverse, passes->library_velocity_hessian_inverse->inverse, bytes);
         return LAGRANGIAN_PASSED;
     }
     for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
@@ -174,8 +175,8 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
     return LAGRANGIAN_SINGULAR;
 }
 
-/* Makes one iteration within a pass: it moves P, V and Q by the current gradient. Returns the movement of P and Q, as
- * the kernel `move` measures it. */
+/* Makes one iteration within a pass: moves P, V and Q by the current gradient. Returns the movement: the sum of the
+ * squares of the relative changes of P and Q. */
 static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;
@@ -183,16 +184,17 @@ static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
     const double moved = lagrangian_move_momenta(passes);
     GALERKIN_KERNEL(passes->kernels, correct_velocities, &passes->velocity_hessian_inverse,
                     lagrangian_find_values_row(nodes, n), passes->gradient_at_centre + half,
-                    lagrangian_find_values_row(nodes, 4 * n), passes->tape_blocks.values_block + half,
+                    lagrangian_find_values_row(nodes, 4 * n), passes->tape_blocks.gradient_block + half,
                     lagrangian_find_values_row(nodes, 2 * n));
     return moved + lagrangian_move_coordinates(passes);
 }
 
-/* Sets drift_minus_centre to the exact difference: a number and its low-order part. */
+/* Sets drift_minus_centre to the exact difference of the drift values and Q at the centres: a number and its low-order
+ * part. */
 static inline void lagrangian_set_drift_minus_centre(lagrangian_passes *passes)
 {
     const int half = passes->nodes->unknown_count / 2 * passes->nodes->lane_count;
-    const double *high = passes->nodes->drift_values, *from = passes->tape_blocks.values_block;
+    const double *high = passes->nodes->drift_values, *from = passes->tape_blocks.gradient_block;
     for (int i = 0; i < half; i++) {
         const double rise = high[i] - from[i], less = high[i] - rise;
         passes->drift_minus_centre[0][i] = rise;
@@ -203,11 +205,11 @@ static inline void lagrangian_set_drift_minus_centre(lagrangian_passes *passes)
 /* Sets the rows F to L_q at Q and V, and the last n rows to the change of L_v by the displacement of Q, both to first
  * order about the centres (kernel `linearise`). The displacement of Q is a sum of differences, which do not contain the
  * rounding of Q. */
-static inline void lagrangian_evaluate_gradient_expansion(lagrangian_passes *passes)
+static inline void lagrangian_set_linearised_gradient(lagrangian_passes *passes)
 {
     const galerkin_nodes *nodes = passes->nodes;
     const int half = nodes->unknown_count / 2 * nodes->lane_count;
-    const double *V = nodes->values + 2 * half, *from = passes->tape_blocks.values_block;
+    const double *V = nodes->values + 2 * half, *from = passes->tape_blocks.gradient_block;
     double *moved = passes->gradient_expansion.displacement;
     for (int i = 0; i < half; i++)
         moved[i] =
@@ -216,7 +218,7 @@ static inline void lagrangian_evaluate_gradient_expansion(lagrangian_passes *pas
     GALERKIN_KERNEL(passes->kernels, linearise, &passes->gradient_expansion, nodes->values + 3 * half);
 }
 
-/* Makes a pass. It evaluates new second derivatives unless the last movement was small enough to reuse the old ones. */
+/* Makes a pass. Evaluates new second derivatives unless the last movement was small enough to reuse the old ones. */
 static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *passes, galerkin_sweep *sweep)
 {
     const galerkin_nodes *nodes = passes->nodes;
@@ -232,7 +234,7 @@ static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *pas
     lagrangian_set_drift_minus_centre(passes);
     for (int i = 0; i < LAGRANGIAN_MAX_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_ROUNDOFF_MOVEMENT_SQUARE * numbers) break;
-        lagrangian_evaluate_gradient_expansion(passes);
+        lagrangian_set_linearised_gradient(passes);
         passes->last_pass_movement_square += moved = lagrangian_make_inner_iteration(passes);
     }
     return LAGRANGIAN_PASSED;

@@ -37,7 +37,8 @@ typedef struct {
 /* The state of the iteration that solves the equations of a step, for each member of a batch. galerkin_member_iteration
  * of steps.h is the state for a single member. */
 typedef struct {
-    double movement_square[BATCH_MAX_WIDTH]; /* the movement of the last pass, as the kernel `move` measures it */
+    /* the movement of the last pass: the sum of the squares of the relative changes of the unknowns */
+    double movement_square[BATCH_MAX_WIDTH];
     /* The fields of tvi_passes (algebra/passes.h) of each member. `correction` is the movement of the last pass that
      * was judged, contraction_ratio its ratio to previous_correction. */
     double correction[BATCH_MAX_WIDTH], previous_correction[BATCH_MAX_WIDTH], contraction_ratio[BATCH_MAX_WIDTH];
@@ -69,12 +70,13 @@ typedef struct {
 
 /* The sums of a step's impulses over its nodes, [unknowns][member_count] each. The impulse of node j is L_j = h b_j
  * F_j, with the step size h, the quadrature weight b_j and the rate F_j of the unknown. Each array has room for seven
- * more numbers, so that a vector can be stored at the last element. single_integral = sum_j L_j; double_integral =
- * sum_j (1 - c_j) L_j, with the abscissa c_j of the node; last_term is the magnitude of the last term of the rate's
- * Legendre series; end_impulse_size is |L_j| of the first node plus that of the last node. */
+ * more numbers, so that a vector can be stored at the last element. rate_integral = sum_j L_j is the quadrature of the
+ * rate over the step; rate_double_integral = sum_j (1 - c_j) L_j, with the abscissa c_j of the node, is that of its
+ * double integral, divided by h; last_term is the magnitude of the last term of the rate's Legendre series;
+ * end_impulse_size is |L_j| of the first node plus that of the last node. */
 typedef struct {
-    double *single_integral, *double_integral, *last_term, *end_impulse_size, *single_integral_low,
-        *double_integral_low;
+    double *rate_integral, *rate_double_integral, *last_term, *end_impulse_size, *rate_integral_low,
+        *rate_double_integral_low;
 } galerkin_impulse_sums;
 
 /* The quantities from which the tail of a step is computed: the last term of the polynomial of the rates, relative to
@@ -88,13 +90,14 @@ typedef struct {
     galerkin_impulse_sums impulse_sums_over_nodes;
     /* The reciprocal of the quadrature weight b_j of the first and the last node. */
     double inverse_outermost_weight;
-    /* [n] galerkin_nodes.impulse_scale, and the reciprocals of the magnitudes of these factors. */
+    /* [n] The factors by which the sums of impulses are multiplied in the equations of the unknowns (galerkin_nodes),
+     * and the reciprocals of their magnitudes. */
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: tvi_tail_component_share and tvi_tail_component_ratio of each component
-     * (tail.h). */
-    double *component_share, *component_ratio;
+    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_tail_component_share), and the
+     * ratio of its last term to its momentum or movement (tvi_tail_component_ratio). */
+    double *component_motion_share, *component_tail_ratio;
 } galerkin_rate_tail_data;
 
 /* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
@@ -119,16 +122,16 @@ static inline tvi_tail_component galerkin_make_tail_component(const galerkin_rat
     return component;
 }
 
-/* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (double_integral +
- * double_integral_low). Sets *low to the low-order part of the result. */
+/* Returns the increment of a coordinate of a separable system, drift + drift_low + scale (rate_double_integral +
+ * rate_double_integral_low). Sets *low to the low-order part of the result. */
 static inline double galerkin_compute_coordinate_increment(double drift, double drift_low, double scale,
-                                                           double double_integral, double double_integral_low,
+                                                           double rate_double_integral, double rate_double_integral_low,
                                                            double *low)
 {
-    const double rise = scale * double_integral;
+    const double rise = scale * rate_double_integral;
     double rest;
     const double sum = tvi_two_sum(drift, rise, &rest);
-    *low = rest + (fma(scale, double_integral, -rise) + fma(scale, double_integral_low, drift_low));
+    *low = rest + (fma(scale, rate_double_integral, -rise) + fma(scale, rate_double_integral_low, drift_low));
     return sum;
 }
 
@@ -149,7 +152,7 @@ typedef struct {
     double *drift_values, *drift_values_low;
     double *impulse_weight; /* [lanes] the step times the quadrature weight, h b_j */
     double *impulses;       /* the impulses L_j of the last movement, stored in the history */
-    double *impulse_scale;  /* [unknowns] the factor of an unknown's sums of impulses */
+    double *impulse_scale;  /* [unknowns] the factor of the impulses' sum in the change of an unknown */
     /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
     double *inverse_unknown_size;
     /* [n] The momentum whose drift moves the coordinate by 1 in this step, or infinity if the mass is not known. */
@@ -161,7 +164,7 @@ typedef struct {
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
-static inline galerkin_nodes galerkin_copy_nodes_with_all_moving(const galerkin_nodes *nodes)
+static inline galerkin_nodes galerkin_copy_nodes_to_move_all_unknowns(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
     all.moving_unknown_count = all.unknown_count;
@@ -210,8 +213,9 @@ typedef struct {
     const int *unknown_of_row; /* [hessian_row_count] the unknown of each row of the matrix */
     /* [hessian_column_count][rows of the group] for each group of rows: the index of each matrix element in
      * hessian_block. */
-    const int *hessian_index;
-    /* The block of the tape with second derivatives, followed by zeros for missing elements. */
+    const int *index_in_hessian_block;
+    /* The block of the tape that computes second derivatives. A row of zeros follows, for second derivatives that are 0
+     * by construction. */
     const double *hessian_block;
     /* [lanes][lanes] galerkin_coefficients.impulse_matrix, in single precision. */
     float *impulse_matrix;
@@ -238,9 +242,9 @@ static inline int lanes_count_rows_in_group(const lanes_inner_iterations *inner,
 /* The kernels of a step, for one member or for several; kernel.h defines them. */
 typedef struct galerkin_kernels {
     /* `set_constant_drift_values` sets drift_values to the state at the start of the step, for equations of first
-     * order. `set_linear_drift_values` is for a separable system, whose positions drift with the momentum: it sets them
-     * to q + q_low + c_i (drift + drift_low) at the abscissa c_i of node i. It also sets drift + drift_low =
-     * impulse_scale (p + p_low), the drift over the step in two parts. */
+     * order. `set_linear_drift_values` is for a separable system, whose positions drift with the momentum: it sets
+     * drift_values to q + q_low + c_i (drift + drift_low) at the abscissa c_i of node i. This kernel also sets drift +
+     * drift_low = impulse_scale (p + p_low), the drift over the step in two parts. */
     void (*set_constant_drift_values)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
     void (*set_linear_drift_values)(const galerkin_nodes *nodes, const double *node_abscissa,
                                     const tvi_step_origin *origin, double *drift, double *drift_low);
@@ -256,8 +260,8 @@ typedef struct galerkin_kernels {
     void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
                          const galerkin_impulse_sums *sums);
     /* `compute_drifting_increments` is for a separable system, and computes the increments dq = drift + drift_low +
-     * scale double_integral and dp = single_integral from the sums of the impulses. `compute_increments` is for any
-     * other system: dq and dp are scale single_integral. */
+     * scale rate_double_integral and dp = rate_integral from the sums of the impulses. `compute_increments` is for any
+     * other system: dq and dp are scale rate_integral. */
     void (*compute_drifting_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums,
                                         const double *drift, const double *drift_low, const tvi_increments *increments);
     void (*compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,

@@ -9,7 +9,7 @@ void tvi_galerkin_allocate_sparse_hessian(galerkin_sparse_hessian *sparse_hessia
     const size_t lanes = (size_t)field->nodes.lane_count;
     sparse_hessian->blocks = (galerkin_tape_blocks){
         .n = system->n, .lane_count = field->nodes.lane_count, .input_count = system->hessian_values->input_count};
-    sparse_hessian->blocks.values_block =
+    sparse_hessian->blocks.gradient_block =
         tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lane_count, 0);
     sparse_hessian->blocks.hessian_block =
         tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lane_count, lanes);
@@ -42,7 +42,7 @@ static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_el
         }
 }
 
-void tvi_galerkin_prepare_sparse_hessian(galerkin_sparse_hessian *sparse_hessian, const galerkin_field *field)
+void tvi_galerkin_set_sparse_hessian_tables(galerkin_sparse_hessian *sparse_hessian, const galerkin_field *field)
 {
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lane_count;
@@ -51,14 +51,14 @@ void tvi_galerkin_prepare_sparse_hessian(galerkin_sparse_hessian *sparse_hessian
         const int node = i < field->node_count ? i : field->node_count - 1;
         field->impulse_to_predicted_matrix[node * lanes + i] = 1 / field->node_weight[node];
     }
-    sparse_hessian->blocks.sweep_argument = field;
+    sparse_hessian->blocks.field_for_sweep = field;
 }
 
 bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
 {
-    const galerkin_field *field = blocks->sweep_argument;
+    const galerkin_field *field = blocks->field_for_sweep;
     const jet_tape *tape = with_hessian ? field->system->hessian_values : field->system->field_values;
-    double *x = with_hessian ? blocks->hessian_block : blocks->values_block;
+    double *x = with_hessian ? blocks->hessian_block : blocks->gradient_block;
     if (!jet_sweep_values(tape, x, blocks->lane_count)) return false;
     if (field->output_displacements) tvi_galerkin_displace_tape_outputs(field, tape, x);
     return true;
@@ -66,7 +66,7 @@ bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessi
 
 void tvi_galerkin_emit_sparse_hessian(jet_text *text, const galerkin_sparse_hessian *sparse_hessian)
 {
-    const galerkin_field *field = sparse_hessian->blocks.sweep_argument;
+    const galerkin_field *field = sparse_hessian->blocks.field_for_sweep;
     const jet_tape *hessian = field->system->hessian_values;
     const int rows = 2 * sparse_hessian->blocks.n;
     tvi_galerkin_emit_int_array(text, "row_end", rows, sparse_hessian->row_end);

@@ -19,9 +19,10 @@ typedef struct {
 void tvi_galerkin_allocate_sparse_hessian(galerkin_sparse_hessian *sparse_hessian, tvi_arena *arena,
                                           const galerkin_field *field);
 /* Lists the elements of the Hessian that are not always 0, and sets field->impulse_to_predicted_matrix. */
-void tvi_galerkin_prepare_sparse_hessian(galerkin_sparse_hessian *sparse_hessian, const galerkin_field *field);
+void tvi_galerkin_set_sparse_hessian_tables(galerkin_sparse_hessian *sparse_hessian, const galerkin_field *field);
 
-/* Evaluates a tape of the field in its block, and adds the field's output_displacements. */
+/* Evaluates the tape of the gradient, or that of the second derivatives, in its block, and adds the field's
+ * output_displacements. Returns false if an operand is outside its domain. */
 galerkin_sweep tvi_galerkin_sweep_tape;
 
 /* Inverts the matrix of each lane by elimination with row exchanges. `lu_factor` is a tvi_lu_factor. Returns false if a

@@ -1,11 +1,12 @@
 /* places.c - Evaluates the curve of the last step at any fraction of the step, for dense output, and at the samples in
- * which events are searched. Its functions are `dense` and `sample` of the stepper (galerkin.c). */
+ * which events are searched. Its functions are `interpolate` and `sample` of the stepper (galerkin.c). */
 #include "galerkin/step.h"
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-/* Computes x [components][point_count]: the components of the curve at the fractions theta of the step, by integrals of
- * its forces. integral_table [lanes][point_count] contains integrals of coefficients.h. */
+/* Computes x [components][point_count]: the components of the curve at the fractions theta of the step. integral_table
+ * [lanes][point_count] contains the integrals of l_j / b_j from 0 to theta (coefficients.h), or the double integrals
+ * for the positions of a separable system. */
 static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int point_count,
                                const double theta[], const double *integral_table, const double *impulses,
                                const double *start, const double *drift, const double *impulse_scale, double *x)
@@ -17,8 +18,8 @@ static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_ra
         stepper->field.kernels->evaluate(&to, integral_table, impulses + from * lanes, x + from * point_count);
 }
 
-/* Computes q and p [n][point_count], of q the components used_range[0] and of p the components used_range[1]. It
- * integrates the polynomial of degree m - 1 through the rates. */
+/* Computes the components used_range[0] of q and the components used_range[1] of p at the fractions theta of the step,
+ * in q and p [n][point_count]. Integrates the polynomial of degree m - 1 through the rates. */
 static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_range used_range[2], int point_count,
                            const double theta[], const double *single_integral, const double *double_integral,
                            const double q_start[], const double p_start[], double *q, double *p)
@@ -27,9 +28,9 @@ static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_
     const bool separable = galerkin_is_second_order(&stepper->field);
     if (!separable) of_p += stepper->n * stepper->field.nodes.lane_count;
     integrate_impulses(stepper, used_range[0], point_count, theta, separable ? double_integral : single_integral,
-                       impulses, q_start, stepper->step_data.drift, stepper->increment_factor, q);
+                       impulses, q_start, stepper->step_data.drift, stepper->increment_per_impulse, q);
     integrate_impulses(stepper, used_range[1], point_count, theta, single_integral, of_p, p_start,
-                       stepper->predictor.zeros, stepper->increment_factor + stepper->n, p);
+                       stepper->predictor.zeros, stepper->increment_per_impulse + stepper->n, p);
 }
 
 void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], double dp[])
@@ -37,7 +38,7 @@ void tvi_galerkin_compute_dense_output(void *work, double theta, double dq[], do
     const galerkin_stepper *stepper = work;
     const tvi_component_range all[] = {{0, stepper->n}, {0, stepper->n}};
     double single_integral[MAX_LANES] = {0}, double_integral[MAX_LANES] = {0};
-    tvi_galerkin_integrate_twice(&stepper->node_polynomials, theta, single_integral, double_integral);
+    tvi_galerkin_integrate_node_polynomials(&stepper->node_polynomials, theta, single_integral, double_integral);
     evaluate_curve(stepper, all, 1, &theta, single_integral, double_integral, stepper->predictor.zeros,
                    stepper->predictor.zeros, dq, dp);
 }
@@ -46,6 +47,6 @@ void tvi_galerkin_compute_curve_samples(void *work, const tvi_component_range us
                                         const double p_start[], double *q, double *p)
 {
     const galerkin_stepper *stepper = work;
-    evaluate_curve(stepper, used_range, TVI_SAMPLES, tvi_sample_theta, stepper->node_polynomials.single_integral,
-                   stepper->node_polynomials.double_integral, q_start, p_start, q, p);
+    evaluate_curve(stepper, used_range, TVI_SAMPLES, tvi_sample_theta, stepper->node_polynomials.integral_to_sample,
+                   stepper->node_polynomials.double_integral_to_sample, q_start, p_start, q, p);
 }

@@ -32,7 +32,7 @@ static void set_orthonormal_polynomials(const galerkin_coefficients *coefficient
     for (int k = 0; k <= degree; k++) {
         long double *now = basis[k];
         for (int i = 0; i < 3 * m; i++) {
-            const long double s = coefficients->long_double_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
+            const long double s = coefficients->long_double_node_abscissa[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
             now[i] = k > 0 ? s * basis[k - 1][i] : 1;
         }
         /* If before == k, the product is the square of the norm of basis[k]. */
@@ -82,8 +82,8 @@ static void set_extrapolation_table(const galerkin_coefficients *coefficients, c
 /* Computes the tables that extrapolate two steps and one. For two steps a polynomial of degree 3m/2 needs the fewest
  * passes, with m nodes: a higher degree raises the roundoff of the prediction more than it lowers its truncation
  * error. */
-void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                    const galerkin_field *field)
+void tvi_galerkin_set_predictor_tables(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                       const galerkin_field *field)
 {
     const int degree = coefficients->node_count > 1 ? 3 * coefficients->node_count / 2 : 1;
     set_extrapolation_table(coefficients, field, 2, degree, predictor->two_step_extrapolation);
@@ -98,9 +98,10 @@ static void set_resized_step_extrapolation(galerkin_predictor *predictor, const 
                                            const galerkin_node_polynomials *polynomials,
                                            const galerkin_kernels *kernels, double step_ratio, double elapsed_fraction)
 {
-    if (step_ratio == predictor->new_to_last_step_ratio && elapsed_fraction == predictor->resized_step_elapsed_fraction)
+    if (step_ratio == predictor->new_to_last_step_size_ratio &&
+        elapsed_fraction == predictor->resized_step_elapsed_fraction)
         return;
-    predictor->new_to_last_step_ratio = step_ratio;
+    predictor->new_to_last_step_size_ratio = step_ratio;
     predictor->resized_step_elapsed_fraction = elapsed_fraction;
     const int lanes = coefficients->lane_count;
     const galerkin_curve_at_points_inputs at_nodes = {lanes,
@@ -126,12 +127,12 @@ bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor
                                              double *elapsed_fraction)
 {
     const galerkin_history *history = predictor->history;
-    if (history->step_size == 0) return false;
-    const double ratio = field->step_size == history->step_size ? 1 : field->step_size / history->step_size;
+    if (history->last_step_size == 0) return false;
+    const double ratio = field->step_size == history->last_step_size ? 1 : field->step_size / history->last_step_size;
     const bool is_next = galerkin_follows_last_step(history, field->step_size, t);
     *elapsed_fraction = is_next ? 1 : 0;
     return ratio <= GALERKIN_PREDICTION_MAX_RATIO &&
-           (is_next ? ratio >= GALERKIN_PREDICTION_BACK_RATIO : t == history->start_time && ratio > 0);
+           (is_next ? ratio >= GALERKIN_PREDICTION_BACK_RATIO : t == history->last_step_start_time && ratio > 0);
 }
 
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
@@ -147,7 +148,7 @@ void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const ga
                                                 predictor->ones};
     const long long last_alone = -1;
     set_resized_step_extrapolation(predictor, coefficients, polynomials, field->kernels,
-                                   field->step_size / predictor->history->step_size, elapsed_fraction);
+                                   field->step_size / predictor->history->last_step_size, elapsed_fraction);
     field->kernels->evaluate(&to, predictor->resized_step_extrapolation, galerkin_find_impulses_of_step(predictor, 0),
                              predictor->extrapolated_rates);
     galerkin_predict_unknowns(

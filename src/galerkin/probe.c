@@ -14,9 +14,9 @@
 /* The rules that end the passes. Sizes of corrections are squares, summed over all unknowns and lanes, relative to the
  * sizes of the unknowns. The numbers here are for a single unknown at one node.
  *
- * correction_goal: the error that a step leaves has the same sign in each step and grows as the number N of steps, but
- * roundoff grows as sqrt(N). A goal of 2^-80 keeps the error below the roundoff for more than 10^9 steps. Passes of
- * Newton's method cost more; with their goal of 2^-72 this number of steps is smaller by 2^16.
+ * correction_goal: the error that a step leaves has the same sign in each step and grows as the number of steps, but
+ * roundoff grows as its square root. A goal of 2^-80 keeps the error below the roundoff for more than 10^9 steps.
+ * Passes of Newton's method cost more. Their goal of 2^-72 does so for fewer steps, by a factor of 2^16.
  * roundoff_level: corrections below it do not show how fast the passes contract. The corrections of a small step are
  * soon below it; its passes are assumed to contract as those of an earlier step.
  * stall_comparison_lag: in the equations of a Hamiltonian, passes may alternately contract much and little. */
@@ -29,12 +29,12 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_convergence_quadratic = true};
 
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int value_count,
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int unknown_value_count,
                                                const tvi_options *options)
 {
     tvi_passes_rule rule = *rule_per_unknown;
-    rule.correction_goal *= value_count;
-    rule.roundoff_level *= value_count;
+    rule.correction_goal *= unknown_value_count;
+    rule.roundoff_level *= unknown_value_count;
     rule = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));
     if (options->passes == TVI_PREDICT_ONLY) rule.max_passes = 0;
     return rule;

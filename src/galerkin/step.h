@@ -15,14 +15,14 @@
  * structure and the impulses. */
 typedef struct {
     /* The sizes of the last step and of the step before it; 0 if there is none. */
-    double step_size, previous_step_size;
-    double start_time; /* the time at which the last step began */
+    double last_step_size, previous_step_size;
+    double last_step_start_time; /* the time at which the last step began */
     /* The convergence of the last step's passes, or of earlier ones if the last passes do not show it. */
     galerkin_convergence convergence;
     long last_ring_index; /* the index of the last step's impulses in impulse_ring */
 } galerkin_history;
 
-/* Returns whether the index of a loaded history is within the ring. */
+/* Returns true if last_ring_index, read from a saved state, is an index of the impulse ring. */
 static inline bool galerkin_is_ring_index_valid(long last_ring_index)
 {
     return last_ring_index >= 0 && last_ring_index < GALERKIN_RING_LENGTH;
@@ -32,29 +32,30 @@ typedef struct {
     galerkin_history *history;
     /* The impulses of the last steps, [unknowns][lanes] each, stored in the history as a ring buffer. */
     double *impulse_ring[GALERKIN_RING_LENGTH];
-    /* The tables of galerkin_extrapolation, for earlier steps of the same size as this step. */
+    /* The factors [2][j][i] of the impulses of the last two steps, and [j][i] of the last step, in the predicted
+     * unknowns of the next step, or in h times their rates. All these steps have the same size h. */
     double *two_step_extrapolation, *last_step_extrapolation;
     /* The limit of the movement of the first pass of a step, a sum of squares. If the movement is larger, the
      * prediction of the step had a relative error above 1/100, and the next step is predicted from the last step
      * alone. */
     double max_first_movement_square;
-    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_ratio times as
-     * large and begins at the fraction resized_step_elapsed_fraction of the last step. */
+    /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_size_ratio
+     * times as large and begins at the fraction resized_step_elapsed_fraction of the last step. */
     double *resized_step_extrapolation;
     /* The step for which resized_step_extrapolation was computed. The ratio is 0 before the first computation. */
-    double new_to_last_step_ratio, resized_step_elapsed_fraction;
+    double new_to_last_step_size_ratio, resized_step_elapsed_fraction;
     /* [unknowns][lanes] The rates that were extrapolated from the last step. */
     double *extrapolated_rates;
     double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */
 } galerkin_predictor;
 
 void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena, const galerkin_field *field);
-void tvi_galerkin_prepare_predictor(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                    const galerkin_field *field);
+void tvi_galerkin_set_predictor_tables(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
+                                       const galerkin_field *field);
 /* Returns whether a step of size h from time t begins where the last step ended. */
 static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
 {
-    return fabs(t - (history->start_time + history->step_size)) < GALERKIN_MAX_TIME_GAP * fabs(h);
+    return fabs(t - (history->last_step_start_time + history->last_step_size)) < GALERKIN_MAX_TIME_GAP * fabs(h);
 }
 
 /* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those of
@@ -87,9 +88,9 @@ typedef struct {
 
 void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
-/* Returns the rule that ends the passes of a step with value_count unknowns at all nodes, from the rule for a single
- * unknown and from the user's options. */
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int value_count,
+/* Returns the rule that ends the passes of a step, from the rule for one unknown at one node and from the user's
+ * options. unknown_value_count is the number of unknowns times the number of lanes. */
+tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int unknown_value_count,
                                                const tvi_options *options);
 
 /* Returns whether the nodes are still near the start of the step (tvi_roundoff_may_exceed_step_motion of roundoff.h),
@@ -114,14 +115,14 @@ typedef struct {
     tvi_passes_rule passes_rule;
     galerkin_node_polynomials node_polynomials;
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
-    double *increment_factor;
+    double *increment_per_impulse;
     galerkin_rate_tail_data tail_inputs;
     galerkin_step_data step_data; /* pointers to the data of this stepper, for the functions of steps.h */
     /* The system's generated code, or NULL if there is none. */
     const galerkin_code *generated_code;
 } galerkin_stepper;
 
-/* Computes the weights and scales of the nodes for the step h, if it differs from the last one. */
+/* Computes the weights and scales of the nodes for the step size h, if h differs from the size of the last step. */
 void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h);
 
 /* The functions `interpolate` and `sample` of tvi_stepper, for the Galerkin curve of the last step. */

@@ -18,7 +18,8 @@ typedef struct galerkin_step_data {
     const galerkin_impulse_sum_weights *impulse_sum_weights;
     const tvi_passes_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
-    const double *two_step_extrapolation, *last_step_extrapolation; /* the tables of galerkin_extrapolation */
+    /* the fields of the same names in galerkin_predictor */
+    const double *two_step_extrapolation, *last_step_extrapolation;
     /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from
      * the last step alone. */
     double max_first_movement_square;
@@ -38,7 +39,7 @@ typedef struct {
      * far the roundoff of a pass moves the unknowns, if it can. */
     tvi_status (*make_pass)(void *work, const galerkin_nodes *nodes, double movement[], double *roundoff);
     void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
-    /* Called after each completed step of a run. It may be NULL. */
+    /* This function is called after each completed step of a run. NULL: no function is called. */
     void (*after_step)(void *work);
     void *work;
 } galerkin_pass_functions;
@@ -56,9 +57,10 @@ typedef struct {
 /* The results of several steps in a row, apart from the increments of the state. */
 typedef struct galerkin_steps_outcome {
     /* TVI_OK, or the status of the step or the prediction that failed. It is TVI_OK, too, if the last step was not
-     * added to the state (galerkin_add_step_to_state). */
+     * added to the state (galerkin_try_adding_step_to_state). */
     tvi_status status;
-    /* The number of passes of a last step that failed or was not added. The caller makes this step again. */
+    /* The number of passes of the last step, if it failed or was not added to the state. The caller makes this step
+     * again. */
     int pass_count_of_failed_step;
     /* The number of steps that were made, and of all their passes. */
     long step_count, pass_count;
@@ -67,7 +69,8 @@ typedef struct galerkin_steps_outcome {
     /* The index in impulse_ring of the last step's impulses, and how many of the last two steps (0, 1 or 2) have the
      * size of the next step. */
     int last_ring_index, equal_step_count;
-    bool is_predicted_from_last_step; /* the first of these steps is predicted from the last one */
+    /* true: the first of these steps is predicted from earlier steps; false: from the state at its start alone. */
+    bool is_first_step_extrapolated;
     galerkin_convergence convergence; /* the convergence of the last step */
     double start_time_of_last_step;   /* the time at which the last step began */
     /* The movement of the last pass of the last step, as a sum of squares, and the tail of that step. */
@@ -121,8 +124,8 @@ JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, g
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
-/* Makes passes of all members of a batch together, until each member has converged or is stuck, or the number of passes
- * is at its limit. A pass does not move members that have converged or are stuck. */
+/* Makes passes of all members of a batch together, until each member has converged or is stuck (its movements no longer
+ * shrink), or the number of passes is at its limit. A pass does not move members that have converged or are stuck. */
 JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
                                               const galerkin_pass_functions *pass_functions,
                                               galerkin_batch_iteration *iteration)
@@ -141,7 +144,8 @@ JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_dat
     }
 }
 
-/* Makes the passes of one member until they converge. If they are stuck, their roundoff is measured. */
+/* Makes the passes of one member until they converge. If the movements no longer shrink, the roundoff of a pass is
+ * measured. */
 JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
                                                const galerkin_pass_functions *pass_functions,
                                                galerkin_member_iteration *iteration, double *movement)
@@ -201,8 +205,8 @@ JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const doubl
 /* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
  * checked first, because the tail or the number of passes exceeds run->limits_without_energy_check; the step does not
  * end before run->t_end; or the sums are not finite. */
-JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state, double tail,
-                                           int pass_count)
+JET_INLINE bool galerkin_try_adding_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state,
+                                                  double tail, int pass_count)
 {
     if (!(tail <= run->limits_without_energy_check.max_tail &&
           pass_count <= run->limits_without_energy_check.max_passes))
@@ -215,9 +219,8 @@ JET_INLINE bool galerkin_add_step_to_state(int n, const tvi_run_request *run, co
     return true;
 }
 
-/* Makes steps of one member in a row from the origin, and adds them to `state`. If `state` is NULL, it makes a
- * single step and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first
- * step. */
+/* Makes steps of one member in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step
+ * and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
 JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerkin_nodes *nodes,
                                     const galerkin_pass_functions *pass_functions, const tvi_run_request *run,
                                     const tvi_step_origin *origin, const tvi_run_state *state,
@@ -242,7 +245,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         outcome->status = iteration.status;
         if (iteration.status == TVI_OK) galerkin_compute_increments(step_data, nodes, origin, &run->increments, &tail);
         if (iteration.status != TVI_OK ||
-            (state && !galerkin_add_step_to_state(n, run, state, tail, iteration.pass_count))) {
+            (state && !galerkin_try_adding_step_to_state(n, run, state, tail, iteration.pass_count))) {
             outcome->pass_count_of_failed_step = iteration.pass_count;
             return;
         }

@@ -62,12 +62,12 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
         sizes += fabs(impulse[j]);
         sizes_of_last += fabsl(of_last);
     }
-    const double once_left = (sums->single_integral[u] - left) + sums->single_integral_low[u];
-    const long double twice_left = (sums->double_integral[u] - twice) + sums->double_integral_low[u];
+    const double once_left = (sums->rate_integral[u] - left) + sums->rate_integral_low[u];
+    const long double twice_left = (sums->rate_double_integral[u] - twice) + sums->rate_double_integral_low[u];
     ck_assert_double_le(fabs(once_left), (double)sizes * 0x1p-96);
     ck_assert_double_le(fabs((double)twice_left), (double)sizes * (is_short ? 0x1p-60 : DBL_EPSILON));
-    ck_assert_double_le(fabs(sums->single_integral_low[u]), fabs(sums->single_integral[u]) * DBL_EPSILON / 2);
-    ck_assert_double_le(fabs(sums->double_integral_low[u]), fabs(sums->double_integral[u]) * DBL_EPSILON / 2);
+    ck_assert_double_le(fabs(sums->rate_integral_low[u]), fabs(sums->rate_integral[u]) * DBL_EPSILON / 2);
+    ck_assert_double_le(fabs(sums->rate_double_integral_low[u]), fabs(sums->rate_double_integral[u]) * DBL_EPSILON / 2);
     ck_assert_double_eq_tol(sums->last_term[u], (double)fabsl(last), (double)sizes_of_last * 4 * DBL_EPSILON);
     ck_assert_double_eq(sums->end_impulse_size[u], fabs(impulse[0]) + fabs(impulse[a->lane_count - 1]));
 }
@@ -111,10 +111,10 @@ START_TEST(increments_have_two_parts)
     double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
     const galerkin_nodes nodes = {
         .lane_count = lanes_of[_i % GALERKIN_KERNEL_TABLE_COUNT], .unknown_count = UNKNOWNS, .impulse_scale = scale};
-    const galerkin_impulse_sums sums = {.single_integral = once,
-                                        .double_integral = twice,
-                                        .single_integral_low = drift_low,
-                                        .double_integral_low = twice_low};
+    const galerkin_impulse_sums sums = {.rate_integral = once,
+                                        .rate_double_integral = twice,
+                                        .rate_integral_low = drift_low,
+                                        .rate_double_integral_low = twice_low};
     const tvi_increments to = {by[0], by[1], by[2], by[3]};
     uint64_t bits = 1;
     if (isa > jet_choose_sweeps_for_processor()->isa) return;

@@ -372,8 +372,8 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
                                         .start_q = zero,
                                         .start_p = p,
                                         .momentum_increment = zero,
-                                        .component_share = share,
-                                        .component_ratio = ratio};
+                                        .component_motion_share = share,
+                                        .component_tail_ratio = ratio};
     tvi_galerkin_kernels_base[0]->compute_tails(&of, 1, &tail);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);
 }
