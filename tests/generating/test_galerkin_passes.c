@@ -65,17 +65,70 @@ START_TEST(steps_before_predict)
 END_TEST
 
 /* The same state, and nothing of the steps before. */
-static tvi_integrator *new_at(const tvi_integrator *it, const tvi_system *system, const tvi_options *options)
+static void copy_state(tvi_integrator *other, const tvi_integrator *it)
 {
-    tvi_integrator *other = integrator_of(system, options);
-    const size_t bytes = (size_t)system->n * sizeof(double), with_time = bytes + sizeof(double);
+    const size_t bytes = (size_t)it->system->n * sizeof(double), with_time = bytes + sizeof(double);
     memcpy(other->state.q, it->state.q, with_time);
     memcpy(other->state.q_low, it->state.q_low, with_time);
     memcpy(other->state.p, it->state.p, bytes);
     memcpy(other->state.p_low, it->state.p_low, bytes);
     *other->is_state_from_step = true;
+}
+
+static tvi_integrator *new_at(const tvi_integrator *it, const tvi_system *system, const tvi_options *options)
+{
+    tvi_integrator *other = integrator_of(system, options);
+    copy_state(other, it);
     return other;
 }
+
+/* How much more the angular momentum of Kepler's problem grows in steps with these options than in steps from the same
+ * states whose passes all go on to the last bit. */
+static sample momentum_left_by_passes(tvi_options options, double h, int steps)
+{
+    enum { TO_THE_LAST_BIT = 14 };
+    tvi_system *system = model_system(&model_kepler);
+    tvi_integrator *it = integrator_of(system, &options);
+    options.tolerance = 0, options.passes = TO_THE_LAST_BIT;
+    tvi_integrator *exact = integrator_of(system, &options);
+    const tvi_increments *by = &it->increments, *its = &exact->increments;
+    test_state x = model_start(&model_kepler);
+    sample left = {0};
+    go(it, h, 2, &x);
+    for (int k = 0; k < steps; k++) {
+        double dq[2], dp[2];
+        test_state y = x;
+        copy_state(exact, it);
+        go(exact, h, 1, &y);
+        go(it, h, 1, &x);
+        for (int i = 0; i < 2; i++) {
+            dq[i] = (by->dq[i] - its->dq[i]) + (by->dq_low[i] - its->dq_low[i]);
+            dp[i] = (by->dp[i] - its->dp[i]) + (by->dp_low[i] - its->dp_low[i]);
+        }
+        sample_add(&left, (x.q[0] * dp[1] - x.q[1] * dp[0]) + (dq[0] * x.p[1] - dq[1] * x.p[0]));
+    }
+    tvi_integrator_free(it);
+    tvi_integrator_free(exact);
+    tvi_system_free(system);
+    return left;
+}
+
+/* Passes that end because the next one is expected to move little leave no mean in a conserved quantity. This is the
+ * drift that the rule of section 5 must exclude, measured without the random walk of all other roundoff. The control
+ * ends its passes sooner. Its ratio is at least 10.8 with every instruction set. With GALERKIN_GOAL at 2^-66 steps of
+ * 0.125 fail. */
+START_TEST(ending_passes_leaves_no_mean)
+{
+    enum { STEPS = 20000 };
+    static const double h[] = {0.125, 0.25, 0.7};
+    tvi_options options = gauss(8);
+    const sample left = momentum_left_by_passes(options, h[_i], STEPS);
+    options.tolerance = 1e-14;
+    const sample biased = momentum_left_by_passes(options, h[_i], STEPS);
+    ck_assert_msg(sample_drift(&left) < NO_DRIFT, "h = %g: %g", h[_i], sample_drift(&left));
+    ck_assert_msg(sample_drift(&biased) > NO_DRIFT, "h = %g: %g with a tolerance", h[_i], sample_drift(&biased));
+}
+END_TEST
 
 /* Passes rest in one place, whatever the side that they come from: steps that are predicted from those before, and from
  * the state alone, are mostly the same to the last bit, in both parts. If passes of Lagrangians rest
@@ -270,6 +323,7 @@ void add_galerkin_passes(Suite *suite)
 {
     TCase *tcase = tcase_create("passes");
     tcase_add_loop_test(tcase, energy_does_not_drift, 0, 4);
+    tcase_add_loop_test(tcase, ending_passes_leaves_no_mean, 0, 3);
     tcase_add_loop_test(tcase, steps_before_predict, 0, 5);
     tcase_add_loop_test(tcase, steps_do_not_know_where_they_began, 0, 3);
     tcase_add_loop_test(tcase, other_steps_begin_anew, 0, 4);
