@@ -11,10 +11,10 @@
 
 /* ---- Tapes: make devices ----------------------------------------------------------------------------------------- */
 
-/* [operations] A run is padded to whole vectors of 8 if more than this many are in its last vector. */
+/* [operations] A run is padded to whole vectors of 8 if its last vector has more than this many operations. */
 #define TAPE_PAD_MAX_UNPADDED_REST 4
-/* [operations] On tapes of values, scattered operands are copied if a subgroup has at least this many operations on
- * average. */
+/* [operations] On tapes of values, scattered operands are copied to adjacent slots if the loops that read the copies
+ * have at least this many operations on average. */
 #define TAPE_COPY_MIN_OPERATIONS 4
 /* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow (suite
  * elementary of build/check/ad). */
@@ -28,8 +28,8 @@
  * requested. */
 #define EMIT_MAX_SINGLE_OPERATIONS 768
 /* [operations] The largest tape whose value function is inlined. */
-#define EMIT_MAX_INLINED             64  /* [operations] Tapes up to this are inlined for more lanes than a register. */
-#define EMIT_MAX_INLINED_IN_REGISTER 256 /* [operations] Tapes up to this are inlined for one register of lanes. */
+#define EMIT_MAX_INLINED             64 /* [operations] The largest inlined tape if the lanes fill several registers. */
+#define EMIT_MAX_INLINED_IN_REGISTER 256 /* [operations] The largest inlined tape if the lanes fill one register. */
 
 /* ---- Blocks of members of an ensemble: make performance ONE=ensembles -------------------------------------------- */
 
@@ -37,20 +37,19 @@
 #define BATCH_MIN_WIDTH        8  /* [members] The smallest block: one vector of the widest instruction set. */
 #define BATCH_MAX_WIDTH        32 /* [members] The largest block for methods with curves. */
 #define VERLET_BATCH_MAX_WIDTH 64 /* [members] The largest block for Stormer-Verlet. */
-/* [bytes] The tape of Stormer-Verlet has no larger block, except for a block of the least width. */
+/* [bytes] The largest block of the tape of Stormer-Verlet; a block of BATCH_MIN_WIDTH members may be larger. */
 #define VERLET_BATCH_MAX_BYTES (16 << 10)
 /* [lanes] A block of Galerkin curves has at most this many lanes, one for each node of each member. */
 #define GALERKIN_BATCH_MAX_LANES 256
-/* [bytes] The tape of Galerkin curves has no larger block. A part of a block of this size is in the second-level
- * cache. */
+/* [bytes] The largest block of the tape of Galerkin curves with more than BATCH_MIN_WIDTH members. A part of a block of
+ * this size is in the second-level cache. */
 #define GALERKIN_BATCH_MAX_BYTES (40 << 10)
-/* [bytes] The tape of Galerkin curves has a larger block of the least width, up to this size. If whole steps are
- * generated code, GALERKIN_BATCH_MAX_BYTES is the limit of that block, too, since generated steps of one member are
- * faster. */
+/* [bytes] The largest block of the tape of Galerkin curves with BATCH_MIN_WIDTH members. If whole steps are generated
+ * code, GALERKIN_BATCH_MAX_BYTES is the limit of that block, too, since generated steps of one member are faster. */
 #define GALERKIN_BATCH_MAX_BYTES_AT_MIN_WIDTH (128 << 10)
-/* [bytes] A series and its tangents along one direction have no larger block, to stay in the first-level cache. */
+/* [bytes] The largest block of a series and its tangents along one direction, to stay in the first-level cache. */
 #define CURVE_BATCH_MAX_BYTES (32 << 10)
-/* [bytes] A series and its tangents have a larger block of the least width, up to this size. */
+/* [bytes] The largest block of a series and its tangents if it has only BATCH_MIN_WIDTH members. */
 #define CURVE_BATCH_MAX_BYTES_AT_MIN_WIDTH (256 << 10)
 /* [directions] One sweep of tangents has at most this many directions. A block of more would not fit into the cache
  * (make performance ONE=cost). */
@@ -75,8 +74,8 @@
 
 /* ---- The end of the passes of every iteration: suite convergence of build/check/generating ----------------------- */
 
-/* [1] If a correction is at least this part of the one before, the next correction is expected to be as large. Newton's
- * method, which allows for a loss of contraction, expects a smaller one after every contraction below 1. */
+/* [1] If a correction is at least this part of the one before, the next one is expected to be as large. Newton's method
+ * trusts any decrease of corrections, but allows for a slower one (NEWTON_MAX_RATIO_GROWTH). */
 #define PASSES_MAX_CONTRACTION 0.5
 /* [1] Newton's method, and generalised conjugate residuals, are stuck if a correction is more than this part of the one
  * before. */
@@ -111,7 +110,7 @@
 /* [1] A step is predicted from the last one if its size, divided by that of the last step, is in this range. A step in
  * the opposite direction has a negative quotient. */
 #define GALERKIN_PREDICTION_MAX_RATIO  1.5  /* A predicted step is at most this many times as long as the last one. */
-#define GALERKIN_PREDICTION_BACK_RATIO (-2) /* A predicted step over the last is at least this; below 0 it goes back. */
+#define GALERKIN_PREDICTION_BACK_RATIO (-2) /* The least quotient; if negative, the step goes back. */
 /* [h] A step follows the last one if it begins less than this from where the last one ended. */
 #define GALERKIN_MAX_TIME_GAP 0.25
 /* [numbers] Blocks of up to this size are local variables of a generated step, so that compilers know that nothing else
@@ -125,23 +124,23 @@
 #define GALERKIN_MAX_INNER_ITERATIONS 32
 /* A pass that reuses the second derivatives of the pass before has, for a Hamiltonian, the cube of the movement as its
  * error. For a Lagrangian make longrun SCENE=double_pendulum shows the error. */
-#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* [1] H'' is reused up to this square of a relative movement. */
-#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT  1e-8    /* [1] L'' is reused up to this square of a relative movement. */
+#define HAMILTONIAN_HESSIAN_MAX_MOVEMENT 0x1p-50 /* [1] H'' is reused if (relative movement)^2 is at most this. */
+#define LAGRANGIAN_HESSIAN_MAX_MOVEMENT  1e-8    /* [1] L'' is reused if (relative movement)^2 is at most this. */
 /* [iterations] A pass for a Lagrangian has at most, and at least, this many inner iterations. More would cost more than
  * they save. After a single iteration F would not follow V, and the energy would drift by the error of V in the last
  * pass. */
 #define LAGRANGIAN_MAX_ITERATIONS 3
 #define LAGRANGIAN_MIN_ITERATIONS 2
-/* [bits] The gradient of a Lagrangian is evaluated at the nodes with this many last bits rounded off. */
+/* [bits] A Lagrangian's gradient is evaluated at coordinates and velocities with this many last bits rounded off. */
 #define LAGRANGIAN_ROUNDED_BITS 6
-/* [quarters] The second derivatives of K = g f, with f = H + e, save passes of large steps. They and the field depend
- * on at most this many quarters of the nodes that the field alone depends on. Otherwise more passes without second
- * derivatives take as little time. */
+/* [quarters] The second derivatives of K = g f, with f = H + e, save passes of large steps. They are used if the field
+ * with them depends on at most HESSIAN_MAX_COST / 4 times as many nodes of the graph as the field alone. If they cost
+ * more, the additional passes without them take as little time. */
 #define HESSIAN_MAX_COST 14
 /* [numbers] The whole matrix K'' is recorded if the nodes of the graph times the rows of K'' are at most this many
  * (make performance ONE=compiling). */
 #define HESSIAN_WHOLE_MAX_NUMBERS 4096
-/* [nodes] If the whole matrix cannot be used, K'' at f = 0 is recorded, up to this many nodes of the graph. */
+/* [nodes] If the whole K'' is too costly, the simpler K'' at f = 0 is recorded for graphs of up to this many nodes. */
 #define HESSIAN_SHORT_MAX_NODES 800
 
 /* ---- Curves and their equations: suites convergence and adjoints of build/check/generating ----------------------- */
@@ -160,8 +159,8 @@
 #define NEWTON_CHECK_MAX_CORRECTION (8 * DBL_EPSILON)
 /* [1] The expected size of a correction allows for growth of the contraction ratio by at most this factor. */
 #define NEWTON_MAX_RATIO_GROWTH 1e6
-/* [1] Old Jacobians, or the last correction by products, leave at most this relative error in the state. The roundoff
- * of a step is much larger. */
+/* [1] An old Jacobian leaves at most this relative error in the state, and so does a last correction that is computed
+ * from products of the Jacobian with vectors. The roundoff of a step is much larger. */
 #define CURVE_NEGLIGIBLE_ERROR (DBL_EPSILON / 16)
 /* [1] The corrector's Jacobian serves until z has moved by this part: passes then contract by about this factor. */
 #define MATRICES_MAX_MOVEMENT 1e-4
@@ -175,9 +174,10 @@
 #define PRODUCTS_NEAR_ORDER 3
 /* [1] A pass need not reduce the residual by more than this factor, since the next pass computes the residual anew. */
 #define PRODUCTS_REDUCTION 1e-6
-/* [1] Corrections by products that no longer shrink are roundoff if they are this part of the solution. */
+/* [1] Corrections of conjugate residuals that no longer shrink are roundoff if they are this part of the solution. */
 #define PRODUCTS_STALLED_CORRECTION 1e-12
-/* [1] A product of a given relative accuracy leaves out orders of the curve below that accuracy divided by this. */
+/* [1] A product of the Jacobian with a vector, to the relative accuracy r, leaves out the last coefficients of the
+ * curve, with |Q_k| below r / PRODUCTS_TRUNCATION_SAFETY |Q_0|. */
 #define PRODUCTS_TRUNCATION_SAFETY 10
 /* [iterations] Newton's method for the momenta of the nodes, H_p = v, fails after this many (suite statements of
  * build/check/generating). */
@@ -198,7 +198,7 @@
 #define LEGENDRE_MAX_RESIDUAL        1e-6
 #define LEGENDRE_MAX_ITERATIONS      100 /* [iterations] Newton's method for x in y = f(x) makes at most this many. */
 #define LEGENDRE_MAX_HALVINGS        40  /* [halvings] A correction of x is halved at most this many times. */
-#define LEGENDRE_MAX_GROWTH_HALVINGS 12  /* [halvings] After this many f(x) need not be nearer to y than before. */
+#define LEGENDRE_MAX_GROWTH_HALVINGS 12  /* [halvings] From this many on, f(x) may be farther from y than before. */
 /* [1] The matrix dy/dx is reused if the residual is below this part of the residual for which the matrix was
  * computed. */
 #define LEGENDRE_REUSE_MAX_RATIO 1e-3
@@ -224,8 +224,8 @@
 #define STEP_SIZE_MAX_EXPANSIONS 64
 /* [1] The size of a step, divided by that of the step before. */
 #define STEP_SIZE_MAX_GROWTH     4.0 /* A step is at most this many times as long as the step before. */
-#define STEP_SIZE_CHECKED_GROWTH 1.5 /* First steps, and those that grow by more, have the force at the end checked. */
-/* [1] Increments are refined for tolerances below this. Larger tolerances leave errors that exceed roundoff. */
+#define STEP_SIZE_CHECKED_GROWTH 1.5 /* If a step grows by more, or is the first, the force at its end is checked. */
+/* [1] For smaller tolerances generating/refine.c reduces the roundoff of a step; for larger ones errors exceed it. */
 #define REFINE_MAX_TOLERANCE 1e-13
 /* [1] The omitted terms of a curve change the energy by at most this many times as much as the last two terms (make
  * guard). */
@@ -263,22 +263,22 @@
  * energy. */
 #define GUARD_MIN_PART_OF_ACTION 1e-6       /* An energy is nearly 0 if it is at most this part of p.dq/dt. */
 #define GUARD_PART_OF_ACTION     (1.0 / 64) /* This part of p.dq/dt takes the place of an energy that is nearly 0. */
-/* [1] Two energies are taken as equal if they differ by at most this part: those of bodies at rest, far apart, at two
- * distances, and H(q, p) and H(q, -p) of an H that is even in p. */
+/* [1] Two energies count as equal if they differ by at most this part. The guard compares the energies H(c q, 0) at two
+ * large c, to find whether they have a limit, and H(q, p) and H(q, -p), to find whether H is even in p. */
 #define GUARD_LEVEL_MAX_DIFFERENCE 1e-9
-/* [increments of the step] The reference level is searched at points of lines, at growing distances from the start of
- * the line. A step from rest that is too large may be a billion times as long as it should be. */
-#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* The search for the zero level of energy begins this far from a state. */
-#define GUARD_LEVEL_MAX_DISTANCE 0x1p12  /* The search for the zero level of energy ends this far from a state. */
-#define GUARD_LEVEL_RATIO        2       /* [1] The distances of the search for the zero level grow by this factor. */
+/* [increments of the step] The lowest energy at rest, H(q, 0), is searched at points q of lines, at growing distances.
+ * A step from rest that is too large may be a billion times as long as it should be. */
+#define GUARD_LEVEL_MIN_DISTANCE 0x1p-30 /* The search for the lowest energy at rest begins this far from a state. */
+#define GUARD_LEVEL_MAX_DISTANCE 0x1p12  /* The search for the lowest energy at rest ends this far from a state. */
+#define GUARD_LEVEL_RATIO        2       /* [1] The distances of the search for this energy grow by this factor. */
 
 /* ---- Runs: suites times and plans of build/check/events ---------------------------------------------------------- */
 
-#define RUN_STEPS_BETWEEN_CHECKS 64 /* [steps] A run checks after this many whether its time moves. */
+#define RUN_STEPS_BETWEEN_CHECKS 64 /* [steps] A run checks once in this many steps that its time moves. */
 /* [steps] A run fails after this many consecutive steps that hardly move its time (build/check/rescaled). */
 #define RUN_MAX_SLOW_STEPS           (1 << 16)
 #define PARTIAL_STEP_MAX_CORRECTIONS 12 /* [corrections] The size of a partial step is corrected at most this often. */
-/* [h] Partial steps whose sizes differ by less have nearly the same nodes, so that one's history serves the other. */
+/* [h] Partial steps whose sizes differ by less have nearly the same nodes and can use each other's history. */
 #define PARTIAL_STEP_NEAR 1e-3
 
 /* ---- Events: suites roots, search, starts and cuts of build/check/events ----------------------------------------- */
@@ -288,7 +288,7 @@
 /* [eps] A state after a step, or on the curve, is a sum. Its roundoff is this many units of its components. */
 #define EVENT_STATE_ROUNDOFF_UNITS 4.0
 #define EVENT_SAME_TIME            (2 * DBL_EPSILON)  /* [1] Times are the same if they differ by at most this part. */
-#define EVENT_SAME_STOP            (32 * DBL_EPSILON) /* [1] Stops are one if their times differ by at most this. */
+#define EVENT_SAME_STOP            (32 * DBL_EPSILON) /* [1] Two stops are one if their times differ by less. */
 #define EVENT_NEAR_STOP            1e-6    /* [h] A root this near to a stop may be that stop, by the roundoff of g. */
 #define EVENT_SAME_ROOT            1e-12   /* [h] Two roots of an event this near, in one direction, are one root. */
 #define EVENT_EDGE                 0x1p-20 /* [h] Extra samples of g are this far from step ends and zeros of g. */
@@ -298,7 +298,7 @@
 /* [h] If g is 0 at the start of a step, the sign of g just after the start is found at growing theta. */
 #define EVENT_FIRST_THETA          0x1p-200 /* [h] If g is 0 at a step's start, its sign is taken here first. */
 #define EVENT_FIRST_RESCALED_THETA 0x1p-60  /* [h] If g is 0 at a rescaled step's start, its sign is taken here. */
-#define EVENT_RETURN_MIN_THETA     0x1p-52  /* [h] The least theta of a check that g, once off 0, is not back at 0. */
+#define EVENT_RETURN_MIN_THETA     0x1p-52  /* [h] The least theta at which a g that left 0 is checked to be off 0. */
 #define EVENT_RETURN_THETA_GROWTH  16.0     /* [1] An unsure sign of g is taken again at this many times theta. */
 #define EVENT_DIP_MIN_WIDTH        1e-8     /* [h] The search of a dip ends when its three samples span no more. */
 #define EVENT_DIP_MAX_SAMPLES      120      /* [samples] The search of a dip ends after this many. */
@@ -313,7 +313,7 @@
 /* A correction of theta is short if it is at most EVENT_SHORT_CORRECTION, and at most EVENT_SHORT_CORRECTION_PART of
  * the distance from the corrected theta to the nearer end of the bracket. */
 #define EVENT_SHORT_CORRECTION      1e-6 /* [h] A short correction of theta is at most this. */
-#define EVENT_SHORT_CORRECTION_PART 1e-3 /* [1] A short correction is at most this part of the way to an end. */
+#define EVENT_SHORT_CORRECTION_PART 1e-3 /* [1] A short correction is at most this part of the way to a bracket end. */
 /* Near an event the solution is replaced by a straight line through one of its states, the origin of the line
  * (finder.h). An estimated root of g on the line lies in a small bracket, whose ends move outwards until g changes its
  * sign. */
@@ -326,12 +326,12 @@
 /* In a rescaled system trials aim lower, since another passage of a pericentre may be worse than that in the trial. */
 #define SUGGEST_AIM          0.08 /* Trials aim at this part of the wanted error. */
 #define SUGGEST_AIM_RESCALED 0.06 /* Trials of rescaled systems aim at this part of the wanted error. */
-/* The step size of a trial, divided by that of the trial before; after the last trial, the suggested step size divided
- * by that of the trial. */
-#define SUGGEST_FAILED_FACTOR          0.88 /* A trial's step size over the last, after a failure or a large error. */
-#define SUGGEST_FAILED_FACTOR_RESCALED 0.7  /* A trial's step size over the last, after a failed step if rescaled. */
-#define SUGGEST_UNKNOWN_FACTOR         0.8  /* A suggested step has this factor if no estimate was near the aim. */
-#define SUGGEST_MIN_FACTOR             0.25 /* A trial's step size over the last is at least this, at most 1 / this. */
+/* The factor of a trial is its step size divided by that of the trial before. The factor of the suggestion is the
+ * suggested step size divided by that of the last trial. */
+#define SUGGEST_FAILED_FACTOR          0.88 /* The factor of a trial after a failed one, or one with a large error. */
+#define SUGGEST_FAILED_FACTOR_RESCALED 0.7  /* The factor of a trial after a failed one, in a rescaled system. */
+#define SUGGEST_UNKNOWN_FACTOR         0.8  /* The factor of the suggestion if no error of a trial was near the aim. */
+#define SUGGEST_MIN_FACTOR             0.25 /* The least factor of a trial; the largest is 1 / SUGGEST_MIN_FACTOR. */
 #define SUGGEST_MIN_AIM_PER_ERROR      1e-3 /* The aim divided by the error of a trial counts as at least this. */
 /* The error of a trial is roundoff if SUGGEST_ROUNDOFF_DOUBT is above the distance of its orbits, and if a step size
  * that should reduce the error to the part SUGGEST_EXPECTED_DECREASE does not reduce it by the factor
@@ -355,8 +355,8 @@
  * resolving step size, but at most SUGGEST_MAX_SPREAD. */
 #define SUGGEST_SPREAD_WEIGHT 0.15
 #define SUGGEST_MAX_SPREAD    30.0
-/* A step at a shifted time measures the error by the roundoff of the time. In a run this roundoff adds up to
- * SUGGEST_TIME_BIAS sqrt(steps) units. */
+/* The roundoff of the time of a run causes an error. A step from a shifted time measures this error. In a run this
+ * roundoff adds up to SUGGEST_TIME_BIAS sqrt(steps) units. */
 #define SUGGEST_TIME_DOUBT       0.01 /* The error is measured if it may be more than this part of the wanted error. */
 #define SUGGEST_TIME_SHIFT       1e-3 /* [h] The shift of the time. */
 #define SUGGEST_TIME_SHIFT_UNITS 4.0  /* [eps] The least shift, in units of the roundoff of the time. */
@@ -370,14 +370,14 @@
 #define TRIAL_MAX_DISTANCE 0.05 /* A larger distance of two orbits does not grow as a power of the step size. */
 #define TRIAL_END          1e-9 /* A trial that leaves out a smaller part of the run covers the whole run. */
 /* Errors grow as t^a with the time t of a run. */
-#define TRIAL_GROWTH_EXPONENT          1.25       /* Errors grow as t^this. In driven systems it is the upper limit. */
-#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1        /* Errors of rescaled systems grow as t^this. */
+#define TRIAL_GROWTH_EXPONENT          1.25       /* The exponent a; in driven systems its upper limit. */
+#define TRIAL_GROWTH_EXPONENT_RESCALED 1.1        /* The exponent a in rescaled systems. */
 #define TRIAL_GROWTH_FIRST_STEP        8          /* [steps] Driven systems: errors' growth is measured from here on. */
 #define TRIAL_GROWTH_INTERVAL          4          /* [steps] Driven systems: errors' growth is measured this often. */
 #define TRIAL_MIN_STEPS                4          /* [steps] A large estimate does not end a trial of fewer steps. */
-#define TRIAL_MAX_HARDEST_PART         0.6        /* The hardest part ends by this part of a trial from the start. */
+#define TRIAL_MAX_HARDEST_PART         0.6        /* A trial passes its hardest step by this part of its length. */
 #define TRIAL_COMPANION_MIN_EXPLORED   0.5        /* The companion orbit needs a scout that saw this part of the run. */
-#define DOUBLING_MIN_SPEED             (1.0 / 30) /* Lags are measured above this part of the largest speed. */
+#define DOUBLING_MIN_SPEED             (1.0 / 30) /* The lag of two orbits counts above this part of the top speed. */
 #define DOUBLING_START_DISTANCE        1e-7       /* The companion orbit's first distance from the scout's orbit. */
 #define SCOUT_MAX_STEPS                24         /* [steps] The scout tries at most this many. */
 /* A step just resolves the orbit if its tail (tvi_stats.tail) is this. The tail is the last term of the polynomial of
