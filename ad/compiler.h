@@ -23,7 +23,7 @@
  * arguments are constants. */
 #define JET_INLINE static inline __attribute__((always_inline))
 
-/* Keeps a function from being inlined. It is large or rarely called, and would cost its caller registers. */
+/* Keeps a function from being inlined: one that is large or rarely called, and would cost its caller registers. */
 #define JET_APART static __attribute__((noinline, unused))
 
 /* Has the compiler compare the arguments of a printf-like function with its format. `text` is the position of the
@@ -34,13 +34,14 @@
  * the way. */
 #define JET_COLD __attribute__((cold))
 
-/* Exempts a function from the address sanitizer, since it copies bytes that arena.h has declared inaccessible. */
+/* Exempts a function from the address sanitizer, since the function copies bytes that arena.h has declared
+ * inaccessible. */
 #define JET_UNCHECKED __attribute__((no_sanitize_address))
 
 /* ---- Vectors ----------------------------------------------------------------------------------------------------- */
 
-/* The attribute of a vector of `count` numbers anywhere in an array. It is aligned as a single number, and may alias
- * any of the numbers. */
+/* The attribute of a vector type for `count` successive numbers at any place of an array. Such a vector has the
+ * alignment of one number, and may alias the numbers of the array. */
 #define JET_VECTOR(type, count) __attribute__((vector_size((count) * sizeof(type)), aligned(sizeof(type)), may_alias))
 
 /* The attribute of a vector that is passed to a function in a register. */
@@ -55,8 +56,8 @@
 
 /* ---- Loops ------------------------------------------------------------------------------------------------------- */
 
-/* Unrolls the following loop, whose bound the compiler knows, so that the numbers it sets stay in registers. By
- * itself gcc unrolls at most eight times, and only short loops. */
+/* Unrolls the following loop, whose bound the compiler knows, so that the numbers it sets stay in registers. Without
+ * the pragma gcc unrolls only short loops, and at most eight times. */
 #define JET_UNROLL(most) JET_PRAGMA(GCC unroll most)
 #define JET_PRAGMA(text) _Pragma(#text)
 

@@ -183,23 +183,23 @@ JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function,
     }
 JET_ELEMENTARY_LIST(JET_ALL)
 
-/* The following functions set result = argument^exponent. They call SLEEF's pow for arguments in jet_pow_base_range,
- * which keeps the argument and the result far from overflow and underflow. */
+/* The following functions set result = argument^exponent. They call SLEEF's pow for arguments in
+ * jet_sleef_pow_base_range: there the argument and the result are far from overflow and underflow. */
 extern jet_native_vector JET_SLEEF_OF(pow)(jet_native_vector, jet_native_vector);
 JET_INLINE jet_native_vector jet_vector_pow(double exponent, jet_native_vector x)
 {
     return JET_SLEEF_OF(pow)(x, (jet_native_vector){0} + exponent);
 }
 JET_INLINE double jet_scalar_pow(double exponent, double x) { return pow(x, exponent); }
-JET_INLINE jet_argument_magnitude_range jet_pow_base_range(double exponent)
+JET_INLINE jet_argument_magnitude_range jet_sleef_pow_base_range(double exponent)
 {
     const double bits = 1000 / fmax(fabs(exponent), 1), most = bits >= 1 ? ldexp(1, (int)bits) : 1;
     return (jet_argument_magnitude_range){1 / most, most};
 }
-JET_ALL_OF(pow, jet_pow_base_range(exponent), jet_nowhere, exponent,
+JET_ALL_OF(pow, jet_sleef_pow_base_range(exponent), jet_nowhere, exponent,
            (double exponent, int count, const double *argument, double *restrict result))
 {
-    const jet_argument_magnitude_range near_zero = jet_pow_base_range(exponent);
+    const jet_argument_magnitude_range near_zero = jet_sleef_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
         jet_apply_given_all_are_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);

@@ -1,5 +1,6 @@
-/* emit.c - Writes the sweeps of a tape as C text (emit.h). src/compiled/ calls it, and so do the files of the methods
- * that write generated steps. */
+/* emit.c - Writes C code for a tape, which is a recorded function as a straight-line program: the sweeps, functions
+ * that compute its values and derivatives (emit.h). src/compiled/ calls it, and so do the files of the methods that
+ * write generated steps. */
 #include "emit.h"
 #include "devices.h"
 #include "rule.h"
@@ -42,8 +43,9 @@ static void emit_double_array(jet_text *text, const char *name_prefix, const cha
 static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
     jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d},\n", (int)run->op,
-                    run->operation_count, run->z, run->a, run->b, run->w, run->exponent, run->has_constant_terms,
-                    run->is_scattered, run->first_constant_term_index, run->term_count, run->first_term_index);
+                    run->operation_count, run->z, run->a, run->b, run->w, run->exponent,
+                    run->has_nonzero_constant_terms, run->has_scattered_operands, run->first_constant_term_index,
+                    run->term_count, run->first_term_index);
 }
 
 typedef struct {
@@ -84,7 +86,7 @@ static void emit_tape_arrays(const tape_emitter *emitter)
  * JET_SPLIT_ALL. */
 static bool is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
 
-/* Tells whether a sum has a term that it reads from this slot or from a later one. */
+/* Tells whether a term of the sum reads `slot` or a later slot. */
 static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
 {
     for (int term = run->first_term_index; term < run->first_term_index + run->term_count; term++)
@@ -93,7 +95,7 @@ static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run *run,
 }
 
 /* Returns the first sum in the sequence of adjacent sums that contains `run`. No sum of a sequence reads another. */
-static const jet_run *first_adjacent_sum(const jet_tape *tape, const jet_run *run)
+static const jet_run *find_first_adjacent_sum(const jet_tape *tape, const jet_run *run)
 {
     const jet_run *first = run;
     while (first > tape->runs && is_single_sum(first - 1)) first--;
@@ -103,10 +105,10 @@ static const jet_run *first_adjacent_sum(const jet_tape *tape, const jet_run *ru
 }
 
 /* Returns the end of the sequence of adjacent sums that begins with `first`. */
-static const jet_run *end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
+static const jet_run *find_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
 {
     const jet_run *const end = tape->runs + tape->run_count, *next = first;
-    while (next < end && is_single_sum(next) && first_adjacent_sum(tape, next) == first) next++;
+    while (next < end && is_single_sum(next) && find_first_adjacent_sum(tape, next) == first) next++;
     return next;
 }
 
@@ -131,11 +133,12 @@ static void emit_adjoints_of_sums(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
     for (const jet_run *first = tape->runs; first < tape->runs + tape->run_count; first++) {
-        if (!is_single_sum(first) || first_adjacent_sum(tape, first) != first) continue;
+        if (!is_single_sum(first) || find_first_adjacent_sum(tape, first) != first) continue;
         jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n",
                         emitter->request->name_prefix, (int)(first - tape->runs));
         for (int slot = 0; slot < first->z; slot++)
-            emit_adjoint_contributions_of_sums(emitter->text, tape, first, end_of_adjacent_sums(tape, first), slot);
+            emit_adjoint_contributions_of_sums(emitter->text, tape, first, find_end_of_adjacent_sums(tape, first),
+                                               slot);
         jet_text_append(emitter->text, "}\n");
     }
 }
@@ -152,7 +155,7 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
     const int index = (int)(run - emitter->tape->runs);
     if (run->op == OP_LINEAR)
         jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->term_count);
-    else if (run->is_scattered)
+    else if (run->has_scattered_operands)
         jet_text_append(emitter->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
                         run->term_count);
     else if (rule_names[run->op])
@@ -162,11 +165,11 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
                         run->term_count);
 }
 
-static void emit_adjoint_list_entry(const tape_emitter *emitter, const jet_run *run)
+static void emit_reverse_run_list_entry(const tape_emitter *emitter, const jet_run *run)
 {
-    const jet_run *first = is_single_sum(run) ? first_adjacent_sum(emitter->tape, run) : NULL;
+    const jet_run *first = is_single_sum(run) ? find_first_adjacent_sum(emitter->tape, run) : NULL;
     if (!first) emit_run_macro_call(emitter, run);
-    else if (end_of_adjacent_sums(emitter->tape, first) == run + 1)
+    else if (find_end_of_adjacent_sums(emitter->tape, first) == run + 1)
         jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name_prefix,
                         (int)(first - emitter->tape->runs));
 }
@@ -181,7 +184,7 @@ static void emit_run_lists(const tape_emitter *emitter)
     jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, SCATTERED, LINEAR, SUMS)",
                     emitter->request->name_prefix);
     for (const jet_run *run = end; run-- > begin && emitter->request->needs_adjoint_sweep;)
-        emit_adjoint_list_entry(emitter, run);
+        emit_reverse_run_list_entry(emitter, run);
     jet_text_append(emitter->text, "\n");
 }
 
@@ -204,10 +207,10 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
 /* Writes the functions of the tape that other generated code calls directly, and not through the table of sweeps: for
  * values at fixed numbers of lanes, and for series with their tangents and adjoints. The value functions for one
  * register are written even without a request; an unused one costs nothing. */
-static void emit_functions_for_other_generated_code(const tape_emitter *emitter)
+static void emit_directly_called_functions(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name_prefix;
-    const int *const lane_counts = emitter->request->lane_counts;
+    const int *const lane_counts = emitter->request->value_lane_counts;
     for (int lanes = REGISTER_LANES_MIN; lanes <= REGISTER_LANES_MAX; lanes *= 2) emit_value_function(emitter, lanes);
     for (const int *lanes = lane_counts; *lanes > 0; lanes++) {
         const bool is_register = *lanes == 2 || *lanes == 4 || *lanes == 8;
@@ -223,7 +226,7 @@ static void emit_values_sweep(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name_prefix;
     jet_text_append(emitter->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
-    for (const int *lanes = emitter->request->lane_counts; *lanes > 0; lanes++)
+    for (const int *lanes = emitter->request->value_lane_counts; *lanes > 0; lanes++)
         jet_text_append(emitter->text, "    if (lanes == %d) return %s_values_%d(x);\n", *lanes, name, *lanes);
     jet_text_append(emitter->text, "    return tape->interpreter_sweeps->values(tape, x, lanes);\n}\n");
 }
@@ -243,7 +246,7 @@ static void emit_tangents_sweep(const tape_emitter *emitter)
     jet_text_append(emitter->text,
                     "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
                     name);
-    for (const int *lanes = emitter->request->direction_counts; *lanes > 0; lanes++)
+    for (const int *lanes = emitter->request->tangent_direction_counts; *lanes > 0; lanes++)
         jet_text_append(emitter->text, "    if (lanes == %d) %s_tangents_of(x, dx, k, %d);\n    else\n", *lanes, name,
                         *lanes);
     jet_text_append(emitter->text, "    tape->interpreter_sweeps->tangents(tape, x, dx, k, lanes);\n}\n");
@@ -261,9 +264,9 @@ static void emit_adjoints_sweep(const tape_emitter *emitter)
 /* Tells whether the request is for values of whole vectors, and for nothing else. */
 static bool requests_only_vector_values(const jet_emission_request *request)
 {
-    for (const int *lanes = request->lane_counts; *lanes > 0; lanes++)
+    for (const int *lanes = request->value_lane_counts; *lanes > 0; lanes++)
         if (*lanes % WHOLE_VECTOR_LANES != 0) return false;
-    return !request->needs_series_sweep && !request->needs_adjoint_sweep && request->direction_counts[0] == 0;
+    return !request->needs_series_sweep && !request->needs_adjoint_sweep && request->tangent_direction_counts[0] == 0;
 }
 
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_request *request)
@@ -284,16 +287,16 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
     emit_tape_arrays(&emitter);
     if (request->needs_adjoint_sweep) emit_adjoints_of_sums(&emitter);
     emit_run_lists(&emitter);
-    emit_functions_for_other_generated_code(&emitter);
+    emit_directly_called_functions(&emitter);
     jet_text_append(text, "enum { %s_top = %d };\n", name, request->top_order);
-    if (request->lane_counts[0] > 0) emit_values_sweep(&emitter);
+    if (request->value_lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->needs_series_sweep) emit_series_sweep(&emitter);
-    if (request->direction_counts[0] > 0) emit_tangents_sweep(&emitter);
+    if (request->tangent_direction_counts[0] > 0) emit_tangents_sweep(&emitter);
     if (request->needs_adjoint_sweep) emit_adjoints_sweep(&emitter);
     jet_text_append(text, "static const jet_sweeps %s_sweeps = {", name);
-    if (request->lane_counts[0] > 0) jet_text_append(text, ".values = %s_values, ", name);
+    if (request->value_lane_counts[0] > 0) jet_text_append(text, ".values = %s_values, ", name);
     if (request->needs_series_sweep) jet_text_append(text, ".series = %s_series, ", name);
-    if (request->direction_counts[0] > 0) jet_text_append(text, ".tangents = %s_tangents, ", name);
+    if (request->tangent_direction_counts[0] > 0) jet_text_append(text, ".tangents = %s_tangents, ", name);
     if (request->needs_adjoint_sweep) jet_text_append(text, ".adjoints = %s_adjoints, ", name);
     jet_text_append(text, ".isa = JET_GENERATED_ISA};\n");
     jet_free_split_tape(&split);

@@ -1,6 +1,7 @@
-/* emit.h - Writes the sweeps of a tape as C text. The compiler of this text then knows every size, slot and number of
- * the tape as a constant. src/compiled/ calls it, and so do the files of the methods that write generated steps
- * (docs/compiled.md).
+/* emit.h - Writes C code for a tape, which is a recorded function as a straight-line program (tape.h). The code
+ * consists of sweeps: functions that compute the values and the derivatives of the recorded function. The compiler of
+ * this code knows every size, slot and number of the tape as a constant. src/compiled/ calls it, and so do the files of
+ * the methods that write generated steps (docs/compiled.md).
  *
  * The text begins with the source of the rules themselves (embed.awk), as functions to be inlined. The generated code
  * calls these functions in the order of the tape, with constants for arguments. Each rule is therefore written once. On
@@ -16,9 +17,9 @@
 /* The sweeps of a tape that are requested as generated code. The interpreter runs the sweeps that are not requested. */
 typedef struct {
     const char *name_prefix; /* The prefix of all names in the generated text. */
-    /* One value function is written for each of these numbers of lanes, and one tangent function for each of these
-     * numbers of directions; a 0 ends each list. */
-    int lane_counts[3], direction_counts[3];
+    /* The numbers of lanes for which a function that computes values is written, and the numbers of directions for
+     * which one that computes tangents is written. A 0 ends each list. */
+    int value_lane_counts[3], tangent_direction_counts[3];
     int top_order;                                /* Highest order of the series. */
     bool needs_series_sweep, needs_adjoint_sweep; /* Tells whether these sweeps, with one lane, are requested. */
 } jet_emission_request;

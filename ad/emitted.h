@@ -123,7 +123,7 @@
         return inside;                                                                                                 \
     }
 
-/* Stands for SCATTERED on tapes of series, which have no scattered operands. */
+/* Takes the place of SCATTERED on tapes of series, which have no scattered operands, and does nothing. */
 #define NONE(T, i, are_squares, terms)
 
 #define JET_GENERATED_SERIES(T)                                                                                        \

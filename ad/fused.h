@@ -31,8 +31,8 @@ JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
 #endif
 #endif
 
-/* Computes a b + c, rounded once if there is such an instruction. A number has the same bits in vectors of every
- * length. */
+/* Computes a b + c, rounded once if the processor has such an instruction. The result for a number has the same bits in
+ * vectors of every length. */
 #ifdef __FMA__
 #define JET_FUSED(V, a, b, c) JET_FMA(V, a, b, c)
 #else

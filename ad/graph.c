@@ -13,10 +13,11 @@ enum { CHUNK = 128 };
 
 struct jet_graph {
     bool is_open;
-    const char *output_name;       /* Name of the outputs, for the texts of refusals. */
-    const char *derived_part_name; /* Name of the operations that the library derives from the user's, or NULL. */
-    int derived_part_first_index;  /* Index of the first operation that is derived. */
-    bool is_out_of_memory;         /* An operation could not be stored. All outputs are refused from then on. */
+    const char *output_name; /* Name of the outputs, for the texts of refusals. */
+    const char
+        *library_operations_name; /* Name of the operations that the library records itself; NULL: there are none. */
+    int first_library_operation_index; /* Index of the first operation that the library records itself. */
+    bool is_out_of_memory;             /* An operation could not be stored. All outputs are refused from then on. */
     int input_count, parameter_count, count, capacity;
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
     struct jet_node **nodes;
@@ -41,7 +42,7 @@ jet jet_make_domain_poison(jet_op op, double operand)
 
 bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
 
-jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph)
+jet jet_find_common_graph_or_poison(int count, const jet x[], jet_graph **graph)
 {
     *graph = NULL;
     for (int i = 0; i < count; i++) {
@@ -70,16 +71,16 @@ jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_gr
 long jet_graph_hash_collision_count(const jet_graph *graph) { return graph->collision_count; }
 void jet_graph_close(jet_graph *graph) { graph->is_open = false; }
 void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->output_name = name; }
-void jet_graph_begin_derived_part(jet_graph *graph, const char *name)
+void jet_graph_begin_library_operations(jet_graph *graph, const char *name)
 {
-    graph->derived_part_first_index = graph->count;
-    graph->derived_part_name = name;
+    graph->first_library_operation_index = graph->count;
+    graph->library_operations_name = name;
 }
 
-const char *jet_graph_get_derived_part_name(const jet_graph *graph, int *first_index)
+const char *jet_graph_get_library_operations_name(const jet_graph *graph, int *first_index)
 {
-    *first_index = graph->derived_part_first_index;
-    return graph->derived_part_name;
+    *first_index = graph->first_library_operation_index;
+    return graph->library_operations_name;
 }
 
 void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->is_out_of_memory = true; }
@@ -126,7 +127,7 @@ static bool are_nodes_equal(const struct jet_node *x, const struct jet_node *y)
 }
 
 /* Returns the hash table's entry for an equal node, or the empty entry where the node belongs. */
-static struct jet_node **find_table_entry(jet_graph *graph, const struct jet_node *node)
+static struct jet_node **find_hash_table_entry(jet_graph *graph, const struct jet_node *node)
 {
     const uint64_t mask = (uint64_t)graph->table_size - 1;
     uint64_t i = hash_node(node) & mask;
@@ -144,12 +145,12 @@ static bool grow_hash_table(jet_graph *graph)
     graph->table_size = table_size;
     for (int i = 0; i < graph->count; i++) {
         struct jet_node *node = jet_graph_node_at(graph, i);
-        *find_table_entry(graph, node) = node;
+        *find_hash_table_entry(graph, node) = node;
     }
     return true;
 }
 
-static bool reserve_node(jet_graph *graph)
+static bool reserve_memory_for_node(jet_graph *graph)
 {
     if (graph->count == graph->capacity) {
         struct jet_node **nodes = realloc(graph->nodes, (size_t)(graph->capacity / CHUNK + 1) * sizeof *nodes);
@@ -165,14 +166,14 @@ static bool reserve_node(jet_graph *graph)
 struct jet_node *jet_graph_find_or_record(jet_graph *graph, struct jet_node wanted, bool *is_new)
 {
     *is_new = false;
-    if (!reserve_node(graph)) {
+    if (!reserve_memory_for_node(graph)) {
         free(wanted.terms);
         jet_graph_mark_out_of_memory(graph);
         return NULL;
     }
     wanted.graph = graph;
     wanted.index = graph->count;
-    struct jet_node **slot = find_table_entry(graph, &wanted);
+    struct jet_node **slot = find_hash_table_entry(graph, &wanted);
     if (*slot) {
         free(wanted.terms);
         return *slot;

@@ -96,12 +96,12 @@ jet_graph *jet_graph_create(int input_count);
 void jet_graph_close(jet_graph *graph);
 /* Sets the name of the outputs in texts of refusals. The name must be static. */
 void jet_graph_set_output_name(jet_graph *graph, const char *name);
-/* Names all operations that are recorded from here on, for texts of refusals. The library derives these operations
- * from the user's, such as the energy of a Lagrangian. The name must be static. */
-void jet_graph_begin_derived_part(jet_graph *graph, const char *name);
-/* Returns the name set by jet_graph_begin_derived_part, and in *first_index the index of the first operation recorded
- * after it. Returns NULL if no name was set. */
-const char *jet_graph_get_derived_part_name(const jet_graph *graph, int *first_index);
+/* Begins the operations that the library records itself, such as the energy of a Lagrangian, after those of the user.
+ * Texts of refusals call them `name`, which must be static. */
+void jet_graph_begin_library_operations(jet_graph *graph, const char *name);
+/* Returns the name of the operations that the library records itself, and in *first_index the index of the first of
+ * them. Returns NULL if there are none. */
+const char *jet_graph_get_library_operations_name(const jet_graph *graph, int *first_index);
 void jet_graph_free(jet_graph *graph);
 
 /* Returns the node that equals `wanted`, and records it if there is none. The graph then owns the terms of `wanted`.
@@ -130,11 +130,12 @@ static inline jet jet_from_node(struct jet_node *node) { return (jet){0, node}; 
 /* Sets *graph to the open graph to which all nodes among x belong, or to NULL if all x are numbers. Returns poison if
  * no operation on x can be recorded, since one of them is poison, or two belong to different graphs. Otherwise it
  * returns the number 0, a jet without a node. */
-jet jet_find_graph_or_poison(int count, const jet x[], jet_graph **graph);
+jet jet_find_common_graph_or_poison(int count, const jet x[], jet_graph **graph);
 /* Returns a poison jet, which belongs to no graph and holds the reason. All jets made from it are the same poison.
  * Its node has the status (tvi_status) as its index. */
 jet jet_make_poison(jet_reason reason);
-/* Returns the poison of an operation outside its domain. Its number is the operand. */
+/* Returns the poison of an operation whose operand is outside its domain. The member `number` of this jet is the
+ * operand. */
 jet jet_make_domain_poison(jet_op op, double operand);
 bool jet_is_poison(jet x);
 /* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
@@ -154,11 +155,11 @@ jet jet_record_linear_combination(int count, const double coefficient[], const j
 bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet gradient[]);
 
 /* Records outputs of the closed graph `source` once more into the open graph `target`. The jets `input`, which are all
- * different, take the place of the inputs. value[i] is output i. rate[i] is its derivative by forward accumulation, as
- * the inputs move along `direction` and the parameters along `parameter_direction`; NULL: the parameters do not move.
- * Results are poison if one of their inputs is. Returns false if memory is lacking. */
+ * different, take the place of the inputs. value[i] is output i. derivative[i] is its derivative by forward
+ * accumulation, as the inputs move along `direction` and the parameters along `parameter_direction`; NULL: the
+ * parameters do not move. Results are poison if one of their inputs is. Returns false if memory is lacking. */
 bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
                                     const jet direction[], const jet parameter_direction[], int output_count,
-                                    const jet output[], jet value[], jet rate[]);
+                                    const jet output[], jet value[], jet derivative[]);
 
 #endif

@@ -1,5 +1,6 @@
-/* isa.c - Chooses the instruction set with which tapes run, when a tape is created (tape.c). The rules and the sweeps
- * are compiled once for each instruction set. */
+/* isa.c - Chooses the instruction set with which a new tape runs: the widest one of the processor, or a narrower one
+ * that the environment variable TVI_ISA names. tape.c calls it. The rules and the sweeps are compiled once for each
+ * instruction set. */
 #include "tape.h"
 
 #include <stdlib.h>

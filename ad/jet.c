@@ -16,7 +16,8 @@ enum { INTEGER_POWER_MAX = INT_MAX };
 static void add_term_to_sum(struct jet_node *sum, double coefficient, struct jet_node *node)
 {
     if (node->op == OP_LINEAR && node->count == 1 && node->number == 0) {
-        /* The node is a multiple of another node, which takes its place in the term. */
+        /* The node is a multiple of another node. The term refers to the other node, with the product of the
+         * factors. */
         coefficient *= node->terms[0].coefficient;
         node = node->terms[0].node;
     }
@@ -47,7 +48,7 @@ static bool are_sum_coefficients_finite(const struct jet_node *sum)
 jet jet_record_linear_combination(int count, const double coefficient[], const jet x[])
 {
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(count, x, &graph);
+    const jet refused = jet_find_common_graph_or_poison(count, x, &graph);
     if (refused.node) return refused;
     struct jet_node sum = {.op = OP_LINEAR};
     if (graph && !(sum.terms = calloc((size_t)count, sizeof *sum.terms))) {
@@ -84,7 +85,7 @@ jet jet_record_sub(jet a, jet b)
 static jet make_out_of_memory_poison(int count, const jet x[])
 {
     jet_graph *graph;
-    if (!jet_find_graph_or_poison(count, x, &graph).node && graph) jet_graph_mark_out_of_memory(graph);
+    if (!jet_find_common_graph_or_poison(count, x, &graph).node && graph) jet_graph_mark_out_of_memory(graph);
     return jet_make_poison(JET_NO_MEMORY);
 }
 
@@ -131,7 +132,7 @@ enum { PARAMETERS_MAX = 1000 };
 jet jet_parameter(jet any_jet, int index, double value)
 {
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(1, &any_jet, &graph);
+    const jet refused = jet_find_common_graph_or_poison(1, &any_jet, &graph);
     if (refused.node) return refused;
     if (!graph || index < 0 || index >= PARAMETERS_MAX) return jet_make_poison(JET_NO_PARAMETER);
     if (!isfinite(value)) return jet_make_poison(JET_NOT_FINITE);
@@ -141,7 +142,7 @@ jet jet_parameter(jet any_jet, int index, double value)
 jet jet_record_mul(jet a, jet b)
 {
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(2, (const jet[]){a, b}, &graph);
+    const jet refused = jet_find_common_graph_or_poison(2, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!graph) return fold_constant_operation(OP_MUL, 0, a.number, b.number);
     if (!a.node) return jet_record_linear_combination(1, &a.number, &b);
@@ -154,7 +155,7 @@ jet jet_record_mul(jet a, jet b)
 jet jet_record_div(jet a, jet b)
 {
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(2, (const jet[]){a, b}, &graph);
+    const jet refused = jet_find_common_graph_or_poison(2, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!b.node && b.number == 0) return jet_make_domain_poison(OP_DIV, b.number);
     if (!graph) return fold_constant_operation(OP_DIV, 0, a.number, b.number);
@@ -180,7 +181,7 @@ static jet record_integer_power(jet a, int exponent)
 jet jet_record_pow(jet a, double c)
 {
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(1, &a, &graph);
+    const jet refused = jet_find_common_graph_or_poison(1, &a, &graph);
     if (refused.node) return refused;
     if (!isfinite(c)) return jet_make_poison(JET_NOT_FINITE);
     const bool natural = c >= 0 && c == floor(c);
@@ -240,7 +241,7 @@ jet jet_record_operation(jet_op op, jet a, jet b)
 {
     const int operands = jet_rules[op]->operand_count;
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(operands, (const jet[]){a, b}, &graph);
+    const jet refused = jet_find_common_graph_or_poison(operands, (const jet[]){a, b}, &graph);
     if (refused.node) return refused;
     if (!graph) return fold_constant_operation(op, 0, a.number, b.number);
     if (operands == 1) return record_node_with_partner(graph, op, a.node, NULL);

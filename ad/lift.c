@@ -11,7 +11,7 @@ typedef struct {
     jet_graph *target;
     const jet *parameter_direction; /* Direction of each parameter; NULL: all are 0. */
     bool *is_node_needed;           /* [nodes] Tells whether an output depends on the node of `source`. */
-    jet *value, *rate;              /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
+    jet *value, *derivative;        /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
     jet *term_jets;                 /* Scratch: the operands of a sum, then its constant term. */
     double *term_coefficients;      /* Scratch: the coefficients of a sum, then 1 for its constant term. */
 } forward_recording;
@@ -30,8 +30,8 @@ static void mark_needed_nodes(forward_recording *recording, int node_count, int 
 
 /* Records constant_term + sum_i coefficient_i operand_i, with the coefficients of the sum z. operand_jets has a jet for
  * each node of the source. */
-static jet record_operand_combination(const forward_recording *recording, const struct jet_node *z,
-                                      const jet operand_jets[], double constant_term)
+static jet record_sum_with_given_operands(const forward_recording *recording, const struct jet_node *z,
+                                          const jet operand_jets[], double constant_term)
 {
     for (int term = 0; term < z->count; term++) {
         recording->term_coefficients[term] = z->terms[term].coefficient;
@@ -49,7 +49,7 @@ static jet record_primal_node(const forward_recording *recording, const struct j
     switch (z->op) {
     case OP_CONST: return jet_const(z->number);
     case OP_PARAMETER: return jet_graph_record_parameter(recording->target, z->parameter_index, z->number);
-    case OP_LINEAR: return record_operand_combination(recording, z, recording->value, z->number);
+    case OP_LINEAR: return record_sum_with_given_operands(recording, z, recording->value, z->number);
     case OP_SQR: return jet_sqr(a);
     case OP_MUL: return jet_mul(a, b);
     case OP_DIV: return jet_div(a, b);
@@ -69,12 +69,12 @@ static jet record_derivative(const forward_recording *recording, const struct je
     if (z->op == OP_CONST) return jet_const(0);
     if (z->op == OP_PARAMETER)
         return recording->parameter_direction ? recording->parameter_direction[z->parameter_index] : jet_const(0);
-    if (z->op == OP_LINEAR) return record_operand_combination(recording, z, recording->rate, 0);
+    if (z->op == OP_LINEAR) return record_sum_with_given_operands(recording, z, recording->derivative, 0);
     if (!value.node || !value.node->graph) return value;
     const jet_rule *rule = jet_rules[z->op];
-    const jet da = recording->rate[z->a->index];
+    const jet da = recording->derivative[z->a->index];
     if (!z->b) return rule->record_pullback(value.node, da, 0);
-    const jet db = recording->rate[z->b->index];
+    const jet db = recording->derivative[z->b->index];
     const bool swapped = z->op == OP_MUL && value.node->a != recording->value[z->a->index].node;
     return jet_add(rule->record_pullback(value.node, da, swapped), rule->record_pullback(value.node, db, !swapped));
 }
@@ -89,41 +89,43 @@ static bool allocate_forward_recording(forward_recording *recording, int node_co
     const size_t nodes = (size_t)node_count + 1, most_terms = (size_t)terms + 1;
     recording->is_node_needed = calloc(nodes, sizeof *recording->is_node_needed);
     recording->value = calloc(nodes, sizeof *recording->value);
-    recording->rate = calloc(nodes, sizeof *recording->rate);
+    recording->derivative = calloc(nodes, sizeof *recording->derivative);
     recording->term_jets = calloc(most_terms, sizeof *recording->term_jets);
     recording->term_coefficients = calloc(most_terms, sizeof *recording->term_coefficients);
-    return recording->is_node_needed && recording->value && recording->rate && recording->term_jets &&
+    return recording->is_node_needed && recording->value && recording->derivative && recording->term_jets &&
            recording->term_coefficients;
 }
 
-static void record_all_nodes(forward_recording *recording, int node_count, const jet input[], const jet direction[])
+static void record_values_and_derivatives(forward_recording *recording, int node_count, const jet input[],
+                                          const jet direction[])
 {
     for (int i = 0; i < node_count; i++) {
         const struct jet_node *z = jet_graph_node_at(recording->source, i);
         if (!recording->is_node_needed[i]) continue;
         recording->value[i] = z->op == OP_INPUT ? input[i] : record_primal_node(recording, z);
-        recording->rate[i] = z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
+        recording->derivative[i] =
+            z->op == OP_INPUT ? direction[i] : record_derivative(recording, z, recording->value[i]);
     }
 }
 
 bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, const jet input[],
                                     const jet direction[], const jet parameter_direction[], int output_count,
-                                    const jet output[], jet value[], jet rate[])
+                                    const jet output[], jet value[], jet derivative[])
 {
     forward_recording recording = {.source = source, .target = target, .parameter_direction = parameter_direction};
     const int node_count = jet_graph_node_count(source);
     const bool allocated = allocate_forward_recording(&recording, node_count);
     if (allocated) {
         mark_needed_nodes(&recording, node_count, output_count, output);
-        record_all_nodes(&recording, node_count, input, direction);
+        record_values_and_derivatives(&recording, node_count, input, direction);
         for (int i = 0; i < output_count; i++) {
             value[i] = recording.value[output[i].node->index];
-            rate[i] = recording.rate[output[i].node->index];
+            derivative[i] = recording.derivative[output[i].node->index];
         }
     }
     free(recording.is_node_needed);
     free(recording.value);
-    free(recording.rate);
+    free(recording.derivative);
     free(recording.term_jets);
     free(recording.term_coefficients);
     return allocated;

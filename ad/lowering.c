@@ -1,6 +1,7 @@
-/* lowering.c - Gives the nodes of a graph their slots on a tape (lowering.h). It drops the nodes that no output needs,
- * and sorts the needed nodes into levels, so that each operation reads lower levels only. In a level, equal operations
- * with adjacent operands get adjacent slots. */
+/* lowering.c - Chooses for each node of a graph the operation that computes it on a tape, and its slot, which is its
+ * place in the numbers on which the tape works (lowering.h). Nodes that no output needs are dropped. The needed nodes
+ * are sorted into levels, so that each operation reads lower levels only. In a level, equal operations with adjacent
+ * operands get adjacent slots. */
 #include "devices.h"
 #include "lowering.h"
 
@@ -65,10 +66,10 @@ static jet_op choose_tape_operation(const graph_lowering *lowering, const struct
 }
 
 /* Returns an operand of the node: the first (factor_index = 0) or second factor (factor_index = 1) of a pair. The
- * partner counts as the second operand if it is read at the order that is being computed. NULL: there is no such
- * operand. */
-static const struct jet_node *operand_node(const graph_lowering *lowering, const tape_placement *z, int pair_index,
-                                           int factor_index)
+ * partner, another series that the recurrence needs, counts as the second operand if the order that is being computed
+ * is read of it. NULL: there is no such operand. */
+static const struct jet_node *find_operand_node(const graph_lowering *lowering, const tape_placement *z, int pair_index,
+                                                int factor_index)
 {
     const struct jet_node *read = sum_term(z, pair_index).node;
     if (factor_index == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
@@ -85,7 +86,7 @@ static void choose_all_operations(graph_lowering *lowering, int output_count, co
         tape_placement *z = &lowering->placements[i];
         z->node = jet_graph_node_at(lowering->graph, i);
         z->op = choose_tape_operation(lowering, z->node);
-        z->subgroup = z->slot = -1;
+        z->subgroup_number = z->slot = -1;
         z->operand = lowering->operands + lowering->operand_pair_count;
         if (jet_is_sum_of_products(z->op)) z->operand_pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
         else z->operand_pair_count = jet_rules[z->op] ? 1 : 0;
@@ -95,7 +96,7 @@ static void choose_all_operations(graph_lowering *lowering, int output_count, co
             lowering->is_node_needed[z->node->terms[term].node->index] = false;
     }
     memset(lowering->use_counts, 0, (size_t)lowering->node_count * sizeof *lowering->use_counts);
-    for (int i = output_count; i-- > 0;) lowering->placements[output[i].node->index].output_number = i + 1;
+    for (int i = output_count; i-- > 0;) lowering->placements[output[i].node->index].one_based_output_index = i + 1;
 }
 
 /* ---- The order --------------------------------------------------------------------------------------------------- */
@@ -112,8 +113,8 @@ static void assign_levels(graph_lowering *lowering)
         tape_placement *z = &lowering->placements[i];
         for (int pair_index = 0; pair_index < z->operand_pair_count; pair_index++)
             for (int factor_index = 0; factor_index < 2; factor_index++)
-                z->level =
-                    larger_int(z->level, node_level(lowering, operand_node(lowering, z, pair_index, factor_index)) + 1);
+                z->level = larger_int(
+                    z->level, node_level(lowering, find_operand_node(lowering, z, pair_index, factor_index)) + 1);
         if (z->operand_pair_count == 0)
             for (int term = 0; term < z->node->count; term++)
                 z->level = larger_int(z->level, node_level(lowering, z->node->terms[term].node) + 1);
@@ -127,36 +128,38 @@ static int compare_by_level(const void *first, const void *second)
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
 }
 
-static void set_subgroup_if_unset(const graph_lowering *lowering, const struct jet_node *node, int subgroup)
+static void set_subgroup_if_unset(const graph_lowering *lowering, const struct jet_node *node, int subgroup_number)
 {
-    if (node && lowering->placements[node->index].subgroup < 0) lowering->placements[node->index].subgroup = subgroup;
+    if (node && lowering->placements[node->index].subgroup_number < 0)
+        lowering->placements[node->index].subgroup_number = subgroup_number;
 }
 
-/* Divides the operations of a level into numbered subgroups, so that the operations of a subgroup can read adjacent
- * slots. An operation with two operands gets the number of operations before it that read one of its operands, the
- * larger number of the two. An operation with one operand, or with none, gets the subgroup of the first two-operand
- * operation that reads it. If a sum of products reads it first, it gets its position among the terms of that sum. As an
- * example, let x, y and z be the components of the distances of many pairs of bodies; they are squared and summed, and
- * each is multiplied by a function of its pair. Then all x form one subgroup, all y the next, and all z the third. */
-static void group_operations_with_adjacent_operands(graph_lowering *lowering, tape_placement *level[], int count)
+/* Divides the operations of a level into numbered subgroups. Operations with the same number are placed one after the
+ * other, so that they can read adjacent slots. For an operation with two operands, the function counts how many
+ * operations before it read each operand; the larger count is the number of the subgroup. An operation with one
+ * operand, or with none, gets the number of the first two-operand operation that reads it. If a sum of products reads
+ * it first, its number is its position among the terms of that sum. As an example, let x, y and z be the components of
+ * the distances of many pairs of bodies; they are squared and summed, and each is multiplied by a function of its pair.
+ * Then all x form one subgroup, all y the next, and all z the third. */
+static void assign_operations_to_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
         for (int pair_index = 0; pair_index < z->operand_pair_count; pair_index++) {
-            const struct jet_node *a = operand_node(lowering, z, pair_index, 0),
-                                  *b = operand_node(lowering, z, pair_index, 1);
+            const struct jet_node *a = find_operand_node(lowering, z, pair_index, 0),
+                                  *b = find_operand_node(lowering, z, pair_index, 1);
             if (b)
-                z->subgroup = larger_int(
-                    z->subgroup, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
+                z->subgroup_number = larger_int(
+                    z->subgroup_number, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
             if (!b && z->operand_pair_count == 1) continue;
-            set_subgroup_if_unset(lowering, a, z->operand_pair_count > 1 ? pair_index : z->subgroup);
-            set_subgroup_if_unset(lowering, b, z->operand_pair_count > 1 ? pair_index : z->subgroup);
+            set_subgroup_if_unset(lowering, a, z->operand_pair_count > 1 ? pair_index : z->subgroup_number);
+            set_subgroup_if_unset(lowering, b, z->operand_pair_count > 1 ? pair_index : z->subgroup_number);
         }
     }
     for (int i = 0; i < count; i++)
         for (int pair_index = 0; pair_index < level[i]->operand_pair_count; pair_index++)
             for (int factor_index = 0; factor_index < 2; factor_index++) {
-                const struct jet_node *read = operand_node(lowering, level[i], pair_index, factor_index);
+                const struct jet_node *read = find_operand_node(lowering, level[i], pair_index, factor_index);
                 if (read) lowering->use_counts[read->index] = 0;
             }
 }
@@ -174,7 +177,7 @@ static int compare_term_coefficients(const tape_placement *x, const tape_placeme
 
 /* Compares two nodes of a level for sorting. A group consists of the nodes that can be operations of one run, if their
  * operands are adjacent; the result is 0 for two nodes of one group. */
-static int compare_by_run_group(const tape_placement *x, const tape_placement *y)
+static int compare_by_group_for_one_run(const tape_placement *x, const tape_placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
     /* Sums of equally many terms are sorted together. */
@@ -189,12 +192,13 @@ static int compare_by_run_group(const tape_placement *x, const tape_placement *y
 static int compare_by_first_operand(const void *first, const void *second)
 {
     const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
-    const int group = compare_by_run_group(x, y);
+    const int group = compare_by_group_for_one_run(x, y);
     if (group) return group;
-    if (x->level > 0 && x->subgroup != y->subgroup) return x->subgroup - y->subgroup;
+    if (x->level > 0 && x->subgroup_number != y->subgroup_number) return x->subgroup_number - y->subgroup_number;
     if (x->operand_pair_count == 0)
-        return x->level > 0 && x->output_number != y->output_number ? x->output_number - y->output_number
-                                                                    : x->node->index - y->node->index;
+        return x->level > 0 && x->one_based_output_index != y->one_based_output_index
+                   ? x->one_based_output_index - y->one_based_output_index
+                   : x->node->index - y->node->index;
     const int *of_x = x->operand[0], *of_y = y->operand[0];
     if (of_x[0] != of_y[0]) return of_x[0] - of_y[0];
     return of_x[1] != of_y[1] ? of_x[1] - of_y[1] : x->node->index - y->node->index;
@@ -213,21 +217,24 @@ static void assign_next_slot(graph_lowering *lowering, tape_placement *z)
     lowering->nodes_by_slot[lowering->slot_count++] = z;
 }
 
+/* Tells whether successive operations of the group have this operand in successive slots, or have no such operand. */
 static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement *const group[], int count,
                                   int pair_index, int factor_index)
 {
-    if (!operand_node(lowering, group[0], pair_index, factor_index)) return true;
+    if (!find_operand_node(lowering, group[0], pair_index, factor_index)) return true;
     for (int i = 1; i < count; i++)
         if (group[i]->operand[pair_index][factor_index] != group[0]->operand[pair_index][factor_index] + i)
             return false;
     return true;
 }
 
-static bool are_operands_adjacent_in_subgroups(const graph_lowering *lowering, tape_placement *const group[], int count,
-                                               int *subgroup_count)
+/* Tells whether the operations of each subgroup of the group read adjacent slots. *subgroup_count, which is 0 before,
+ * is the number of subgroups if they do. */
+static bool do_subgroups_have_adjacent_operands(const graph_lowering *lowering, tape_placement *const group[],
+                                                int count, int *subgroup_count)
 {
     for (int begin = 0, end = 0; begin < count; begin = end, ++*subgroup_count) {
-        while (end < count && group[end]->subgroup == group[begin]->subgroup) end++;
+        while (end < count && group[end]->subgroup_number == group[begin]->subgroup_number) end++;
         for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
             for (int factor_index = 0; factor_index < 2; factor_index++)
                 if (!are_operands_adjacent(lowering, group + begin, end - begin, pair_index, factor_index))
@@ -252,19 +259,19 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
     }
 }
 
-/* Arranges the operations of a group so that their operands are adjacent. The order by subgroups is kept if the
- * operands are adjacent in it. Otherwise the group is sorted by one operand, and the other operand is copied to
- * adjacent slots. Tapes of values read scattered operands where they are, unless each subgroup has at least
- * TAPE_COPY_MIN_OPERATIONS operations on average; copies are then cheaper. */
-static void arrange_group_operands(graph_lowering *lowering, tape_placement *group[], int count)
+/* Sorts the operations of a group, or copies operands, so that successive operations read adjacent slots. The order by
+ * subgroups is kept if the operations of each subgroup read adjacent slots. Otherwise the group is sorted by one
+ * operand, and the other operand is copied to adjacent slots. Tapes of values read scattered operands where they are,
+ * unless each subgroup has at least TAPE_COPY_MIN_OPERATIONS operations on average; copies are then cheaper. */
+static void make_group_operands_adjacent(graph_lowering *lowering, tape_placement *group[], int count)
 {
     int subgroup_count = 0;
-    const bool in_subgroups = are_operands_adjacent_in_subgroups(lowering, group, count, &subgroup_count);
-    const bool is_scattered = JET_HAS(SCATTERED) && lowering->kind == JET_TAPE_VALUES &&
-                              jet_is_sum_of_products(group[0]->op) &&
-                              (!in_subgroups || count < TAPE_COPY_MIN_OPERATIONS * subgroup_count);
-    for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
-    if (in_subgroups || is_scattered) return;
+    const bool in_subgroups = do_subgroups_have_adjacent_operands(lowering, group, count, &subgroup_count);
+    const bool has_scattered_operands = JET_HAS(SCATTERED) && lowering->tape_kind == JET_TAPE_VALUES &&
+                                        jet_is_sum_of_products(group[0]->op) &&
+                                        (!in_subgroups || count < TAPE_COPY_MIN_OPERATIONS * subgroup_count);
+    for (int i = 0; i < count; i++) group[i]->has_scattered_operands = has_scattered_operands;
+    if (in_subgroups || has_scattered_operands) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
     for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
@@ -273,11 +280,11 @@ static void arrange_group_operands(graph_lowering *lowering, tape_placement *gro
 }
 
 /* Returns the end of the group that begins with level[group_begin]. A group consists of the nodes that can be
- * operations of one run (compare_by_run_group). */
+ * operations of one run (compare_by_group_for_one_run). */
 static int find_end_of_group_for_one_run(tape_placement *const level[], int group_begin, int level_count)
 {
     int end = group_begin + 1;
-    while (end < level_count && compare_by_run_group(level[group_begin], level[end]) == 0) end++;
+    while (end < level_count && compare_by_group_for_one_run(level[group_begin], level[end]) == 0) end++;
     return end;
 }
 
@@ -288,13 +295,13 @@ static void assign_slots_of_level(graph_lowering *lowering, tape_placement *leve
         for (int pair_index = 0; pair_index < level[i]->operand_pair_count; pair_index++)
             for (int factor_index = 0; factor_index < 2; factor_index++)
                 level[i]->operand[pair_index][factor_index] =
-                    node_slot(lowering, operand_node(lowering, level[i], pair_index, factor_index));
+                    node_slot(lowering, find_operand_node(lowering, level[i], pair_index, factor_index));
     qsort(level, (size_t)count, sizeof *level, compare_by_first_operand);
     for (int i = 0; i < count; i++)
         if (level[i]->operand_pair_count == 0) assign_next_slot(lowering, level[i]);
     for (int begin = 0, end = 0; begin < count; begin = end) {
         end = find_end_of_group_for_one_run(level, begin, count);
-        if (level[begin]->operand_pair_count > 0) arrange_group_operands(lowering, level + begin, end - begin);
+        if (level[begin]->operand_pair_count > 0) make_group_operands_adjacent(lowering, level + begin, end - begin);
     }
     for (int i = 0; i < count; i++)
         if (level[i]->operand_pair_count > 0) assign_next_slot(lowering, level[i]);
@@ -317,7 +324,7 @@ static void assign_slots_by_level(graph_lowering *lowering)
 {
     qsort(lowering->nodes_by_level, (size_t)lowering->needed_node_count, sizeof *lowering->nodes_by_level,
           compare_by_level);
-    call_for_each_level(lowering, group_operations_with_adjacent_operands);
+    call_for_each_level(lowering, assign_operations_to_subgroups);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

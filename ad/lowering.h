@@ -1,5 +1,6 @@
-/* lowering.h - Declares two steps of the translation of a graph to a tape (docs/jets.md, section 2): the first gives
- * the nodes their slots, and the second lengthens runs to whole vectors. tape.c calls them. */
+/* lowering.h - Declares two steps of the translation of a graph, which records a function, to a tape, which computes it
+ * (docs/jets.md, section 2). The first step gives each node a slot, its place in the numbers on which the tape works.
+ * The second step lengthens runs, which are loops over equal operations, to whole vectors. tape.c calls both. */
 #ifndef TVI_AD_LOWERING_H
 #define TVI_AD_LOWERING_H
 
@@ -11,26 +12,26 @@ typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level; /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    /* The number of the subgroup, whose operations read adjacent slots (group_operations_with_adjacent_operands). */
-    int subgroup;
-    int output_number; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
+    /* Operations of a level with the same number are placed one after the other (assign_operations_to_subgroups). */
+    int subgroup_number;
+    int one_based_output_index; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
-    /* The operation reads its operands at slots that are not adjacent to those of its neighbours. */
-    bool is_scattered;
+    /* The operations of the run read operands at slots that are not adjacent. */
+    bool has_scattered_operands;
     /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
      * otherwise 1. */
     int operand_pair_count;
-    /* [operand_pair_count] Slots of the operands that are read at the order that is being computed. */
+    /* [operand_pair_count] Slots of the operands, without partners of which only lower orders are read. */
     int (*operand)[2];
 } tape_placement;
 
 /* The state of the lowering of one graph. */
 typedef struct {
     const jet_graph *graph;
-    jet_tape_kind kind;
+    jet_tape_kind tape_kind;
     int node_count;                  /* Number of nodes in the graph. */
     bool *is_node_needed;            /* [node_count] Tells whether an output depends on the node. */
-    int *use_counts;                 /* [node_count] Operations that read the node; then scratch for subgroups. */
+    int *use_counts;                 /* [node_count] How many operations read the node; later scratch. */
     tape_placement *placements;      /* Placements of all nodes by their index, followed by those of the copies. */
     tape_placement **nodes_by_level; /* [needed_node_count] The needed nodes, sorted by level. */
     tape_placement **nodes_by_slot;  /* [slot_count] Nodes and copies, sorted by slot. */
@@ -56,7 +57,7 @@ bool jet_pad_runs_to_whole_vectors(jet_tape *tape);
 /* Tells whether the tape needs the partner of z, as all tapes of series do. */
 static inline bool must_compute_partner(const graph_lowering *lowering, const struct jet_node *z)
 {
-    return z->w && lowering->kind == JET_TAPE_SERIES;
+    return z->w && lowering->tape_kind == JET_TAPE_SERIES;
 }
 
 /* Tells whether order k of z is computed from order k of its partner. */

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Computes a^c. If 2 c is a small integer, it multiplies and takes a square root: powl costs as much as twenty
- * products. */
-static long double power_of_long_double(long double a, double c)
+/* Computes a^c. If 2 c is a small integer, the function multiplies and takes a square root, since powl costs as much as
+ * twenty products. */
+static long double compute_long_double_power(long double a, double c)
 {
     int k = (int)fmax(-2 * TAPE_POWER_MAX_EXPONENT, fmin(2 * c, 2 * TAPE_POWER_MAX_EXPONENT));
     if (k != 2 * c || k == 0) return powl(a, c);
@@ -24,7 +24,7 @@ static long double evaluate_operation(const jet_run *run, long double a, long do
     switch (run->op) {
     case OP_DIV: return a / b;
     case OP_SQRT: return sqrtl(a);
-    case OP_POW: return power_of_long_double(a, run->exponent);
+    case OP_POW: return compute_long_double_power(a, run->exponent);
     case OP_HYPOT: return hypotl(a, b);
     case OP_ATAN2: return atan2l(a, b);
     case OP_EXP: return expl(a);
@@ -60,8 +60,8 @@ static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run
                                         const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_slot_b;
-    const int k0 = run->first_term_index + (run->is_scattered ? operation_index * run->term_count : 0),
-              at = run->is_scattered ? 0 : operation_index;
+    const int k0 = run->first_term_index + (run->has_scattered_operands ? operation_index * run->term_count : 0),
+              at = run->has_scattered_operands ? 0 : operation_index;
     long double sum = 0;
     for (int k = k0; k < k0 + run->term_count; k++)
         sum += tape->term_coefficient[k] * values[tape->term_slot[k] + at] * values[second[k] + at];

@@ -64,10 +64,11 @@ bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int operation = i / lanes;
-            const bool is_part =
-                tape->derived_part_name && tape->recording_index[run->z + operation] >= tape->derived_part_first_index;
+            const bool is_part = tape->library_operations_name &&
+                                 tape->recording_index[run->z + operation] >= tape->first_library_operation_index;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
-                             is_part ? tape->derived_part_name : "", is_part ? ": " : "", operation_names[run->op],
+                             is_part ? tape->library_operations_name : "", is_part ? ": " : "",
+                             operation_names[run->op],
                              value_of_operand_outside_domain(run, block, lanes, operation, i % lanes),
                              tape->recording_index[run->z + operation]);
             return false;

@@ -1,6 +1,6 @@
-/* rule.h - Declares the rule of each operation: functions that compute it in every kind of sweep (docs/jets.md,
- * sections 3 and 4). sweep.c has the table of rules, and calls them. Operations with similar recurrences share a file
- * rule_*.c.
+/* rule.h - Declares the rule of each operation: functions that compute its values, its series, and their tangents and
+ * adjoints (docs/jets.md, sections 3 and 4). sweep.c has the table of rules, and calls them. Operations with similar
+ * recurrences share a file rule_*.c.
  *
  * Series are normalised: x(s) = sum_k x_k s^k. The macros below make the loops of a rule from a body that is written
  * for a vector type V (vector.h). A body reads the numbers of a series by its parameter S, a macro: JET_OF, or

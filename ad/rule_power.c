@@ -61,17 +61,17 @@ JET_RULE(sqrt, 1, W_NONE)
 
 /* ---- z = a^c,  a_0 != 0 where c is an integer, else a_0 > 0 ------------------------------------------------------ */
 
-/* Computes z = a^(quarters/4) by multiplications and square roots, which are faster than pow. */
-static void compute_quarter_power(int quarters, int width, const double *a, double *restrict z)
+/* Computes z = a^(exponent_in_quarters / 4) by multiplications and square roots, which are faster than pow. */
+static void compute_quarter_multiple_power(int exponent_in_quarters, int width, const double *a, double *restrict z)
 {
-    const int count = abs(quarters), rest = count % 4;
+    const int count = abs(exponent_in_quarters), rest = count % 4;
     for (int w = 0; w < width; w++) {
         const double root = rest ? sqrt(a[w]) : 1;
         z[w] = rest % 2 == 0 ? root : rest == 1 ? sqrt(root) : root * sqrt(root);
     }
     for (int i = 0; i < count / 4; i++)
         for (int w = 0; w < width; w++) z[w] *= a[w];
-    for (int w = 0; w < width && quarters < 0; w++) z[w] = 1 / z[w];
+    for (int w = 0; w < width && exponent_in_quarters < 0; w++) z[w] = 1 / z[w];
 }
 
 static bool are_all_positive(int width, const double *a)
@@ -89,43 +89,44 @@ static bool are_all_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* Computes z = a^(-halves/2) for odd `halves`, a constant for the compiler, as the potential of gravity and its
- * derivatives need it. */
-JET_INLINE bool compute_inverse_half_power(int halves, int width, const double *a, double *restrict z)
+/* Computes z = a^(-minus_exponent_in_halves / 2) for an odd number that the compiler knows, as the potential of gravity
+ * and its derivatives need it. Returns whether all numbers a are positive. */
+JET_INLINE bool compute_negative_half_integer_power(int minus_exponent_in_halves, int width, const double *a,
+                                                    double *restrict z)
 {
     JET_IN_VECTORS
     for (int w = 0; w < width; w++) {
         double power = sqrt(a[w]);
-        for (int i = 1; i < halves; i += 2) power *= a[w];
+        for (int i = 1; i < minus_exponent_in_halves; i += 2) power *= a[w];
         z[w] = 1 / power;
     }
     return are_all_positive(width, a);
 }
 
-JET_INLINE bool compute_power_inlined(double exponent, int width, const double *a, double *restrict z)
+JET_INLINE bool compute_general_power(double exponent, int width, const double *a, double *restrict z)
 {
     if (fabs(4 * exponent) <= 4 * TAPE_POWER_MAX_EXPONENT && 4 * exponent == floor(4 * exponent))
-        compute_quarter_power((int)(4 * exponent), width, a, z);
+        compute_quarter_multiple_power((int)(4 * exponent), width, a, z);
     else jet_array_pow(exponent, width, a, z);
     return exponent == floor(exponent) ? are_all_nonzero(width, a) : are_all_positive(width, a);
 }
 
-/* Computes a power whose exponent is no constant for the compiler. The code is not inlined, so that the caller need not
- * save registers for it. */
-JET_APART bool compute_power_in_own_function(double exponent, int width, const double *a, double *restrict z)
+/* Computes z = a^exponent for an exponent that the compiler does not know. The function is not inlined, so that its
+ * caller need not save registers for a call of pow. */
+JET_APART bool compute_power_of_runtime_exponent(double exponent, int width, const double *a, double *restrict z)
 {
-    return compute_power_inlined(exponent, width, a, z);
+    return compute_general_power(exponent, width, a, z);
 }
 
 static bool evaluate_pow(double exponent, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return exponent == -0.5      ? compute_inverse_half_power(1, width, a, z)
-           : exponent == -1.5    ? compute_inverse_half_power(3, width, a, z)
-           : exponent == -2.5    ? compute_inverse_half_power(5, width, a, z)
-           : exponent == -3.5    ? compute_inverse_half_power(7, width, a, z)
-           : JET_KNOWS(exponent) ? compute_power_inlined(exponent, width, a, z)
-                                 : compute_power_in_own_function(exponent, width, a, z);
+    return exponent == -0.5      ? compute_negative_half_integer_power(1, width, a, z)
+           : exponent == -1.5    ? compute_negative_half_integer_power(3, width, a, z)
+           : exponent == -2.5    ? compute_negative_half_integer_power(5, width, a, z)
+           : exponent == -3.5    ? compute_negative_half_integer_power(7, width, a, z)
+           : JET_KNOWS(exponent) ? compute_general_power(exponent, width, a, z)
+                                 : compute_power_of_runtime_exponent(exponent, width, a, z);
 }
 
 /* The series rule computes z_k:

@@ -1,5 +1,5 @@
-/* rule_product.c - Defines the rules of quotients, and the values and pullbacks of products and squares
- * (docs/jets.md, section 4). In the sweeps of a tape, products are sums of products (sum_products.c). */
+/* rule_product.c - Defines the rule of quotients, and the values and recorded derivatives of products and squares
+ * (docs/jets.md, section 4). A tape computes products and squares as sums of products (sum_products.c). */
 #include "rule.h"
 
 /* ---- z = a b ----------------------------------------------------------------------------------------------------- */

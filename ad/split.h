@@ -1,6 +1,6 @@
-/* split.h - Splits the runs of a tape into single operations for generated code (emit.c). Long runs are good for an
- * interpreter, but bad for the compiler of generated code, which keeps a value in a register only if it is read
- * soon. */
+/* split.h - Splits the runs of a tape, which are loops over equal operations, into single operations for generated code
+ * (emit.c). Long runs are good for an interpreter, but bad for the compiler of generated code, which keeps a value in a
+ * register only if it is read soon. */
 #ifndef TVI_AD_SPLIT_H
 #define TVI_AD_SPLIT_H
 
@@ -10,7 +10,7 @@
 typedef enum {
     JET_SPLIT_NONE, /* Leaves all runs of the tape as they are. */
     /* Makes single operations of all runs in which each operation has a list of operands of its own: of sums (LINEAR),
-     * and of products whose operands are not adjacent (jet_run.is_scattered). Other runs stay as they are. */
+     * and of products whose operands are not adjacent (jet_run.has_scattered_operands). Other runs stay as they are. */
     JET_SPLIT_SUMS,
     /* Splits all runs, on tapes of values. Each operation follows its operands, and is followed directly by those
      * operations whose operands are then all computed. */
@@ -27,8 +27,8 @@ void jet_free_split_tape(jet_tape *split);
  * and operands are counted from 0. */
 int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int operation_index, int operand_index);
 
-/* Sets is_dependent[slot] of every computed slot to true if one of the operands of the slot is dependent, otherwise to
- * false. The caller has set is_dependent for the inputs and constants. */
-void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[]);
+/* Finds the slots that depend on given inputs or constants, for which the caller has set is_dependent. A computed slot
+ * is dependent if one of its operands is. */
+void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[]);
 
 #endif

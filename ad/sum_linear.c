@@ -1,6 +1,6 @@
-/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i in every kind of sweep (sums.h). The number, called the
- * constant term, belongs to the values, which are order 0. Higher orders of a series, and tangents, are the same sums
- * without the constant term. */
+/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i for the values, series, tangents and adjoints of a tape
+ * (sums.h). The number, called the constant term, belongs to the values, which are order 0. Higher orders of a series,
+ * and tangents, are the same sums without the constant term. */
 #include "sums.h"
 
 /* TABLE defines the table of functions name[term_count](parameters). Sums of up to SPECIALISED_TERMS_MAX terms have a
@@ -29,7 +29,8 @@ JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run *ru
 
 TABLE(sums_one, compute_sums_of_one_lane, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block)
 
-/* Computes one sum for a vector of lanes. The pointers and coefficients of the first `kept` terms are in registers. */
+/* Computes one sum for a vector of lanes. The first `kept` terms have their pointers and coefficients in registers, and
+ * the other terms in memory. */
 #define LINEAR(V, S)                                                                                                   \
     {                                                                                                                  \
         V sum = c[0] * S(V, a[0], 0);                                                                                  \
@@ -98,7 +99,7 @@ void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run *run
 JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
     const size_t stride = (size_t)lanes;
-    if (!run->has_constant_terms) return;
+    if (!run->has_nonzero_constant_terms) return;
     for (int i = 0; i < run->operation_count; i++) {
         const double constant_term = tape->constant_terms[run->first_constant_term_index + i];
         double *z = block + (size_t)(run->z + i) * stride;
@@ -112,7 +113,7 @@ TABLE(sums_with_constants, compute_sums_of_many_lanes,
 
 void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
-    if (run->has_constant_terms && lanes > 8) {
+    if (run->has_nonzero_constant_terms && lanes > 8) {
         FUNCTION(sums_with_constants, run)(tape, run, block, lanes);
     } else {
         jet_compute_sums_without_constants(tape, run, block, lanes);

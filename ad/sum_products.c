@@ -1,7 +1,7 @@
-/* sum_products.c - Computes sums of products, z = sum_t c_t a_t b_t and z = sum_t c_t a_t^2, in every kind of sweep
- * (sums.h). Term t has the coefficient c_t and the factors a_t and b_t, whose coefficients of order j are a_j and b_j
- * in the formulas of a term. The convolutions of squares are symmetric, and need half the products. All terms are added
- * while the vector of z is in a register. */
+/* sum_products.c - Computes sums of products, z = sum_t c_t a_t b_t and z = sum_t c_t a_t^2, for the values, series,
+ * tangents and adjoints of a tape (sums.h). Term t has the coefficient c_t and the factors a_t and b_t, whose
+ * coefficients of order j are a_j and b_j in the formulas of a term. The convolutions of squares are symmetric, and
+ * need half the products. All terms are added while the vector of z is in a register. */
 #include "sums.h"
 
 /* Defines the table of functions name[are_squares][term_count](parameters), with one function for each number of terms
@@ -101,8 +101,8 @@ TABLE(scattered_any, sum_products_at_scattered_slots,
 
 void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
-    if (run->is_scattered && lanes == 8) FUNCTION(scattered_eight, run)(tape, run, block);
-    else if (run->is_scattered) FUNCTION(scattered_any, run)(tape, run, block, lanes);
+    if (run->has_scattered_operands && lanes == 8) FUNCTION(scattered_eight, run)(tape, run, block);
+    else if (run->has_scattered_operands) FUNCTION(scattered_any, run)(tape, run, block, lanes);
     else if (lanes == 8) FUNCTION(values_eight, run)(tape, run, block);
     else FUNCTION(values_any, run)(tape, run, block, lanes);
 }

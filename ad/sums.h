@@ -1,6 +1,6 @@
-/* sums.h - Declares the operations that need no rule: sums of multiples (LINEAR) and sums of products (PRODUCTS,
- * SQUARES), of which most forces consist. sweep.c and generated code call them. They are compiled once for each
- * instruction set. */
+/* sums.h - Declares functions that compute sums of multiples (LINEAR) and sums of products (PRODUCTS, SQUARES), of
+ * which most forces consist. All other operations of a tape have rules (rule.h). sweep.c and generated code call them.
+ * They are compiled once for each instruction set. */
 #ifndef TVI_AD_SUMS_H
 #define TVI_AD_SUMS_H
 

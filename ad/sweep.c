@@ -1,11 +1,15 @@
-/* sweep.c - Runs the sweeps of a tape as an interpreter. Each sweep goes through the runs once, and calls the rule of
- * each run's operation. The file is compiled once for each instruction set. */
+/* sweep.c - Computes the values, series, tangents and adjoints of a tape as an interpreter. Each of these sweeps goes
+ * through the runs of equal operations once, and calls the rule of each run's operation (rule.h). The file is compiled
+ * once for each instruction set. */
 #include "sums.h"
 
 #define RULE(op, name) [op] = &JET_RULE_OF(name),
 const jet_rule *const jet_rules[OP_COUNT] = {JET_RULE_LIST(RULE)};
 
-static double *numbers_of_slot(double *block, int slot, int lanes) { return block + (size_t)slot * (size_t)lanes; }
+static double *locate_numbers_of_slot(double *block, int slot, int lanes)
+{
+    return block + (size_t)slot * (size_t)lanes;
+}
 
 JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
@@ -15,8 +19,8 @@ JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int la
         else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
         else
             inside &= jet_rules[run->op]->compute_values(
-                run->exponent, run->operation_count * lanes, numbers_of_slot(block, run->a, lanes),
-                numbers_of_slot(block, run->b, lanes), numbers_of_slot(block, run->z, lanes));
+                run->exponent, run->operation_count * lanes, locate_numbers_of_slot(block, run->a, lanes),
+                locate_numbers_of_slot(block, run->b, lanes), locate_numbers_of_slot(block, run->z, lanes));
     }
     return inside;
 }

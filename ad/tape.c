@@ -1,5 +1,6 @@
-/* tape.c - Translates a graph to a tape (docs/jets.md, section 2). lowering.c gives the nodes their slots; adjacent
- * equal operations become one run. src/system/ creates its tapes here. */
+/* tape.c - Translates a graph, which records a function, to a tape, which computes it (docs/jets.md, section 2).
+ * lowering.c orders the nodes; this file joins adjacent equal operations to runs, each of which is one loop.
+ * src/system/ creates its tapes here. */
 #include "devices.h"
 #include "lowering.h"
 
@@ -25,7 +26,7 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
     const jet_run run = {OP_LINEAR,
                          1,
                          z->slot,
-                         .has_constant_terms = number != 0,
+                         .has_nonzero_constant_terms = number != 0,
                          .first_constant_term_index = tape->linear_operation_count,
                          .term_count = terms,
                          .first_term_index = tape->term_count};
@@ -39,15 +40,15 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
     return run;
 }
 
-static bool join_linear_run(jet_run *run, const jet_run *next)
+static bool try_joining_linear_run(jet_run *run, const jet_run *next)
 {
     if (next->term_count != run->term_count) return false;
-    if (next->has_constant_terms) run->has_constant_terms = 1;
+    if (next->has_nonzero_constant_terms) run->has_nonzero_constant_terms = 1;
     return true;
 }
 
-/* Makes a run of one sum of products, and appends its terms to the tape. join_product_run removes these terms again
- * if the operation joins the last run, whose terms it shares. */
+/* Makes a run of one sum of products, and appends its terms to the tape. try_joining_product_run removes these terms
+ * again if the operation joins the last run, whose terms it shares. */
 static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 {
     const jet_run run = {z->op,
@@ -55,17 +56,18 @@ static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
                          z->slot,
                          .term_count = z->operand_pair_count,
                          .first_term_index = tape->term_count,
-                         .is_scattered = z->is_scattered};
+                         .has_scattered_operands = z->has_scattered_operands};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
     return run;
 }
 
-static bool join_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
+static bool try_joining_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
 {
-    if (next->term_count != run->term_count || next->is_scattered != run->is_scattered) return false;
-    if (run->is_scattered) return true;
+    if (next->term_count != run->term_count || next->has_scattered_operands != run->has_scattered_operands)
+        return false;
+    if (run->has_scattered_operands) return true;
     for (int here = run->first_term_index, there = next->first_term_index;
          there < next->first_term_index + next->term_count; here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
@@ -97,16 +99,16 @@ static bool can_join_rule_run(const jet_run *run, const jet_run *next)
     return next->exponent == run->exponent && next->a == run->a + count && next->b == run->b + of_b && same_w;
 }
 
-/* Joins the operation `next` to the last run if it is of the same level and kind, and has adjacent operands. Returns
- * false otherwise. */
-static bool join_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
+/* Joins the operation `next` to the last run, and returns true, if it is of the same level and kind, and has adjacent
+ * operands. Otherwise returns false. */
+static bool try_joining_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
 {
     if (tape->run_count == 0) return false;
     jet_run *run = &tape->runs[tape->run_count - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
-    const bool joins = next->op == OP_LINEAR              ? join_linear_run(run, next)
-                       : jet_is_sum_of_products(next->op) ? join_product_run(tape, run, next)
+    const bool joins = next->op == OP_LINEAR              ? try_joining_linear_run(run, next)
+                       : jet_is_sum_of_products(next->op) ? try_joining_product_run(tape, run, next)
                                                           : can_join_rule_run(run, next);
     run->operation_count += joins;
     return joins;
@@ -118,7 +120,7 @@ static void append_operation(const graph_lowering *lowering, jet_tape *tape, con
     const jet_run next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
                          : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
                                                          : make_rule_run(lowering, z);
-    if (!join_last_run(lowering, tape, &next)) tape->runs[tape->run_count++] = next;
+    if (!try_joining_last_run(lowering, tape, &next)) tape->runs[tape->run_count++] = next;
 }
 
 static void append_constant(jet_tape *tape, const tape_placement *z)
@@ -171,13 +173,14 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->derived_part_name = jet_graph_get_derived_part_name(lowering->graph, &tape->derived_part_first_index);
-    tape->derived_part_first_index += 1 - jet_graph_input_count(lowering->graph);
+    tape->library_operations_name =
+        jet_graph_get_library_operations_name(lowering->graph, &tape->first_library_operation_index);
+    tape->first_library_operation_index += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;
     for (int i = 0; i < output_count; i++) tape->output_slot[i] = node_slot(lowering, output[i].node);
-    return !JET_HAS(PAD) || lowering->kind != JET_TAPE_SERIES || jet_pad_runs_to_whole_vectors(tape);
+    return !JET_HAS(PAD) || lowering->tape_kind != JET_TAPE_SERIES || jet_pad_runs_to_whole_vectors(tape);
 }
 
 jet_tape *jet_tape_create(const jet_graph *graph, int input_count, int output_count, const jet output[],
@@ -186,7 +189,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int input_count, int output_co
     jet_tape *tape = calloc(1, sizeof *tape);
     if (!tape) return NULL;
     tape->sweeps = tape->interpreter_sweeps = jet_choose_sweeps_for_processor();
-    graph_lowering lowering = {.graph = graph, .kind = kind, .node_count = jet_graph_node_count(graph)};
+    graph_lowering lowering = {.graph = graph, .tape_kind = kind, .node_count = jet_graph_node_count(graph)};
     const bool is_made = allocate_lowering_and_tape(&lowering, tape, output_count) &&
                          lower_graph_to_tape(&lowering, tape, input_count, output_count, output);
     free(lowering.is_node_needed);

@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 typedef enum {
-    JET_TAPE_VALUES, /* Only order 0 is computed, without partners, such as the cosine of a sine. */
+    JET_TAPE_VALUES, /* Values only; no partner series, such as the cosine that a sine needs. */
     JET_TAPE_SERIES
 } jet_tape_kind;
 
@@ -29,8 +29,9 @@ typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
     double exponent; /* POW: the exponent. Otherwise 0. */
-    /* LINEAR: 1 if some constant term is not 0. PRODUCTS and SQUARES: 1 if operands are scattered. Otherwise 0. */
-    short has_constant_terms, is_scattered;
+    /* has_nonzero_constant_terms is 1 for LINEAR if some constant term is not 0. has_scattered_operands is 1 for
+     * PRODUCTS and SQUARES if successive operations read slots that are not adjacent. Otherwise they are 0. */
+    short has_nonzero_constant_terms, has_scattered_operands;
     int first_constant_term_index, term_count, first_term_index;
 } jet_run;
 
@@ -38,7 +39,8 @@ typedef struct {
  * more. */
 static inline bool jet_is_sum_of_products(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
 
-/* A constant that may be replaced: the parameter with this index. */
+/* A parameter of the recorded function: a number whose value the caller may change before a sweep
+ * (jet_tape_set_parameters). The tape keeps it in a slot. */
 typedef struct {
     int parameter_index, slot;
 } jet_tape_parameter;
@@ -61,16 +63,17 @@ typedef struct {
     int used_node_count; /* The number of nodes of the graph on which the outputs depend, inputs included. */
     jet_run *runs;
     double *constant_values;        /* [constant_count] Values of the constants, whose slots follow the inputs. */
-    jet_tape_parameter *parameters; /* [parameter_count] The constants that may be replaced. */
+    jet_tape_parameter *parameters; /* [parameter_count] The parameters, whose values the caller may change. */
     double *constant_terms;         /* [linear_operation_count] The constant term of each sum (LINEAR). */
     int *term_slot, *term_slot_b; /* [term_count] The slots that terms of sums, or factors a and b of products, read. */
     double *term_coefficient;     /* [term_count] The coefficient of each term of a sum or of a sum of products. */
     int *output_slot;             /* [output_count] The slot of each output of the tape. */
     /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
     int *recording_index;
-    /* Name of the operations that are not the user's own (jet_graph_begin_derived_part), or NULL. */
-    const char *derived_part_name;
-    int derived_part_first_index; /* recording_index of the first operation that is not the user's. */
+    /* Name of the operations that the library recorded itself (jet_graph_begin_library_operations); NULL: there are
+     * none. */
+    const char *library_operations_name;
+    int first_library_operation_index; /* recording_index of the first operation that the library recorded. */
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs
@@ -125,8 +128,8 @@ struct jet_sweeps {
  * or avx2 chooses a narrower one. */
 const jet_sweeps *jet_choose_sweeps_for_processor(void);
 
-/* Computes the values of a block again, whose sweep has failed. Sets the text of the refusal (refusal.h): it names the
- * first operation that is outside its domain. Returns false. */
+/* Computes the values of a block, for which a sweep has failed, once more. Sets the text of the refusal (refusal.h): it
+ * names the first operation that is outside its domain. Returns false. */
 bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes);
 
 /* Computes the values of all slots, which are their coefficients of order 0, from those of the inputs. Returns false

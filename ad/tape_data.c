@@ -1,4 +1,5 @@
-/* tape_data.c - Frees and hashes the arrays of a tape, and sets constants and parameters in its blocks (tape.h). */
+/* tape_data.c - Frees and hashes the arrays of a tape, and sets the constants and parameters in its blocks, the arrays
+ * of numbers on which it works (tape.h). */
 #include "tape.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* tape_pad.c - Lengthens the runs of a tape to whole vectors (jet_pad_runs_to_whole_vectors). tape.c calls it. */
+/* tape_pad.c - Lengthens the runs of a tape, which are loops over equal operations, to whole vectors
+ * (jet_pad_runs_to_whole_vectors). tape.c calls it. */
 #include "lowering.h"
 #include "split.h"
 
@@ -15,36 +16,42 @@ typedef struct {
     int *new_slot;                 /* [slot_count] New number of the slot. */
 } run_padding;
 
-static int operation_padding_count(int operation_count)
+static int count_padding_operations(int operation_count)
 {
     const int rest = operation_count % VECTOR;
     return operation_count > VECTOR && rest > TAPE_PAD_MAX_UNPADDED_REST ? VECTOR - rest : 0;
 }
 
-static int last_slot_of_run_at(const jet_run *run, int first) { return first + run->operation_count - 1; }
+/* Returns the last slot of the results, or of an operand, of a run; their slots begin at first_slot. */
+static int find_last_slot_of_run_range(const jet_run *run, int first_slot)
+{
+    return first_slot + run->operation_count - 1;
+}
 
 /* Tells whether the last operation of the run can be repeated: each of its operands must have as many copies as the run
  * lacks operations, or be a sum, which can always be copied. */
 static bool can_pad_run(const run_padding *padding, const jet_run *run)
 {
-    if (run->op == OP_LINEAR || run->is_scattered || run->w != 0 || operation_padding_count(run->operation_count) == 0)
+    if (run->op == OP_LINEAR || run->has_scattered_operands || run->w != 0 ||
+        count_padding_operations(run->operation_count) == 0)
         return false;
     for (int k = 0, first; (first = jet_operation_operand_slot(padding->tape, run, 0, k)) >= 0; k++) {
-        const int slot = last_slot_of_run_at(run, first);
+        const int slot = find_last_slot_of_run_range(run, first);
         if (!padding->producing_run[slot]) return false;
         if (padding->producing_run[slot]->op != OP_LINEAR &&
-            padding->copy_counts[slot] < operation_padding_count(run->operation_count))
+            padding->copy_counts[slot] < count_padding_operations(run->operation_count))
             return false;
     }
     return true;
 }
 
-/* Requests copies of the last slot of the range of slots that begins at `first` and has the length of the run. */
-static void request_copies_of_last_slot(const run_padding *padding, const jet_run *run, int first)
+/* Requests copies of the last slot of the results, or of an operand, of a run. These slots begin at first_slot. */
+static void request_copies_of_last_slot(const run_padding *padding, const jet_run *run, int first_slot)
 {
-    const int slot = last_slot_of_run_at(run, first), count = operation_padding_count(run->operation_count);
+    const int slot = find_last_slot_of_run_range(run, first_slot),
+              count = count_padding_operations(run->operation_count);
     if (padding->copy_counts[slot] < count) padding->copy_counts[slot] = count;
-    padding->is_first_of_vector[first] = true;
+    padding->is_first_of_vector[first_slot] = true;
 }
 
 /* Requests copies for all runs that can be padded, and for their operands. Operands precede their readers on the
@@ -61,7 +68,7 @@ static void request_copies_for_all_runs(const run_padding *padding)
     }
 }
 
-static int round_up_to_vector(int slot) { return (slot + VECTOR - 1) / VECTOR * VECTOR; }
+static int round_slot_up_to_vector(int slot) { return (slot + VECTOR - 1) / VECTOR * VECTOR; }
 
 /* Assigns the new slots. Returns their number. Inputs and constants keep their slots. */
 static int assign_new_slots(const run_padding *padding)
@@ -69,16 +76,17 @@ static int assign_new_slots(const run_padding *padding)
     int slot_after = 0;
     for (int slot = 0; slot < padding->tape->slot_count; slot++) {
         if (padding->is_first_of_vector[slot] && padding->producing_run[slot])
-            slot_after = round_up_to_vector(slot_after);
+            slot_after = round_slot_up_to_vector(slot_after);
         padding->new_slot[slot] = slot_after;
         slot_after += 1 + padding->copy_counts[slot];
     }
-    return round_up_to_vector(slot_after);
+    return round_slot_up_to_vector(slot_after);
 }
 
-static bool are_operand_slots_still_adjacent(const run_padding *padding, const jet_run *run, int first)
+static bool are_operand_slots_still_adjacent(const run_padding *padding, const jet_run *run, int first_slot)
 {
-    return padding->new_slot[last_slot_of_run_at(run, first)] == last_slot_of_run_at(run, padding->new_slot[first]);
+    return padding->new_slot[find_last_slot_of_run_range(run, first_slot)] ==
+           find_last_slot_of_run_range(run, padding->new_slot[first_slot]);
 }
 
 /* Tells whether the results and the operands of every run still have adjacent slots. */
@@ -114,7 +122,7 @@ static void append_padded_run(const run_padding *padding, jet_tape *padded, cons
     next.w = padding->new_slot[run->w];
     next.first_term_index = padded->term_count;
     if (run->op != OP_LINEAR) {
-        next.operation_count += padding->copy_counts[last_slot_of_run_at(run, run->z)];
+        next.operation_count += padding->copy_counts[find_last_slot_of_run_range(run, run->z)];
         append_renumbered_terms(padding, padded, run->first_term_index, run->term_count);
         padded->runs[padded->run_count++] = next;
         return;

@@ -1,4 +1,5 @@
-/* tape_split.c - Splits the runs of a tape into single operations (split.h). emit.c calls it. */
+/* tape_split.c - Splits the runs of a tape, which are loops over equal operations, into single operations (split.h).
+ * emit.c calls it. */
 #include "rule.h"
 #include "split.h"
 
@@ -6,7 +7,7 @@
 
 typedef struct {
     const jet_tape *tape;
-    jet_tape *split;
+    jet_tape *split_tape;
     /* [slot_count] The run that computes the slot; NULL: the operation is already on the new tape, or the slot is no
      * result. */
     const jet_run **producing_run;
@@ -15,7 +16,10 @@ typedef struct {
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
 /* Tells whether each operation of the run has terms of its own. */
-static bool has_terms_per_operation(const jet_run *run) { return run->op == OP_LINEAR || run->is_scattered; }
+static bool has_separate_terms_per_operation(const jet_run *run)
+{
+    return run->op == OP_LINEAR || run->has_scattered_operands;
+}
 
 static void append_split_terms(jet_tape *split, const jet_tape *tape, int first, int count, int slot_shift)
 {
@@ -34,23 +38,23 @@ static void append_split_run(const run_splitting *splitting, const jet_run *run,
     jet_run part = *run;
     part.operation_count = count;
     part.z += first_operation;
-    part.first_term_index = splitting->split->term_count;
-    if (has_terms_per_operation(run))
-        append_split_terms(splitting->split, tape, run->first_term_index + first_operation * run->term_count,
+    part.first_term_index = splitting->split_tape->term_count;
+    if (has_separate_terms_per_operation(run))
+        append_split_terms(splitting->split_tape, tape, run->first_term_index + first_operation * run->term_count,
                            count * run->term_count, 0);
-    else append_split_terms(splitting->split, tape, run->first_term_index, run->term_count, first_operation);
+    else append_split_terms(splitting->split_tape, tape, run->first_term_index, run->term_count, first_operation);
     if (run->term_count == 0) {
         part.a += first_operation;
         part.b += jet_rules[run->op]->operand_count == 2 ? first_operation : 0;
     }
     if (run->op == OP_LINEAR) part.first_constant_term_index += first_operation;
-    splitting->split->runs[splitting->split->run_count++] = part;
+    splitting->split_tape->runs[splitting->split_tape->run_count++] = part;
 }
 
 static void split_runs_in_tape_order(const run_splitting *splitting, jet_split_mode mode)
 {
     for (const jet_run *run = splitting->tape->runs; run < splitting->tape->runs + splitting->tape->run_count; run++) {
-        const bool is_apart = mode == JET_SPLIT_SUMS && has_terms_per_operation(run);
+        const bool is_apart = mode == JET_SPLIT_SUMS && has_separate_terms_per_operation(run);
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
             append_split_run(splitting, run, i, is_apart ? 1 : run->operation_count);
     }
@@ -63,12 +67,12 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, 
     const int reads = run->term_count > 0 ? run->term_count : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
     if (run->term_count == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
-    const int term = run->first_term_index + which + (has_terms_per_operation(run) ? i * run->term_count : 0),
-              slot_shift = has_terms_per_operation(run) ? 0 : i;
+    const int term = run->first_term_index + which + (has_separate_terms_per_operation(run) ? i * run->term_count : 0),
+              slot_shift = has_separate_terms_per_operation(run) ? 0 : i;
     return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_slot_b[term]);
 }
 
-void jet_tape_mark_dependent_slots(const jet_tape *tape, bool is_dependent[])
+void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[])
 {
     for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) {

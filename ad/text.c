@@ -17,7 +17,7 @@ static bool reserve_text(jet_text *text, size_t extra_length)
     return true;
 }
 
-void jet_text_append_list(jet_text *text, const char *format, va_list values)
+void jet_text_append_va_list(jet_text *text, const char *format, va_list values)
 {
     va_list values_copy;
     va_copy(values_copy, values);
@@ -32,6 +32,6 @@ void jet_text_append(jet_text *text, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    jet_text_append_list(text, format, values);
+    jet_text_append_va_list(text, format, values);
     va_end(values);
 }

@@ -17,6 +17,6 @@ typedef struct {
 } jet_text;
 
 void jet_text_append(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);
-void jet_text_append_list(jet_text *text, const char *format, va_list values) JET_FORMAT(2, 0);
+void jet_text_append_va_list(jet_text *text, const char *format, va_list values) JET_FORMAT(2, 0);
 
 #endif

@@ -1,6 +1,7 @@
-/* vector.h - Defines the loops around the body of a rule. The body computes a recurrence and is written once, for a
- * vector type V. The loops process the numbers of a run (adjacent slots of one operation) in vectors of the machine's
- * size, then in shorter ones, down to single numbers. Sums over orders j stay in registers.
+/* vector.h - Defines loops that apply a computation to all numbers of an array, in vectors. The body of a loop is a
+ * macro, such as the recurrence of an operation (rule.h), and is written once, for a vector type V. The loops process
+ * the numbers of a run (adjacent slots of one operation) in vectors of the machine's size, then in shorter ones, down
+ * to single numbers. Sums over orders j stay in registers.
  *
  * The rules and the sweeps are compiled once for each instruction set JET_ISA (base, avx2, avx512);
  * jet_choose_sweeps_for_processor (isa.c) chooses the set at run time. Vector types are an extension of gcc and
@@ -45,8 +46,8 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
-/* The following macros call BODY(V, S) for consecutive vectors of an array. `here` is the index of the vector's
- * first number, and S is passed on. */
+/* The following macros call BODY(V, S) for consecutive vectors of an array. `here` is the index of the vector's first
+ * number. S is a macro with which the body reads a series (rule.h). */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
     for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)
 #define JET_BLOCKS_4(width, BODY, S)                                                                                   \

@@ -374,11 +374,11 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
 {
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_tapes_of_steps used = {.values = {.name_prefix = "tvi_values", .lane_counts = {lanes, of_batch}},
+    tvi_tapes_of_steps used = {.values = {.name_prefix = "tvi_values", .value_lane_counts = {lanes, of_batch}},
                                .loops_pointer_name = "galerkin",
                                .emit_loops = emit_generated_steps};
     if (system->hessian_values)
-        used.hessian = (jet_emission_request){.name_prefix = "tvi_hessian", .lane_counts = {lanes}};
+        used.hessian = (jet_emission_request){.name_prefix = "tvi_hessian", .value_lane_counts = {lanes}};
     return used;
 }
 

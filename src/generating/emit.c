@@ -45,7 +45,7 @@ static void emit_velocity_dependence_macro(jet_text *text, const tvi_system *sys
     text->is_incomplete |= !follows;
     if (!follows) return;
     for (int i = system->n; i < 2 * system->n; i++) follows[i] = true;
-    jet_tape_mark_dependent_slots(tape, follows);
+    jet_tape_propagate_slot_dependence(tape, follows);
     jet_text_append(text, "static const bool code_follows[] = {");
     for (int slot = 0; slot < tape->slot_count; slot++) jet_text_append(text, "%d, ", follows[slot]);
     jet_text_append(text, "};\n#define CURVE_FOLLOWS(slot) code_follows[slot]\n");

@@ -187,7 +187,7 @@ static double bound_energy_change(const void *work)
 static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     return (tvi_tapes_of_steps){
-        .values = {.name_prefix = "tvi_values", .lane_counts = {1, choose_batch_width(system, options)}}};
+        .values = {.name_prefix = "tvi_values", .value_lane_counts = {1, choose_batch_width(system, options)}}};
 }
 
 static const tvi_stepper single_stepper_functions = {.allocate = allocate_one_member,

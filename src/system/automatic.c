@@ -38,7 +38,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 {
     const int n = motion->n, first_p = n + 1, inputs = 2 * n + 1;
     if (!jet_record_gradient(graph, H, inputs, gradient)) return false;
-    jet_graph_begin_derived_part(
+    jet_graph_begin_library_operations(
         graph, "the automatic g, which has no value there (take a smaller step, or give a g of your own)");
     for (int i = 0; i < n; i++) {
         if (!jet_record_gradient(graph, gradient[i], inputs, row)) return false;
@@ -164,7 +164,7 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
 {
     const size_t n = (size_t)base->n;
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(1, &H, &graph);
+    const jet refused = jet_find_common_graph_or_poison(1, &H, &graph);
     if (refused.node) return refused;
     jet *jets = malloc((4 * n * n + 4 * n + 2) * sizeof *jets), sum = jet_make_poison(JET_NO_MEMORY);
     if (!jets) return sum;

@@ -21,7 +21,7 @@ static jet record_user_function(const tvi_system *base, const jet q[], const jet
 {
     const int n = base->n, inputs = jet_graph_input_count(base->graph), time_index = base->energy_input_count;
     jet_graph *graph;
-    const jet refused = jet_find_graph_or_poison(1, q, &graph);
+    const jet refused = jet_find_common_graph_or_poison(1, q, &graph);
     if (refused.node) return refused;
     jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate;
     if (!input) return jet_make_poison(JET_NO_MEMORY);

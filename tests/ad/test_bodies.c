@@ -54,7 +54,8 @@ START_TEST(forces_are_those_of_the_tape)
     jet_text text = {0};
     jet_sweeps own;
     jet_emit_rule_source(&text);
-    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name_prefix = "V", .lane_counts = {lanes[0], lanes[1]}});
+    jet_emit_tape(&text, r.tape,
+                  &(jet_emission_request){.name_prefix = "V", .value_lane_counts = {lanes[0], lanes[1]}});
     jet_text_append(&text, "extern const jet_sweeps *const sweeps;\nconst jet_sweeps *const sweeps = &V_sweeps;\n");
     library code = library_make(&text, "-O1 -march=native");
     const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
@@ -84,7 +85,7 @@ static int calls_for(int bodies)
     recording r = record_forces(bodies);
     jet_text text = {0};
     int calls = 0;
-    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name_prefix = "V", .lane_counts = {8, 64}});
+    jet_emit_tape(&text, r.tape, &(jet_emission_request){.name_prefix = "V", .value_lane_counts = {8, 64}});
     for (const char *at = text.data; (at = strstr(at, "(V, ")); at++) calls++;
     free(text.data);
     recording_free(&r);

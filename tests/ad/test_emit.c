@@ -31,10 +31,10 @@ static void emit_function(jet_text *text, int i)
     char names[2][16];
     snprintf(names[0], sizeof names[0], "S%d", i);
     snprintf(names[1], sizeof names[1], "V%d", i);
-    const jet_emission_request of_values = {.name_prefix = names[1], .lane_counts = {LANES, 1}};
+    const jet_emission_request of_values = {.name_prefix = names[1], .value_lane_counts = {LANES, 1}};
     const jet_emission_request of_series = {.name_prefix = names[0],
-                                            .lane_counts = {1},
-                                            .direction_counts = {DIRECTIONS},
+                                            .value_lane_counts = {1},
+                                            .tangent_direction_counts = {DIRECTIONS},
                                             .top_order = DEGREE,
                                             .needs_series_sweep = true,
                                             .needs_adjoint_sweep = true};

@@ -60,10 +60,10 @@ static void emit(jet_text *text)
     for (int i = 0; i < POWERS; i++) {
         char name[16];
         snprintf(name, sizeof name, "V%d", i);
-        const jet_emission_request wanted = {.name_prefix = name, .lane_counts = {lanes[0], lanes[1], lanes[2]}};
+        const jet_emission_request wanted = {.name_prefix = name, .value_lane_counts = {lanes[0], lanes[1], lanes[2]}};
         jet_emit_tape(text, powers[i].tape, &wanted);
     }
-    jet_emit_tape(text, both.tape, &(jet_emission_request){.name_prefix = "W", .lane_counts = {4, 8}});
+    jet_emit_tape(text, both.tape, &(jet_emission_request){.name_prefix = "W", .value_lane_counts = {4, 8}});
     jet_text_append(
         text, "extern const jet_sweeps *const sweeps[];\n"
               "const jet_sweeps *const sweeps[] = {&V0_sweeps, &V1_sweeps, &V2_sweeps, &V3_sweeps, &W_sweeps};\n");

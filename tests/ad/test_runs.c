@@ -42,9 +42,9 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         if (is_product(run)) {
             ck_assert_int_ge(run->term_count, 1);
             ck_assert_int_le(run->term_count, JET_TERMS_MAX);
-            ck_assert(!run->is_scattered || kind == JET_TAPE_VALUES);
-            const int rows = run->is_scattered ? run->operation_count : 1,
-                      read = run->is_scattered ? 1 : run->operation_count;
+            ck_assert(!run->has_scattered_operands || kind == JET_TAPE_VALUES);
+            const int rows = run->has_scattered_operands ? run->operation_count : 1,
+                      read = run->has_scattered_operands ? 1 : run->operation_count;
             for (int i = 0; i < rows * run->term_count; i++, term++) {
                 ck_assert_int_le(tape->term_slot[term] + read, run->z);
                 ck_assert_int_le(tape->term_slot_b[term] + read, run->z);
