@@ -1,4 +1,5 @@
-/* block.c - Allocates blocks of tapes, and sets their constants and parameters (block.h). */
+/* block.c - Allocates blocks, the arrays of numbers on which tapes work, and sets the constants and parameters in them
+ * (block.h). */
 #include "algebra/block.h"
 
 double *tvi_arena_allocate_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t extra_numbers)

@@ -1,5 +1,5 @@
-/* block.h - Allocates blocks for the sweeps of tapes in an arena, and sets their constants and parameters. The arena
- * keeps a list of its blocks. */
+/* block.h - Allocates blocks, the arrays of numbers on which tapes work (ad/tape.h), in an arena, and sets the
+ * constants and parameters in them. The arena keeps a list of its blocks. */
 #ifndef TVI_SRC_ALGEBRA_BLOCK_H
 #define TVI_SRC_ALGEBRA_BLOCK_H
 

@@ -1,7 +1,8 @@
-/* judge.h - Applies the rule of passes.h to the corrections of an iteration. The functions below are compiled for
- * numbers (passes.h) and for vectors of lanes (the kernels of src/galerkin/): each of these files defines the macros
- * and includes this one. JUDGED(x) is the name of x in that file, REAL the type of numbers, and TRUTH that of
- * comparisons. The macros ABOVE, AT_MOST, NOT, AND, OR and IF compare and choose; they are undefined at the end. */
+/* judge.h - Decides from the sizes of its corrections whether an iteration may end, by the rule of passes.h. The
+ * functions below are compiled for numbers (passes.h) and for vectors of lanes (the kernels of src/galerkin/): each of
+ * these files defines the macros and includes this one. JUDGED(x) is the name of x in that file, REAL the type of
+ * numbers, and TRUTH that of comparisons. The macros ABOVE, AT_MOST, NOT, AND, OR and IF compare and choose; they are
+ * undefined at the end. */
 
 #define SMALLER(a, b) IF(ABOVE(b, a), a, b)
 #define LARGER(a, b)  IF(ABOVE(a, b), a, b)
@@ -23,7 +24,7 @@ typedef struct {
     REAL roundoff; /* Corrections up to this size are measured to be roundoff; 0: nothing was measured. */
 } JUDGED(passes);
 
-/* Adds a pass whose correction has this size. Returns whether the pass may be the last one. *is_stuck tells whether the
+/* Adds a pass whose correction has this size. Returns true if the pass may be the last one. *is_stuck tells whether the
  * corrections no longer shrink, and counts only if the pass may not be the last one.
  *
  * The ratio of a correction is its size over that of the correction before it. If the correction before was larger than
@@ -32,8 +33,8 @@ typedef struct {
  * significant ones, and their growth does not make the passes stuck. After a single correction the rate is unknown. If
  * three corrections at the roundoff level have the same size, the unknowns alternate between values that differ in
  * their last bits, and the pass may be the last one. */
-static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes_rule *rule, REAL correction_size,
-                                       TRUTH *is_stuck)
+static inline TRUTH JUDGED(add_pass_and_check_if_may_end)(JUDGED(passes) * passes, const tvi_passes_rule *rule,
+                                                          REAL correction_size, TRUTH *is_stuck)
 {
     const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->previous_size;
     const int count = ++passes->count;
@@ -47,7 +48,7 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
     }
     const REAL slowest_ratio = passes->slowest_ratio;
     const TRUTH is_ratio_trusted =
-        AND(ABOVE(slowest_ratio, none), ABOVE(rule->max_trusted_ratio - none, slowest_ratio));
+        AND(ABOVE(slowest_ratio, none), ABOVE(rule->max_trusted_contraction_ratio - none, slowest_ratio));
     const REAL expected_ratio = IF(is_ratio_trusted, slowest_ratio, one),
                expected_size = expected_ratio * passes->size_without_roundoff;
     const REAL without_roundoff = IF(is_significant, correction_size, SMALLER(correction_size, expected_size)),
@@ -61,7 +62,8 @@ static inline TRUTH JUDGED(judge_pass)(JUDGED(passes) * passes, const tvi_passes
     *is_stuck = no;
     if (rule->exact_passes > 0) return count == rule->exact_passes ? all : no;
     if (count > rule->stall_comparison_lag) {
-        const REAL least = rule->stall_ratio * before, least_of_two = rule->stall_ratio * rule->stall_ratio * earlier;
+        const REAL least = rule->stall_contraction_ratio * before,
+                   least_of_two = rule->stall_contraction_ratio * rule->stall_contraction_ratio * earlier;
         const TRUTH grows =
             ABOVE(correction_size, rule->stall_comparison_lag > 1 ? LARGER(least, least_of_two) : least);
         *is_stuck = AND(grows, OR(is_significant, NOT(is_ratio_trusted)));

@@ -38,7 +38,8 @@ tvi_status tvi_factor_compute(tvi_lu_factor *factor)
 
 double tvi_factor_least_pivot(const tvi_lu_factor *factor) { return linear_least_pivot(factor->n, factor); }
 
-/* Computes x <- (R A C)^-1 x or (R A C)^-T x. The row-major matrix here is the transpose of LAPACK's matrix. */
+/* Computes x <- (R A C)^-1 x, or x <- (R A C)^-T x if `transposed`. LAPACK reads the row-major matrix R A C by columns,
+ * and has therefore factored its transpose. */
 static void solve_factored_by_lapack(int n, const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int one = 1;
@@ -46,7 +47,8 @@ static void solve_factored_by_lapack(int n, const tvi_lu_factor *factor, bool tr
     dgetrs_(transposed ? "N" : "T", &n, &one, factor->lu, &n, factor->pivot, x, &n, &info, 1);
 }
 
-/* Solves A x = b or A^T x = b with A^-1 = C (R A C)^-1 R; b and the solution are in x. */
+/* Solves A x = b, or A^T x = b if `transposed`, with A^-1 = C (R A C)^-1 R. x contains b before, and the solution
+ * afterwards. */
 static void solve_with_factor(const tvi_lu_factor *factor, bool transposed, double x[])
 {
     const int n = factor->n;

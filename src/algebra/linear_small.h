@@ -97,7 +97,7 @@ JET_INLINE double linear_power_of_two_scale(double magnitude)
 
 /* Scales A <- R A C, with R and C in row_scale and column_scale, so that the largest entry of each column, and then of
  * each row, is about 1. The columns are scaled first, which removes the units, so that the pivots do not depend on
- * them. (In the Jacobian matrices of curves, rows are coordinates.) */
+ * them. */
 JET_INLINE void linear_equilibrate_matrix(int n, tvi_lu_factor *factor)
 {
     double least = INFINITY, largest = 0;
@@ -171,7 +171,8 @@ JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool
 /* The type of a function that computes x <- (R A C)^-1 x, or (R A C)^-T x if `transposed`. */
 typedef void linear_factored_solver(int n, const tvi_lu_factor *factor, bool transposed, double x[]);
 
-/* Computes x <- A^-1 x or A^-T x with A^-1 = C (R A C)^-1 R, where `solve_factored` applies (R A C)^-1. */
+/* Computes x <- A^-1 x, or x <- A^-T x if `transposed`, with A^-1 = C (R A C)^-1 R. `solve_factored` multiplies by (R A
+ * C)^-1 or its transpose. */
 JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool transposed,
                                     linear_factored_solver *solve_factored, double x[])
 {
@@ -196,8 +197,8 @@ JET_INLINE tvi_status linear_small_equilibrate_and_factor(int n, tvi_lu_factor *
     return linear_finish_factorisation(n, true, factor);
 }
 
-/* Computes x <- (R A C)^-1 x or (R A C)^-T x. The row-major matrix in factor->lu is the transpose of a column-major
- * one. */
+/* Computes x <- (R A C)^-1 x, or x <- (R A C)^-T x if `transposed`. linear_small_factor reads the row-major matrix R A
+ * C by columns, and has therefore factored its transpose. */
 JET_INLINE void linear_small_solve_factored(int n, const tvi_lu_factor *factor, bool transposed, double x[])
 {
     if (transposed) linear_small_solve(n, factor->lu, factor->pivot, x);
@@ -223,13 +224,13 @@ JET_INLINE bool linear_is_safe_pivot(double pivot, double diagonal_before, doubl
 #define LINEAR_MULTIPLY(V, S)         JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
 
 /* Computes x[m] <- x[m] - a[m] b[m] for the members m < width. */
-JET_INLINE void linear_subtract_member_entry_products(int width, const double a[], const double b[], double x[])
+JET_INLINE void linear_subtract_products_per_member(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
     JET_BLOCKS(width, LINEAR_SUBTRACT_PRODUCT, );
 }
 /* Computes x[m] <- a[m] b[m] for the members m < width. */
-JET_INLINE void linear_multiply_member_entries(int width, const double a[], const double b[], double x[])
+JET_INLINE void linear_multiply_per_member(int width, const double a[], const double b[], double x[])
 {
     enum { stride = 0 };
     JET_BLOCKS(width, LINEAR_MULTIPLY, );
@@ -260,14 +261,14 @@ JET_INLINE void linear_unpivoted_factor(int n, int same_unit_row_count, int widt
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
             double *other_row = factor->lu + i * n * width, *l = factor->scaled_matrix + (i * n + j) * width;
-            linear_multiply_member_entries(width, other_row + j * width, inverse, l);
+            linear_multiply_per_member(width, other_row + j * width, inverse, l);
             if (width == 1 && n >= 4) {
                 const double multiplier = *l;
                 JET_BLOCKS(n, LINEAR_ELIMINATE, );
             } else {
                 JET_UNROLLED
                 for (int k = j + 1; k < n; k++)
-                    linear_subtract_member_entry_products(width, l, row + k * width, other_row + k * width);
+                    linear_subtract_products_per_member(width, l, row + k * width, other_row + k * width);
             }
         }
     }
@@ -281,13 +282,13 @@ JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *fa
     JET_UNROLLED
     for (int i = 0; i < n; i++) JET_UNROLLED
     for (int j = 0; j < i; j++)
-        linear_subtract_member_entry_products(width, l + (i * n + j) * width, x + j * width, x + i * width);
+        linear_subtract_products_per_member(width, l + (i * n + j) * width, x + j * width, x + i * width);
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
         JET_UNROLLED
         for (int j = n - 1; j > i; j--)
-            linear_subtract_member_entry_products(width, u + (i * n + j) * width, x + j * width, x + i * width);
-        linear_multiply_member_entries(width, x + i * width, factor->row_scale + i * width, x + i * width);
+            linear_subtract_products_per_member(width, u + (i * n + j) * width, x + j * width, x + i * width);
+        linear_multiply_per_member(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
 }
 
@@ -299,13 +300,13 @@ JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu
     for (int i = 0; i < n; i++) {
         JET_UNROLLED
         for (int j = 0; j < i; j++)
-            linear_subtract_member_entry_products(width, u + (j * n + i) * width, x + j * width, x + i * width);
-        linear_multiply_member_entries(width, x + i * width, factor->row_scale + i * width, x + i * width);
+            linear_subtract_products_per_member(width, u + (j * n + i) * width, x + j * width, x + i * width);
+        linear_multiply_per_member(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) JET_UNROLLED
     for (int j = n - 1; j > i; j--)
-        linear_subtract_member_entry_products(width, l + (j * n + i) * width, x + j * width, x + i * width);
+        linear_subtract_products_per_member(width, l + (j * n + i) * width, x + j * width, x + i * width);
 }
 
 /* Computes A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; A is then undefined. */

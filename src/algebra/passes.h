@@ -22,12 +22,12 @@ typedef struct {
     double roundoff_level;
     /* If the ratio of corrections is at least this, it is not trusted: the next correction is expected to be as large
      * as the last one. */
-    double max_trusted_ratio;
+    double max_trusted_contraction_ratio;
     /* The passes are stuck, that is, their corrections no longer shrink, if the ratio of corrections is above this. */
-    double stall_ratio;
+    double stall_contraction_ratio;
     /* The number of earlier corrections with which a correction is compared, to tell whether the passes are stuck: 1,
      * or 2 if small and large corrections may alternate. With 2, the passes are stuck only if the correction also
-     * exceeds stall_ratio^2 times the correction two passes before. */
+     * exceeds stall_contraction_ratio^2 times the correction two passes before. */
     int stall_comparison_lag;
     /* The next ratio is expected to be the square of the last one, as in Newton's method. */
     bool is_convergence_quadratic;
@@ -40,8 +40,8 @@ typedef enum {
     TVI_PASSES_STUCK    /* The passes are at roundoff, or they do not converge; the caller measures the roundoff. */
 } tvi_passes_verdict;
 
-/* Defines the structure tvi_passes, which describes the passes so far, and the function tvi_judge_pass, which adds a
- * pass to it. */
+/* Defines the structure tvi_passes, which describes the passes so far, and the function
+ * tvi_add_pass_and_check_if_may_end, which adds a pass to it. */
 #define JUDGED(name)       tvi_##name
 #define REAL               double
 #define TRUTH              int
@@ -53,16 +53,17 @@ typedef enum {
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 
-/* Begins an iteration. `slowest_ratio` is the ratio of corrections in an earlier iteration, or 0 if it is unknown.
- * The fields are set one by one, since compilers would clear the structure by an instruction that starts slowly. */
-static inline void tvi_passes_begin(tvi_passes *passes, double slowest_ratio)
+/* Begins an iteration. `earlier_slowest_ratio` is the slowest ratio of successive corrections in an earlier iteration,
+ * or 0 if it is unknown. The fields are set one by one, since compilers would clear the structure by an instruction
+ * that starts slowly. */
+static inline void tvi_passes_begin(tvi_passes *passes, double earlier_slowest_ratio)
 {
     passes->count = 0;
     passes->size = passes->previous_size = passes->size_two_passes_before = INFINITY;
     passes->ratio = passes->expected_next_size = passes->roundoff = 0;
     passes->size_without_roundoff = INFINITY;
     passes->contraction_ratio_growth = 1;
-    passes->slowest_ratio = slowest_ratio;
+    passes->slowest_ratio = earlier_slowest_ratio;
 }
 
 /* Adds a pass whose correction has this size, and returns the outcome of the pass. */
@@ -70,16 +71,16 @@ static inline tvi_passes_verdict tvi_passes_add_and_judge(tvi_passes *passes, co
                                                           double correction_size)
 {
     int is_stuck;
-    if (tvi_judge_pass(passes, rule, correction_size, &is_stuck)) return TVI_PASSES_MAY_END;
+    if (tvi_add_pass_and_check_if_may_end(passes, rule, correction_size, &is_stuck)) return TVI_PASSES_MAY_END;
     return is_stuck ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
-/* Sets the roundoff that was measured after the passes were stuck. Returns whether the last correction is
- * roundoff. */
-static inline bool tvi_passes_set_roundoff(tvi_passes *passes, double roundoff)
+/* Tells whether the last correction is roundoff: whether it is at most the roundoff that was measured after the passes
+ * were stuck. Keeps this roundoff for later passes. */
+static inline bool tvi_passes_have_reached_roundoff(tvi_passes *passes, double measured_roundoff)
 {
-    passes->roundoff = roundoff;
-    return passes->size <= roundoff;
+    passes->roundoff = measured_roundoff;
+    return passes->size <= measured_roundoff;
 }
 
 #endif

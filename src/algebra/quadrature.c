@@ -7,7 +7,7 @@
 /* The properties of a rule. With as many nodes as `point_count`, its order is order_slope point_count +
  * order_offset. */
 static const struct {
-    int required_point_count; /* The number of nodes of a rule that exists only with this number, otherwise 0. */
+    int only_valid_point_count; /* The only number of nodes that the rule can have; 0: any number is possible. */
     int least_point_count, order_slope, order_offset;
     tvi_quadrature mirror; /* The rule whose nodes are those of this rule with the opposite sign. */
 } rules[] = {
@@ -18,7 +18,7 @@ static const struct {
     [TVI_RECTANGLE_END] = {1, 1, 0, 1, TVI_RECTANGLE_START},
 };
 
-int tvi_quadrature_required_point_count(tvi_quadrature rule) { return rules[rule].required_point_count; }
+int tvi_quadrature_only_valid_point_count(tvi_quadrature rule) { return rules[rule].only_valid_point_count; }
 
 int tvi_quadrature_least_point_count(tvi_quadrature rule) { return rules[rule].least_point_count; }
 

@@ -10,7 +10,7 @@ enum { TVI_MAX_POINTS = TVI_MAX_DEGREE + 2 };
 
 /* Returns the only number of nodes that a trapezoid or rectangle rule can have. Returns 0 for Gauss and Lobatto, which
  * exist with any number of nodes. */
-int tvi_quadrature_required_point_count(tvi_quadrature rule);
+int tvi_quadrature_only_valid_point_count(tvi_quadrature rule);
 
 /* Returns the smallest number of nodes of the rule. */
 int tvi_quadrature_least_point_count(tvi_quadrature rule);

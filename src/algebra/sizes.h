@@ -48,8 +48,8 @@ static inline double tvi_largest_magnitude(int n, const double x[], int stride)
  * is b if one of them is NaN. */
 static inline double tvi_larger(double a, double b) { return a > b ? a : b; }
 static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
-/* Returns the number with the smaller magnitude. */
-static inline double tvi_smaller_magnitude(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
+/* Returns the one of two numbers that has the smaller magnitude, with its sign. */
+static inline double tvi_number_nearer_to_zero(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 
 /* Returns 1, -1 or 0. */
 static inline int tvi_sign(double x) { return (x > 0) - (x < 0); }

@@ -7,21 +7,22 @@
 typedef struct {
     int count;
     /* [n] The components of the first subsystem, then those of the second one, and so on. */
-    int *component;
-    /* [count] The position in `component` after the last component of each subsystem. */
-    int *end;
+    int *component_list;
+    /* [count] The index in component_list after the last component of each subsystem. */
+    int *end_in_component_list;
 } tvi_subsystems;
 
-/* Return the component at a position of the list, and the position after the last component of a subsystem. The system
- * has n components. If there is only one subsystem, the results are the position and n, so that the lists need not be
- * read. */
-static inline int tvi_subsystems_component(const tvi_subsystems *subsystems, int position)
+/* Return the component at an index of component_list, and the index there after the last component of a subsystem. If
+ * there is only one subsystem, the results are list_index and component_count, the number of components of the system,
+ * and the lists are not read. */
+static inline int tvi_subsystems_component_at(const tvi_subsystems *subsystems, int list_index)
 {
-    return subsystems->count == 1 ? position : subsystems->component[position];
+    return subsystems->count == 1 ? list_index : subsystems->component_list[list_index];
 }
-static inline int tvi_subsystems_end(const tvi_subsystems *subsystems, int subsystem, int n)
+static inline int tvi_subsystems_end_in_component_list(const tvi_subsystems *subsystems, int subsystem,
+                                                       int component_count)
 {
-    return subsystems->count == 1 ? n : subsystems->end[subsystem];
+    return subsystems->count == 1 ? component_count : subsystems->end_in_component_list[subsystem];
 }
 
 #endif

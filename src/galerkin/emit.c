@@ -19,10 +19,14 @@ static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
     const struct {
         const char *name;
         double value; /* the value of the field `name` of the rule, converted to double */
-    } field[] = {{FIELD(max_passes)},           {FIELD(exact_passes)},
-                 {FIELD(correction_goal)},      {FIELD(roundoff_level)},
-                 {FIELD(max_trusted_ratio)},    {FIELD(stall_ratio)},
-                 {FIELD(stall_comparison_lag)}, {FIELD(is_convergence_quadratic)}};
+    } field[] = {{FIELD(max_passes)},
+                 {FIELD(exact_passes)},
+                 {FIELD(correction_goal)},
+                 {FIELD(roundoff_level)},
+                 {FIELD(max_trusted_contraction_ratio)},
+                 {FIELD(stall_contraction_ratio)},
+                 {FIELD(stall_comparison_lag)},
+                 {FIELD(is_convergence_quadratic)}};
     jet_text_append(text, "static const tvi_passes_rule galerkin_rule = {");
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_append(text, ".%s = %a, ", field[i].name, field[i].value);

@@ -30,7 +30,7 @@ KERNEL_FUNCTION void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
 {
     const tvi_subsystems parts = nodes->subsystems;
     for (int k = 0, first = 0, end; k < parts.count; k++, first = end) {
-        end = tvi_subsystems_end(&parts, k, n);
+        end = tvi_subsystems_end_in_component_list(&parts, k, n);
         EACH_VECTOR(NAME(set_sizes_of)(nodes, n, first, end, shape, here));
     }
 }
@@ -87,8 +87,8 @@ JET_INLINE void NAME(compute_tails_of_form)(const galerkin_rate_tail_data *tail_
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(is_separable ? at : at + inputs.n * width);
             const tvi_tail_component component = galerkin_make_tail_component(&inputs, i, (size_t)at, momentum);
-            share[at] = tvi_tail_component_share(&component, is_separable || inputs.has_masses);
-            ratio[at] = tvi_tail_component_ratio(&component);
+            share[at] = tvi_tail_component_motion_share(&component, is_separable || inputs.has_masses);
+            ratio[at] = tvi_tail_component_last_term_ratio(&component);
         }
     tvi_tail_compute_for_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
@@ -101,7 +101,8 @@ KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, 
 }
 
 #if MEMBERS
-/* The operations with which judge.h defines members_judge_pass, which judges the passes of several members at once. */
+/* The operations with which judge.h defines members_add_pass_and_check_if_may_end, which judges the passes of several
+ * members at once. */
 #define JUDGED(name)       members_##name
 #define REAL               V
 #define TRUTH              JET_MASK(jet_widest)
@@ -131,7 +132,7 @@ KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, cons
                                  .contraction_ratio_growth = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
-        const JET_MASK(jet_widest) may_end = members_judge_pass(&passes, &rule, movement, &is_stuck),
+        const JET_MASK(jet_widest) may_end = members_add_pass_and_check_if_may_end(&passes, &rule, movement, &is_stuck),
                                    is_finite = movement < infinite;
         *(V *)(iteration->correction + m) = passes.size;
         *(V *)(iteration->previous_correction + m) = passes.previous_size;

@@ -266,7 +266,7 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first
     const bool has_momenta = nodes->unknown_count > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {
-        const int i = tvi_subsystems_component(&nodes->subsystems, k);
+        const int i = tvi_subsystems_component_at(&nodes->subsystems, k);
         const MEMBER size = NAME(size_of)(nodes, i, shape, here);
         MEMBER_AT(nodes->inverse_unknown_size, i) = size;
         largest_q = IF_ABOVE(size, largest_q, size, largest_q);
@@ -277,7 +277,7 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first
     }
     const MEMBER least_q = NAME(least_of)(largest_q), least_p = NAME(least_of)(largest_p);
     for (int k = first; k < end; k++) {
-        const int i = tvi_subsystems_component(&nodes->subsystems, k);
+        const int i = tvi_subsystems_component_at(&nodes->subsystems, k);
         MEMBER_AT(nodes->inverse_unknown_size, i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, i) + least_q);
         if (!has_momenta) continue;
         const MEMBER own = nodes->momentum_per_unit_drift[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);

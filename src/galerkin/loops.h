@@ -95,8 +95,8 @@ typedef struct {
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_tail_component_share), and the
-     * ratio of its last term to its momentum or movement (tvi_tail_component_ratio). */
+    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_tail_component_motion_share), and the
+     * ratio of its last term to its momentum or movement (tvi_tail_component_last_term_ratio). */
     double *component_motion_share, *component_tail_ratio;
 } galerkin_rate_tail_data;
 
@@ -110,9 +110,9 @@ static inline tvi_tail_component galerkin_make_tail_component(const galerkin_rat
     tvi_tail_component component = {.momentum_size = fabs(inputs->start_p[coordinate_index]) +
                                                      (fabs(inputs->momentum_increment[coordinate_index]) +
                                                       end_size[momentum_index] * inputs->inverse_outermost_weight),
-                                    .last_term_p = last[momentum_index],
-                                    .last_term_q = inputs->is_separable ? 0 : last[coordinate_index],
-                                    .position_size = fabs(inputs->start_q[coordinate_index])};
+                                    .p_change_by_last_term = last[momentum_index],
+                                    .q_change_by_last_term = inputs->is_separable ? 0 : last[coordinate_index],
+                                    .coordinate_size = fabs(inputs->start_q[coordinate_index])};
     component.inverse_momentum_size = 1 / component.momentum_size;
     component.movement_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
                                                    : end_size[coordinate_index] * inputs->inverse_outermost_weight;

@@ -23,8 +23,9 @@
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
     .max_passes = GALERKIN_MAX_PASSES, .correction_goal = SQUARE(GOAL),                                                \
-    .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL), .max_trusted_ratio = SQUARE(PASSES_MAX_CONTRACTION),            \
-    .stall_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 2
+    .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL),                                                                 \
+    .max_trusted_contraction_ratio = SQUARE(PASSES_MAX_CONTRACTION),                                                   \
+    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 2
 const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_convergence_quadratic = true};

@@ -13,13 +13,13 @@
  * passes. */
 static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
                                            .correction_goal = DBL_EPSILON / 2,
-                                           .max_trusted_ratio = 1,
-                                           .stall_ratio = PASSES_STALL_RATIO,
+                                           .max_trusted_contraction_ratio = 1,
+                                           .stall_contraction_ratio = PASSES_STALL_RATIO,
                                            .stall_comparison_lag = 1};
 /* The rule for the largest correction of a group, relative to the largest scale of the group. Passes without a Jacobian
  * are not stuck as long as these corrections shrink. In each pass corrections spread from a body to its neighbours
  * only; the corrections of the bodies that are reached last also shrink last. */
-static const tvi_passes_rule by_group = {.stall_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
+static const tvi_passes_rule by_group = {.stall_contraction_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
                          bool allocates_jacobian, int width)

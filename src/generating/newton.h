@@ -61,7 +61,8 @@ static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max
     tvi_passes_begin(&passes->by_group, 0);
     passes->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
     passes->unconfirmed_ratio_growth = 0;
-    passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 && rules->by_unknown.max_trusted_ratio > 0 &&
+    passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 &&
+                                       rules->by_unknown.max_trusted_contraction_ratio > 0 &&
                                        (max_contraction_ratio_growth == 0 || needs_extra_pass);
 }
 
@@ -70,7 +71,7 @@ static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max
 static inline void tvi_newton_update_ratio_growth(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
     const tvi_passes *each = &passes->by_unknown;
-    const bool shows = size <= rules->by_unknown.stall_ratio * each->size;
+    const bool shows = size <= rules->by_unknown.stall_contraction_ratio * each->size;
     if (each->count < 2) return;
     if (shows)
         passes->contraction_ratio_growth = tvi_smaller(
@@ -147,7 +148,7 @@ static inline void newton_measure_subsystem_corrections(const tvi_newton *newton
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
         double largest[CURVE_MOST_WIDTH] = {0}, largest_scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
-            const int at = (first + tvi_subsystems_component(newton->subsystems, k)) * width;
+            const int at = (first + tvi_subsystems_component_at(newton->subsystems, k)) * width;
             for (int m = 0; m < width; m++) {
                 const double correction = newton->correction[at + m], size = fabs(correction);
                 rest[m] += correction - correction;
@@ -172,7 +173,7 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
     for (int m = 0; m < CURVE_WIDTH(newton); m++)
         sizes->largest_relative_correction[m] = sizes->relative_group_correction[m] = 0;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end(subsystems, k, newton_count_unknowns_per_group(newton));
+        end = tvi_subsystems_end_in_component_list(subsystems, k, newton_count_unknowns_per_group(newton));
         newton_measure_subsystem_corrections(newton, scale, begin, end, sizes);
     }
 }
@@ -187,9 +188,9 @@ static inline void newton_raise_scales_in_subsystem(const tvi_newton *newton, in
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
         double largest = 0, *scale = newton->scale + first * width + member;
         for (int k = begin; k < end; k++)
-            largest = tvi_larger(scale[tvi_subsystems_component(newton->subsystems, k) * width], largest);
+            largest = tvi_larger(scale[tvi_subsystems_component_at(newton->subsystems, k) * width], largest);
         for (int k = begin; k < end; k++) {
-            const int i = tvi_subsystems_component(newton->subsystems, k) * width;
+            const int i = tvi_subsystems_component_at(newton->subsystems, k) * width;
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
             else scale[i] = tvi_larger(NEWTON_MIN_SCALE * largest, scale[i]);
         }
@@ -201,7 +202,7 @@ static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newto
 {
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
-        end = tvi_subsystems_end(subsystems, k, newton_count_unknowns_per_group(newton));
+        end = tvi_subsystems_end_in_component_list(subsystems, k, newton_count_unknowns_per_group(newton));
         newton_raise_scales_in_subsystem(newton, member, begin, end);
     }
 }

@@ -108,8 +108,8 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
     memcpy(p, action->p_at_nodes, (size_t)count * sizeof *p);
     const double size = tvi_largest_magnitude(count, p, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                  .max_trusted_ratio = PASSES_MAX_CONTRACTION,
-                                  .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                  .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
+                                  .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
                                   .stall_comparison_lag = 1};
     for (int step = 0; step < MOMENTA_MAX_ITERATIONS; step++) {
         tvi_status status = seeds_evaluate_field_at_nodes(action);
@@ -122,8 +122,9 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, largest);
         for (int i = 0; i < count; i++) p[i] += action->node_momentum_correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
-            (verdict == TVI_PASSES_STUCK && (largest <= MOMENTA_STALLED_CORRECTION * size ||
-                                             tvi_passes_set_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
+            (verdict == TVI_PASSES_STUCK &&
+             (largest <= MOMENTA_STALLED_CORRECTION * size ||
+              tvi_passes_have_reached_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
             return seeds_evaluate_field_at_nodes(action);
     }
     return TVI_ENOCONV;

@@ -289,8 +289,8 @@ static inline tvi_status products_solve_by_conjugate_residuals(tvi_closure *clos
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (direction_index == 0) goal = tvi_larger(CURVE_NEGLIGIBLE_ERROR, PRODUCTS_REDUCTION * size);
         const tvi_passes_rule rule = {.correction_goal = goal,
-                                      .max_trusted_ratio = PASSES_MAX_CONTRACTION,
-                                      .stall_ratio = PASSES_STALL_RATIO,
+                                      .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
+                                      .stall_contraction_ratio = PASSES_STALL_RATIO,
                                       .stall_comparison_lag = 1};
         const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&passes, &rule, size);
         const bool may_end =
@@ -383,8 +383,8 @@ static inline void products_set_unknown_sizes(tvi_closure *closure)
     for (int k = 0; k <= curve_highest_order(&closure->curve); k++)
         products_get_conjugate_residuals(closure)->max_norm_of_Q[k] = tvi_largest_magnitude(
             curve_dimension(&closure->curve), tvi_curve_field_inputs_of_order(&closure->curve, k), 1);
-    for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
-        products_set_subsystem_unknown_sizes(closure, parts->component, first, parts->end[k]);
+    for (int k = 0, first = 0; k < parts->count; first = parts->end_in_component_list[k++])
+        products_set_subsystem_unknown_sizes(closure, parts->component_list, first, parts->end_in_component_list[k]);
 }
 
 /* Computes the corrections of the ends of the step in one pass. The first pass of a step also computes

@@ -261,8 +261,8 @@ static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combi
 }
 
 /* Returns, for component i, the magnitudes from which the tail is computed (tail.h). momentum_size is |U_0| + sum_k k
- * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step. last_term_p and
- * last_term_q are the last terms of the two sums; last_term_q is 0 for a separable system. position_size is |Q_0|. */
+ * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step. p_change_by_last_term and
+ * q_change_by_last_term are the last terms of the two sums; q_change_by_last_term is 0 for a separable system. coordinate_size is |Q_0|. */
 static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
@@ -271,9 +271,9 @@ static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve
     return (tvi_tail_component){
         .momentum_size = momentum,
         .movement_size = movement,
-        .last_term_p = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
-        .last_term_q = has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
-        .position_size = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
+        .p_change_by_last_term = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
+        .q_change_by_last_term = has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
+        .coordinate_size = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
         .inverse_momentum_size = 1 / momentum,
         .inverse_movement_size = 1 / movement};
 }
@@ -293,8 +293,8 @@ static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_vector_length(curve); at++) {
         const tvi_tail_component component = curve_get_tail_component(curve, at);
-        share[at] = tvi_tail_component_share(&component, curve->system->has_tail_shares_without_momenta);
-        ratio[at] = tvi_tail_component_ratio(&component);
+        share[at] = tvi_tail_component_motion_share(&component, curve->system->has_tail_shares_without_momenta);
+        ratio[at] = tvi_tail_component_last_term_ratio(&component);
     }
     tvi_tail_compute_for_members(&curve->system->tail_subsystems, curve_dimension(curve), width, share, ratio, tail);
 }

@@ -143,7 +143,7 @@ static tvi_status resolve_gauss_quadrature(tvi_options *options, const char **wh
 static tvi_status resolve_chosen_quadrature(tvi_options *options, bool is_order_requested, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
-    const int fixed = tvi_quadrature_required_point_count(options->quadrature);
+    const int fixed = tvi_quadrature_only_valid_point_count(options->quadrature);
     if (fixed && options->quadrature_points != 0 && options->quadrature_points != fixed)
         return refuse_with_reason(TVI_EINVAL, "the quadrature has a fixed number of points", why);
     if (fixed) options->quadrature_points = fixed;

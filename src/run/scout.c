@@ -61,7 +61,7 @@ static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi
         scout->hardest_step_index = scout->step_count;
     scout->step_count++;
     update_largest_q_and_p(scout, orbit);
-    return tvi_smaller_magnitude(scale, SCOUT_MAX_GROWTH * h);
+    return tvi_number_nearer_to_zero(scale, SCOUT_MAX_GROWTH * h);
 }
 
 /* Tries a step of size h, or of remaining_time if that is shorter. Returns the size of the next step, or of another try

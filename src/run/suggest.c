@@ -91,14 +91,14 @@ static void update_step_size_bracket(suggestion_search *search, const tvi_step_s
     } else if (trial->covers_whole_run || is_too_long) {
         search->shortest_bad_step_size = search->shortest_bad_step_size == 0
                                              ? trial->h
-                                             : tvi_smaller_magnitude(search->shortest_bad_step_size, trial->h);
+                                             : tvi_number_nearer_to_zero(search->shortest_bad_step_size, trial->h);
     }
     if (trial->estimated_error == INFINITY)
-        search->longest_allowed_step_size =
-            tvi_smaller_magnitude(search->longest_allowed_step_size, step_size_factor_after_failure(search) * trial->h);
+        search->longest_allowed_step_size = tvi_number_nearer_to_zero(
+            search->longest_allowed_step_size, step_size_factor_after_failure(search) * trial->h);
     else if (is_too_long)
         search->longest_allowed_step_size =
-            tvi_smaller_magnitude(search->longest_allowed_step_size, SUGGEST_FAILED_FACTOR * trial->h);
+            tvi_number_nearer_to_zero(search->longest_allowed_step_size, SUGGEST_FAILED_FACTOR * trial->h);
 }
 
 /* Tells whether a trial of the whole run may find a longer step size than longest_good_step_size, and whether the
@@ -147,7 +147,7 @@ static bool update_suggestion_and_plan_next_trial(suggestion_search *search, con
     if (is_new)
         suggestion->h = trial->h * final_step_size_factor(search, trial), search->is_suggestion_reliable = is_near_aim;
     else if (!search->is_suggestion_reliable)
-        suggestion->h = suggestion->h == 0 ? trial->h : tvi_smaller_magnitude(suggestion->h, trial->h);
+        suggestion->h = suggestion->h == 0 ? trial->h : tvi_number_nearer_to_zero(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_suggestion_reliable))
         suggestion->trial_step_size = trial->h, suggestion->error_share_of_trial = trial->error_share_of_trial,
         suggestion->estimated_error = trial->estimated_error;
@@ -158,7 +158,7 @@ static bool update_suggestion_and_plan_next_trial(suggestion_search *search, con
     update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
     if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_step_count = 0;
-    *h = tvi_smaller_magnitude(trial->h * factor, search->longest_allowed_step_size);
+    *h = tvi_number_nearer_to_zero(trial->h * factor, search->longest_allowed_step_size);
     trials->run_length_in_steps *= trial->h / *h;
     if (search->longest_good_step_size != 0) return may_trial_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
@@ -207,11 +207,12 @@ static double prepare_trials_and_choose_first_step(suggestion_search *search)
     trials->run_error_weighted_length = tvi_scout_error_weighted_length(s, 0, end) / s->explored_duration_part;
     search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
     if (!trials->step_doubling.is_rescaled)
-        search->longest_allowed_step_size = tvi_smaller_magnitude(search->longest_allowed_step_size, trials->duration);
+        search->longest_allowed_step_size =
+            tvi_number_nearer_to_zero(search->longest_allowed_step_size, trials->duration);
     const double part = pow(SUGGEST_COVERED_PART, trials->error_growth_exponent);
     const double h =
-        tvi_smaller_magnitude(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
-                              search->longest_allowed_step_size);
+        tvi_number_nearer_to_zero(scale * pow(trials->aimed_error * part / resolved_error, 1.0 / (search->order + 1)),
+                                  search->longest_allowed_step_size);
     trials->run_length_in_steps = fabs(trials->run_end_abscissa / h);
     return h;
 }
@@ -260,7 +261,7 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
 {
     const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
                  unknown = search->is_suggestion_reliable ? 1 : SUGGEST_UNKNOWN_FACTOR;
-    suggestion->h = tvi_smaller_magnitude(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
+    suggestion->h = tvi_number_nearer_to_zero(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
                     factor_for_spread_of_step_sizes(search);
     if (search->longest_good_step_size != 0)
         suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,

@@ -37,9 +37,9 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
 static double abscissa_after_hardest_step(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_smaller_magnitude(s->abscissas[s->hardest_step_index] +
-                                     s->orbit_resolving_step_size_estimate[s->hardest_step_index],
-                                 trials->run_end_abscissa);
+    return tvi_number_nearer_to_zero(s->abscissas[s->hardest_step_index] +
+                                         s->orbit_resolving_step_size_estimate[s->hardest_step_index],
+                                     trials->run_end_abscissa);
 }
 
 /* Tells whether the trial can be ended after step number step_number: its estimate is far above the aim, or far below
@@ -63,7 +63,7 @@ static bool make_step_and_tell_if_trial_goes_on(tvi_trials *trials, tvi_step_siz
         &trials->step_doubling,
         trials->step_doubling.is_rescaled
             ? trial->h
-            : tvi_smaller_magnitude(trial->h, trials->start_time + trials->duration - whole->t));
+            : tvi_number_nearer_to_zero(trial->h, trials->start_time + trials->duration - whole->t));
     trial->estimated_error = INFINITY;
     trial->is_finished = true;
     if (trial->status != TVI_OK) return false;
@@ -129,7 +129,7 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
 bool tvi_trials_can_afford_to_pass_hardest_step(const tvi_trials *trials, double h)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way = tvi_smaller_magnitude(abscissa_after_hardest_step(trials),
-                                             s->orbit_resolving_step_size_estimate[s->hardest_step_index]);
+    const double way = tvi_number_nearer_to_zero(abscissa_after_hardest_step(trials),
+                                                 s->orbit_resolving_step_size_estimate[s->hardest_step_index]);
     return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
 }

@@ -111,14 +111,14 @@ static bool is_last_correction(tvi_legendre *legendre, const double x[], const d
 {
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
     const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                  .max_trusted_ratio = PASSES_MAX_CONTRACTION,
-                                  .stall_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                  .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
+                                  .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
                                   .stall_comparison_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
     return largest <= LEGENDRE_STALLED_CORRECTION * size ||
-           tvi_passes_set_roundoff(passes, estimate_correction_roundoff(legendre, y));
+           tvi_passes_have_reached_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])

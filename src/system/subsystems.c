@@ -54,18 +54,18 @@ static void list_components_of_sets(tvi_subsystems *subsystems, int n, int set_p
     for (int i = 0; i < n; i++) {
         if (counts[i] == 0) continue;
         const int begin = component_count;
-        subsystems->end[subsystems->count++] = component_count += counts[i];
+        subsystems->end_in_component_list[subsystems->count++] = component_count += counts[i];
         counts[i] = begin;
     }
     for (int i = 0; i < n; i++)
-        subsystems->component[counts[i == lone_component ? i : find_first_slot_of_set(set_parent, i)]++] = i;
+        subsystems->component_list[counts[i == lone_component ? i : find_first_slot_of_set(set_parent, i)]++] = i;
 }
 
 static bool allocate_subsystem_lists(tvi_subsystems *subsystems, size_t n)
 {
-    subsystems->component = calloc(n, sizeof *subsystems->component);
-    subsystems->end = calloc(n, sizeof *subsystems->end);
-    return subsystems->component && subsystems->end;
+    subsystems->component_list = calloc(n, sizeof *subsystems->component_list);
+    subsystems->end_in_component_list = calloc(n, sizeof *subsystems->end_in_component_list);
+    return subsystems->component_list && subsystems->end_in_component_list;
 }
 
 tvi_status tvi_system_find_subsystems(tvi_system *system, bool has_time_coordinate)

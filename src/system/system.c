@@ -17,10 +17,10 @@ void tvi_system_free(tvi_system *system)
     jet_graph_free(system->graph);
     free(system->field);
     free(system->mass);
-    free(system->subsystems.component);
-    free(system->subsystems.end);
-    free(system->tail_subsystems.component);
-    free(system->tail_subsystems.end);
+    free(system->subsystems.component_list);
+    free(system->subsystems.end_in_component_list);
+    free(system->tail_subsystems.component_list);
+    free(system->tail_subsystems.end_in_component_list);
     free(system);
 }
 
