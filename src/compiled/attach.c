@@ -1,5 +1,5 @@
-/* attach.c - Attaches generated code to the tapes of a system: sweeps of the tapes then call the generated functions,
- * and not those that the library has for all tapes. The file also counts the users of loaded code (compiled.h). */
+/* attach.c - Makes the tapes of a system, which are its recorded functions, run generated code in place of the
+ * library's interpreter. The file also counts the users of loaded code (compiled.h). */
 #include "compiled/compiled.h"
 #include "method/fingerprint.h"
 

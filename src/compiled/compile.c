@@ -1,5 +1,5 @@
-/* compile.c - Defines tvi_compile, which compiles and loads code for a system, and tvi_compiled_write, which writes it
- * to a file. The text of the code consists of the sweeps and loops that the steps of a method run. */
+/* compile.c - Defines tvi_compile, which compiles and loads code for a system, and tvi_compiled_write, which writes the
+ * code to a file. The text of the code consists of the sweeps and loops that the steps of a method run. */
 #include "compiled/compiled.h"
 #include "compiled/files.h"
 #include "method/fingerprint.h"

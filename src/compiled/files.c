@@ -43,7 +43,7 @@ bool tvi_file_write(const char *path, bool appends, const void *data, size_t byt
 }
 
 /* Tells whether the file belongs to the user, and no other user may write to it. */
-static bool is_owned_by_user_alone(const struct stat *s)
+static bool is_file_safe_from_other_users(const struct stat *s)
 {
     return s->st_uid == geteuid() && !(s->st_mode & (S_IWGRP | S_IWOTH));
 }
@@ -51,7 +51,7 @@ static bool is_owned_by_user_alone(const struct stat *s)
 static char *read_all(int file, size_t *byte_count)
 {
     struct stat s;
-    if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !is_owned_by_user_alone(&s)) return NULL;
+    if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !is_file_safe_from_other_users(&s)) return NULL;
     char *data = malloc((size_t)s.st_size + 1);
     for (*byte_count = 0; data && *byte_count < (size_t)s.st_size;) {
         const ssize_t got = read(file, data + *byte_count, (size_t)s.st_size - *byte_count);
@@ -100,18 +100,19 @@ static bool make_directory(const char *path)
 
 /* Tells whether no other user can replace an entry of the directory. The owner of a directory can do this, and so
  * can everyone who may write to it, unless its sticky bit is set. The owner must therefore be the user or root. */
-static bool is_directory_protected(const char *path)
+static bool is_directory_safe_from_other_users(const char *path)
 {
     struct stat s;
     if (stat(path, &s) != 0 || (s.st_uid != geteuid() && s.st_uid != 0)) return false;
     return !(s.st_mode & (S_IWGRP | S_IWOTH)) || (s.st_mode & S_ISVTX);
 }
 
-/* Tells whether all parents of the directory are protected, after all links are resolved. */
-static bool are_parents_protected(const char *path)
+/* Tells whether no other user can replace an entry of a parent of the directory, after all links are resolved. */
+static bool are_parents_safe_from_other_users(const char *path)
 {
     char *real = realpath(path, NULL);
-    const bool is_true = real && is_directory_protected("/") && do_all_parents_pass_check(real, is_directory_protected);
+    const bool is_true = real && is_directory_safe_from_other_users("/") &&
+                         do_all_parents_pass_check(real, is_directory_safe_from_other_users);
     free(real);
     return is_true;
 }
@@ -125,15 +126,15 @@ bool tvi_directory_create_protected(const char *path)
     memcpy(copy, path, byte_count);
     const bool is_made = do_all_parents_pass_check(copy, make_directory) && make_directory(copy);
     free(copy);
-    return is_made && are_parents_protected(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) &&
-           is_owned_by_user_alone(&s);
+    return is_made && are_parents_safe_from_other_users(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) &&
+           is_file_safe_from_other_users(&s);
 }
 
 bool tvi_directory_create_temporary(char *path)
 {
     char *const name = strrchr(path, '/');
     *name = 0;
-    const bool is_safe = are_parents_protected(path) && is_directory_protected(path);
+    const bool is_safe = are_parents_safe_from_other_users(path) && is_directory_safe_from_other_users(path);
     *name = '/';
     return is_safe && mkdtemp(path) != NULL;
 }
@@ -162,7 +163,7 @@ static int wait_for_exit(pid_t child)
 
 /* Adds to the actions that start the compiler one that closes all files but 0, 1 and 2, if the C library has such an
  * action. Neither the compiler nor a server that it leaves behind then keeps files of this process open. */
-static bool add_closing_of_other_files(posix_spawn_file_actions_t *actions)
+static bool add_action_to_close_other_files(posix_spawn_file_actions_t *actions)
 {
 #ifdef HAS_CLOSEFROM
     return posix_spawn_file_actions_addclosefrom_np(actions, 3) == 0;
@@ -179,7 +180,7 @@ int tvi_process_run(char *const argv[], const char *output_path)
     const bool is_set =
         posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0) == 0 &&
         posix_spawn_file_actions_addopen(&actions, 1, output_path, O_WRONLY | O_CREAT | O_TRUNC, 0600) == 0 &&
-        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && add_closing_of_other_files(&actions);
+        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && add_action_to_close_other_files(&actions);
     const bool is_started = is_set && posix_spawnp(&child, argv[0], &actions, NULL, argv, environ) == 0;
     posix_spawn_file_actions_destroy(&actions);
     return is_started ? wait_for_exit(child) : -1;

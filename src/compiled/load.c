@@ -41,15 +41,15 @@ typedef struct {
  * the flags come from the user, the environment or the library. */
 typedef struct {
     const char *compiler_command, *flags;
-    /* The directory of the cache. If the library is not stored in a cache, the directory for temporary files. */
-    jet_text base_directory;
-    bool uses_cache; /* The library is stored in the cache. */
+    /* The directory of the cache; without a cache, the directory for temporary files, such as /tmp. */
+    jet_text cache_or_temporary_directory;
+    bool uses_cache; /* The compiled library is stored in the cache. */
     compilation_key key;
 } compilation_request;
 
 /* The paths of the temporary directory and the files of one compilation; `output` is what the compiler prints. */
 typedef struct {
-    jet_text directory, source, library, output;
+    jet_text temporary_directory, source, library, output;
 } compilation_files;
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
@@ -63,7 +63,7 @@ static void append_joined_path(jet_text *path, const char *directory, const char
 
 /* Returns the path that a variable of the environment contains. NULL: the variable is not set, or its path is
  * relative. */
-static const char *read_absolute_path_variable(const char *variable)
+static const char *read_absolute_path_from_environment(const char *variable)
 {
     const char *path = tvi_environment_variable(variable);
     return path && *path == '/' ? path : NULL;
@@ -73,16 +73,17 @@ static const char *read_absolute_path_variable(const char *variable)
  * name. Without a cache, the directory is the one for temporary files. */
 static void choose_cache_directory(compilation_request *request, const char *requested_directory)
 {
-    const char *home = read_absolute_path_variable("HOME"), *user = read_absolute_path_variable("XDG_CACHE_HOME");
+    const char *home = read_absolute_path_from_environment("HOME"),
+               *user = read_absolute_path_from_environment("XDG_CACHE_HOME");
     request->uses_cache = !requested_directory || *requested_directory;
     if (requested_directory && *requested_directory)
-        append_joined_path(&request->base_directory, requested_directory, "");
+        append_joined_path(&request->cache_or_temporary_directory, requested_directory, "");
     else if (!request->uses_cache || (!home && !user)) {
         const char *temporary = tvi_environment_variable("TMPDIR");
         request->uses_cache = false;
-        append_joined_path(&request->base_directory, temporary ? temporary : "/tmp", "");
-    } else if (user) append_joined_path(&request->base_directory, user, "/tvi");
-    else append_joined_path(&request->base_directory, home, "/.cache/tvi");
+        append_joined_path(&request->cache_or_temporary_directory, temporary ? temporary : "/tmp", "");
+    } else if (user) append_joined_path(&request->cache_or_temporary_directory, user, "/tvi");
+    else append_joined_path(&request->cache_or_temporary_directory, home, "/.cache/tvi");
 }
 
 static void add_to_key(compilation_key *key, const void *data, size_t byte_count)
@@ -267,24 +268,24 @@ static tvi_status compile_and_open(tvi_compiled **out, const compilation_request
 static tvi_status compile_in_temporary_directory(tvi_compiled **out, const compilation_request *request,
                                                  const jet_text *text, const char *cached_path)
 {
-    compilation_files files = {.directory = {0}};
+    compilation_files files = {.temporary_directory = {0}};
     tvi_status status;
-    jet_text_append(&files.directory, "%s/make-XXXXXX", request->base_directory.data);
-    if (files.directory.is_incomplete) return TVI_ENOMEM;
-    if (!tvi_directory_create_temporary(files.directory.data)) {
+    jet_text_append(&files.temporary_directory, "%s/make-XXXXXX", request->cache_or_temporary_directory.data);
+    if (files.temporary_directory.is_incomplete) return TVI_ENOMEM;
+    if (!tvi_directory_create_temporary(files.temporary_directory.data)) {
         status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or others may exchange it",
-                            request->base_directory.data);
-        free(files.directory.data);
+                            request->cache_or_temporary_directory.data);
+        free(files.temporary_directory.data);
         return status;
     }
-    jet_text_append(&files.source, "%s/tvi.c", files.directory.data);
-    jet_text_append(&files.library, "%s/tvi.so", files.directory.data);
-    jet_text_append(&files.output, "%s/output", files.directory.data);
+    jet_text_append(&files.source, "%s/tvi.c", files.temporary_directory.data);
+    jet_text_append(&files.library, "%s/tvi.so", files.temporary_directory.data);
+    jet_text_append(&files.output, "%s/output", files.temporary_directory.data);
     const bool failed = files.source.is_incomplete || files.library.is_incomplete || files.output.is_incomplete;
     status = failed ? TVI_ENOMEM : compile_and_open(out, request, &files, text, cached_path);
     const char *const to_remove[] = {files.source.data, files.library.data, files.output.data, NULL};
-    tvi_directory_remove(files.directory.data, to_remove);
-    free(files.directory.data);
+    tvi_directory_remove(files.temporary_directory.data, to_remove);
+    free(files.temporary_directory.data);
     free(files.source.data);
     free(files.library.data);
     free(files.output.data);
@@ -295,11 +296,11 @@ static tvi_status load_from_cache_or_compile(tvi_compiled **out, const compilati
                                              const jet_text *text)
 {
     jet_text cached_path = {0};
-    if (request->uses_cache && !tvi_directory_create_protected(request->base_directory.data))
+    if (request->uses_cache && !tvi_directory_create_protected(request->cache_or_temporary_directory.data))
         return jet_refuse(TVI_ECOMPILE,
                           "%s is not a directory of the user's own that no other may write to or exchange",
-                          request->base_directory.data);
-    jet_text_append(&cached_path, "%s/%016" PRIx64 "%016" PRIx64 ".so", request->base_directory.data,
+                          request->cache_or_temporary_directory.data);
+    jet_text_append(&cached_path, "%s/%016" PRIx64 "%016" PRIx64 ".so", request->cache_or_temporary_directory.data,
                     request->key.hash[0], request->key.hash[1]);
     if (cached_path.is_incomplete) return TVI_ENOMEM;
     const bool is_there = request->uses_cache && has_valid_seal(cached_path.data, &request->key);
@@ -313,8 +314,9 @@ tvi_status tvi_compiled_load_or_compile(tvi_compiled **out, const jet_text *text
                                         jet_isa isa)
 {
     compilation_request request = make_compilation_request(text, compiler, isa);
-    const tvi_status status =
-        request.base_directory.is_incomplete ? TVI_ENOMEM : load_from_cache_or_compile(out, &request, text);
-    free(request.base_directory.data);
+    const tvi_status status = request.cache_or_temporary_directory.is_incomplete
+                                  ? TVI_ENOMEM
+                                  : load_from_cache_or_compile(out, &request, text);
+    free(request.cache_or_temporary_directory.data);
     return status;
 }
