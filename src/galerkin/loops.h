@@ -95,8 +95,8 @@ typedef struct {
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_tail_component_motion_share), and the
-     * ratio of its last term to its momentum or movement (tvi_tail_component_last_term_ratio). */
+    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_tail_component_motion_share), and
+     * the ratio of its last term to its momentum or movement (tvi_tail_component_last_term_ratio). */
     double *component_motion_share, *component_tail_ratio;
 } galerkin_rate_tail_data;
 

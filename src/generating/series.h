@@ -261,8 +261,9 @@ static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combi
 }
 
 /* Returns, for component i, the magnitudes from which the tail is computed (tail.h). momentum_size is |U_0| + sum_k k
- * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step. p_change_by_last_term and
- * q_change_by_last_term are the last terms of the two sums; q_change_by_last_term is 0 for a separable system. coordinate_size is |Q_0|. */
+ * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step.
+ * p_change_by_last_term and q_change_by_last_term are the last terms of the two sums; q_change_by_last_term is 0 for a
+ * separable system. coordinate_size is |Q_0|. */
 static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
