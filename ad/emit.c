@@ -42,10 +42,10 @@ static void emit_double_array(jet_text *text, const char *name_prefix, const cha
 
 static void emit_run_initialiser(jet_text *text, const jet_run *run)
 {
-    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d},\n", (int)run->op,
+    jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent,
-                    run->has_nonzero_constant_terms, run->has_scattered_operands, run->first_constant_term_index,
-                    run->term_count, run->first_term_index);
+                    run->has_nonzero_constant_terms, run->first_constant_term_index, run->term_count,
+                    run->first_term_index);
 }
 
 typedef struct {
@@ -155,9 +155,6 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
     const int index = (int)(run - emitter->tape->runs);
     if (run->op == OP_LINEAR)
         jet_text_append(emitter->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->term_count);
-    else if (run->has_scattered_operands)
-        jet_text_append(emitter->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES,
-                        run->term_count);
     else if (rule_names[run->op])
         jet_text_append(emitter->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_names[run->op]);
     else
@@ -179,9 +176,9 @@ static void emit_reverse_run_list_entry(const tape_emitter *emitter, const jet_r
 static void emit_run_lists(const tape_emitter *emitter)
 {
     const jet_run *const begin = emitter->tape->runs, *const end = begin + emitter->tape->run_count;
-    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, SCATTERED, LINEAR)", emitter->request->name_prefix);
+    jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", emitter->request->name_prefix);
     for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
-    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, SCATTERED, LINEAR, SUMS)",
+    jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, LINEAR, SUMS)",
                     emitter->request->name_prefix);
     for (const jet_run *run = end; run-- > begin && emitter->request->needs_adjoint_sweep;)
         emit_reverse_run_list_entry(emitter, run);

@@ -4,12 +4,10 @@
  *
  * A tape consists of runs, each of which is one or more equal operations. In the following, T is the tape's name, and
  * T_run[i] its run with the index i. For each tape the generated text defines the macro T_RUNS, a list with one macro
- * call for each run in the order of the tape. There are four kinds of calls:
+ * call for each run in the order of the tape. There are three kinds of calls:
  *   - RULE(T, i, name) stands for a run of operations with the rule of this name, such as exp.
  *   - PRODUCTS(T, i, are_squares, terms) stands for a run of sums of products. Each sum has `terms` products;
  *     are_squares is 1 if all of them are squares, otherwise 0.
- *   - SCATTERED(T, i, are_squares, terms) stands for the same sums if the factors of successive sums are not in
- *     adjacent slots. They occur only on tapes of values, which compute no series.
  *   - LINEAR(T, i, terms) stands for a run of linear combinations of `terms` operands.
  * The sweep of adjoints goes through the runs in reverse order. For this sweep the text defines T_RUNS_BACK, the list
  * of the same calls in reverse order, with one exception. One call SUMS(T, i) stands for several successive runs that
@@ -23,10 +21,7 @@
 #define VALUES_RULE(T, i, name)                                                                                        \
     inside &= evaluate_##name(T##_run[i].exponent, T##_run[i].operation_count * lanes, x + T##_run[i].a * lanes,       \
                               x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);
-#define VALUES_PRODUCTS(T, i, are_squares, terms)                                                                      \
-    sum_products_at_adjacent_slots(&T, &T##_run[i], x, lanes, are_squares, terms);
-#define VALUES_SCATTERED(T, i, are_squares, terms)                                                                     \
-    sum_products_at_scattered_slots(&T, &T##_run[i], x, lanes, are_squares, terms);
+#define VALUES_PRODUCTS(T, i, are_squares, terms) compute_product_values(&T, &T##_run[i], x, lanes, are_squares, terms);
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     compute_sums_without_constants(&T, &T##_run[i], x, lanes, terms);                                                  \
     add_constant_terms(&T, &T##_run[i], x, lanes);
@@ -79,7 +74,7 @@
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
         bool inside = true;                                                                                            \
-        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_LINEAR);                                       \
+        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_LINEAR);                                                         \
         return inside;                                                                                                 \
     }
 
@@ -123,35 +118,32 @@
         return inside;                                                                                                 \
     }
 
-/* Takes the place of SCATTERED on tapes of series, which have no scattered operands, and does nothing. */
-#define NONE(T, i, are_squares, terms)
-
 #define JET_GENERATED_SERIES(T)                                                                                        \
     JET_INLINE bool T##_series_of(double *x, int k)                                                                    \
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
-        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, NONE, SERIES_LINEAR) return true;                                       \
+        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, SERIES_LINEAR) return true;                                             \
     }
 
 #define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE void T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, NONE, TANGENTS_LINEAR)                                              \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, TANGENTS_LINEAR)                                                    \
     }
 
 #define JET_GENERATED_TANGENTS_PER_LANE(T, LANES)                                                                      \
     NEVER void T##_tangents_per_lane_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, NONE, PER_LANE_LINEAR);                                             \
+        T##_RUNS(PER_LANE_RULE, PER_LANE_PRODUCTS, PER_LANE_LINEAR);                                                   \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, NONE, ADJOINTS_LINEAR, ADJOINTS_SUMS)                          \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, ADJOINTS_LINEAR, ADJOINTS_SUMS)                                \
     }
 
 #endif

@@ -228,12 +228,11 @@ static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement
     return true;
 }
 
-/* Tells whether the operations of each subgroup of the group read adjacent slots. *subgroup_count, which is 0 before,
- * is the number of subgroups if they do. */
+/* Tells whether the operations of each subgroup of the group read adjacent slots. */
 static bool do_subgroups_have_adjacent_operands(const graph_lowering *lowering, tape_placement *const group[],
-                                                int count, int *subgroup_count)
+                                                int count)
 {
-    for (int begin = 0, end = 0; begin < count; begin = end, ++*subgroup_count) {
+    for (int begin = 0, end = 0; begin < count; begin = end) {
         while (end < count && group[end]->subgroup_number == group[begin]->subgroup_number) end++;
         for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
             for (int factor_index = 0; factor_index < 2; factor_index++)
@@ -261,17 +260,10 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
 
 /* Sorts the operations of a group, or copies operands, so that successive operations read adjacent slots. The order by
  * subgroups is kept if the operations of each subgroup read adjacent slots. Otherwise the group is sorted by one
- * operand, and the other operand is copied to adjacent slots. Tapes of values read scattered operands where they are,
- * unless each subgroup has at least TAPE_COPY_MIN_OPERATIONS operations on average; copies are then cheaper. */
+ * operand, and the other operand is copied to adjacent slots. */
 static void make_group_operands_adjacent(graph_lowering *lowering, tape_placement *group[], int count)
 {
-    int subgroup_count = 0;
-    const bool in_subgroups = do_subgroups_have_adjacent_operands(lowering, group, count, &subgroup_count);
-    const bool has_scattered_operands = JET_HAS(SCATTERED) && lowering->tape_kind == JET_TAPE_VALUES &&
-                                        jet_is_sum_of_products(group[0]->op) &&
-                                        (!in_subgroups || count < TAPE_COPY_MIN_OPERATIONS * subgroup_count);
-    for (int i = 0; i < count; i++) group[i]->has_scattered_operands = has_scattered_operands;
-    if (in_subgroups || has_scattered_operands) return;
+    if (do_subgroups_have_adjacent_operands(lowering, group, count)) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
     for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)

@@ -16,8 +16,6 @@ typedef struct {
     int subgroup_number;
     int one_based_output_index; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
-    /* The operations of the run read operands at slots that are not adjacent. */
-    bool has_scattered_operands;
     /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
      * otherwise 1. */
     int operand_pair_count;

@@ -13,9 +13,6 @@
 
 /* [operations] A run is padded to whole vectors of 8 if its last vector has more than this many operations. */
 #define TAPE_PAD_MAX_UNPADDED_REST 4
-/* [operations] On tapes of values, scattered operands are copied to adjacent slots if the loops that read the copies
- * have at least this many operations on average. */
-#define TAPE_COPY_MIN_OPERATIONS 4
 /* [1] Powers with exponents k/4 or k/2 up to this size are products and square roots, not calls of pow (suite
  * elementary of build/check/ad). */
 #define TAPE_POWER_MAX_EXPONENT 8

@@ -60,11 +60,10 @@ static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run
                                         const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_slot_b;
-    const int k0 = run->first_term_index + (run->has_scattered_operands ? operation_index * run->term_count : 0),
-              at = run->has_scattered_operands ? 0 : operation_index;
     long double sum = 0;
-    for (int k = k0; k < k0 + run->term_count; k++)
-        sum += tape->term_coefficient[k] * values[tape->term_slot[k] + at] * values[second[k] + at];
+    for (int k = run->first_term_index; k < run->first_term_index + run->term_count; k++)
+        sum += tape->term_coefficient[k] * values[tape->term_slot[k] + operation_index] *
+               values[second[k] + operation_index];
     return sum;
 }
 

@@ -9,9 +9,7 @@
 /* Says which runs are split. */
 typedef enum {
     JET_SPLIT_NONE, /* Leaves all runs of the tape as they are. */
-    /* Makes single operations of all runs in which each operation has a list of operands of its own: of sums (LINEAR),
-     * and of products whose operands are not adjacent (jet_run.has_scattered_operands). Other runs stay as they are. */
-    JET_SPLIT_SUMS,
+    JET_SPLIT_SUMS, /* Makes single operations of all runs of sums (LINEAR). Other runs stay as they are. */
     /* Splits all runs, on tapes of values. Each operation follows its operands, and is followed directly by those
      * operations whose operands are then all computed. */
     JET_SPLIT_ALL

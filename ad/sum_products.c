@@ -22,24 +22,17 @@ typedef struct {
     const double *factor_a[JET_TERMS_MAX], *factor_b[JET_TERMS_MAX];
 } product_terms;
 
-JET_INLINE product_terms locate_terms_at_slots(const double *coefficient, const int *slot_a, const int *slot_b,
-                                               const double *block, size_t lanes, int term_count)
-{
-    product_terms p;
-    for (int t = 0; t < term_count; t++) {
-        p.coefficient[t] = coefficient[t];
-        p.factor_a[t] = block + (size_t)slot_a[t] * lanes;
-        p.factor_b[t] = block + (size_t)slot_b[t] * lanes;
-    }
-    return p;
-}
-
 JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *run, const double *block, size_t lanes,
                                           int term_count)
 {
-    const int first = run->first_term_index;
-    return locate_terms_at_slots(tape->term_coefficient + first, tape->term_slot + first, tape->term_slot_b + first,
-                                 block, lanes, term_count);
+    product_terms p;
+    for (int t = 0; t < term_count; t++) {
+        const int term = run->first_term_index + t;
+        p.coefficient[t] = tape->term_coefficient[term];
+        p.factor_a[t] = block + (size_t)tape->term_slot[term] * lanes;
+        p.factor_b[t] = block + (size_t)tape->term_slot_b[term] * lanes;
+    }
+    return p;
 }
 
 /* Adds sum_{j=from}^{to} term(t, j) to sum_t, for all t in one loop over j. The bodies order the summands so that the
@@ -62,11 +55,9 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-/* The next two functions compute the operations of a run in a sweep of values. Each operation is a sum of term_count
- * products. The factors of successive operations are in adjacent slots for the first function, and in any slots for the
- * second. */
-JET_INLINE void sum_products_at_adjacent_slots(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                               bool are_squares, int term_count)
+/* Computes the operations of a run in a sweep of values. Each operation is a sum of term_count products. */
+JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+                                       bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
     const size_t stride = (size_t)lanes;
@@ -76,34 +67,14 @@ JET_INLINE void sum_products_at_adjacent_slots(const jet_tape *tape, const jet_r
     if (lanes == 8) JET_BLOCKS_OF_8(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
-TABLE(values_eight, sum_products_at_adjacent_slots, (const jet_tape *tape, const jet_run *run, double *block), tape,
-      run, block, 8)
-TABLE(values_any, sum_products_at_adjacent_slots, (const jet_tape *tape, const jet_run *run, double *block, int lanes),
-      tape, run, block, lanes)
-
-JET_INLINE void sum_products_at_scattered_slots(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                                bool are_squares, int term_count)
-{
-    const size_t stride = (size_t)lanes;
-    const double *c = tape->term_coefficient + run->first_term_index;
-    const int *a = tape->term_slot + run->first_term_index,
-              *b = are_squares ? a : tape->term_slot_b + run->first_term_index;
-    double *z = block + (size_t)run->z * stride, *const end = z + (size_t)run->operation_count * stride;
-    for (; z < end; z += stride, a += term_count, b += term_count, c += term_count) {
-        const product_terms p = locate_terms_at_slots(c, a, b, block, stride, term_count);
-        JET_BLOCKS(lanes, VALUES, JET_OF);
-    }
-}
-TABLE(scattered_eight, sum_products_at_scattered_slots, (const jet_tape *tape, const jet_run *run, double *block), tape,
-      run, block, 8)
-TABLE(scattered_any, sum_products_at_scattered_slots,
-      (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run, block, lanes)
+TABLE(values_eight, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block,
+      8)
+TABLE(values_any, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape,
+      run, block, lanes)
 
 void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
 {
-    if (run->has_scattered_operands && lanes == 8) FUNCTION(scattered_eight, run)(tape, run, block);
-    else if (run->has_scattered_operands) FUNCTION(scattered_any, run)(tape, run, block, lanes);
-    else if (lanes == 8) FUNCTION(values_eight, run)(tape, run, block);
+    if (lanes == 8) FUNCTION(values_eight, run)(tape, run, block);
     else FUNCTION(values_any, run)(tape, run, block, lanes);
 }
 

@@ -51,12 +51,7 @@ static bool try_joining_linear_run(jet_run *run, const jet_run *next)
  * again if the operation joins the last run, whose terms it shares. */
 static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 {
-    const jet_run run = {z->op,
-                         1,
-                         z->slot,
-                         .term_count = z->operand_pair_count,
-                         .first_term_index = tape->term_count,
-                         .has_scattered_operands = z->has_scattered_operands};
+    const jet_run run = {z->op, 1, z->slot, .term_count = z->operand_pair_count, .first_term_index = tape->term_count};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
@@ -65,9 +60,7 @@ static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
 
 static bool try_joining_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
 {
-    if (next->term_count != run->term_count || next->has_scattered_operands != run->has_scattered_operands)
-        return false;
-    if (run->has_scattered_operands) return true;
+    if (next->term_count != run->term_count) return false;
     for (int here = run->first_term_index, there = next->first_term_index;
          there < next->first_term_index + next->term_count; here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||

@@ -23,15 +23,12 @@ typedef enum {
  * LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its own:
  * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term_index + i * term_count on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots term_slot[k]
- * + i and term_slot_b[k] + i, for `term_count` values k from first_term_index on. If operands are scattered, which only
- * happens on tapes of values, each operation has terms of its own, as for LINEAR. */
+ * + i and term_slot_b[k] + i, for `term_count` values k from first_term_index on. */
 typedef struct {
     jet_op op;
     int operation_count, z, a, b, w;
-    double exponent; /* POW: the exponent. Otherwise 0. */
-    /* has_nonzero_constant_terms is 1 for LINEAR if some constant term is not 0. has_scattered_operands is 1 for
-     * PRODUCTS and SQUARES if successive operations read slots that are not adjacent. Otherwise they are 0. */
-    short has_nonzero_constant_terms, has_scattered_operands;
+    double exponent;                /* POW: the exponent. Otherwise 0. */
+    int has_nonzero_constant_terms; /* LINEAR: 1 if some constant term is not 0. Otherwise 0. */
     int first_constant_term_index, term_count, first_term_index;
 } jet_run;
 

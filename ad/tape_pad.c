@@ -32,9 +32,7 @@ static int find_last_slot_of_run_range(const jet_run *run, int first_slot)
  * lacks operations, or be a sum, which can always be copied. */
 static bool can_pad_run(const run_padding *padding, const jet_run *run)
 {
-    if (run->op == OP_LINEAR || run->has_scattered_operands || run->w != 0 ||
-        count_padding_operations(run->operation_count) == 0)
-        return false;
+    if (run->op == OP_LINEAR || run->w != 0 || count_padding_operations(run->operation_count) == 0) return false;
     for (int k = 0, first; (first = jet_operation_operand_slot(padding->tape, run, 0, k)) >= 0; k++) {
         const int slot = find_last_slot_of_run_range(run, first);
         if (!padding->producing_run[slot]) return false;
@@ -157,8 +155,7 @@ static void fill_padded_tape(const run_padding *padding, jet_tape *padded)
     for (int i = 0; i < tape->output_count; i++) padded->output_slot[i] = padding->new_slot[tape->output_slot[i]];
 }
 
-/* Builds the new tape, and replaces the old one by it. Only tapes of series are padded, and they have no scattered
- * operands. */
+/* Builds the new tape, and replaces the old one by it. */
 static bool build_padded_tape(const run_padding *padding, int new_slot_count)
 {
     jet_tape *tape = padding->tape, padded = *tape;

@@ -15,12 +15,6 @@ typedef struct {
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
-/* Tells whether each operation of the run has terms of its own. */
-static bool has_separate_terms_per_operation(const jet_run *run)
-{
-    return run->op == OP_LINEAR || run->has_scattered_operands;
-}
-
 static void append_split_terms(jet_tape *split, const jet_tape *tape, int first, int count, int slot_shift)
 {
     for (int term = first; term < first + count; term++, split->term_count++) {
@@ -39,7 +33,7 @@ static void append_split_run(const run_splitting *splitting, const jet_run *run,
     part.operation_count = count;
     part.z += first_operation;
     part.first_term_index = splitting->split_tape->term_count;
-    if (has_separate_terms_per_operation(run))
+    if (run->op == OP_LINEAR)
         append_split_terms(splitting->split_tape, tape, run->first_term_index + first_operation * run->term_count,
                            count * run->term_count, 0);
     else append_split_terms(splitting->split_tape, tape, run->first_term_index, run->term_count, first_operation);
@@ -54,7 +48,7 @@ static void append_split_run(const run_splitting *splitting, const jet_run *run,
 static void split_runs_in_tape_order(const run_splitting *splitting, jet_split_mode mode)
 {
     for (const jet_run *run = splitting->tape->runs; run < splitting->tape->runs + splitting->tape->run_count; run++) {
-        const bool is_apart = mode == JET_SPLIT_SUMS && has_separate_terms_per_operation(run);
+        const bool is_apart = mode == JET_SPLIT_SUMS && run->op == OP_LINEAR;
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
             append_split_run(splitting, run, i, is_apart ? 1 : run->operation_count);
     }
@@ -67,8 +61,8 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, 
     const int reads = run->term_count > 0 ? run->term_count : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
     if (run->term_count == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operand_count == 2 ? run->b + i : -1;
-    const int term = run->first_term_index + which + (has_separate_terms_per_operation(run) ? i * run->term_count : 0),
-              slot_shift = has_separate_terms_per_operation(run) ? 0 : i;
+    const int term = run->first_term_index + which + (run->op == OP_LINEAR ? i * run->term_count : 0),
+              slot_shift = run->op == OP_LINEAR ? 0 : i;
     return slot_shift + (k < reads ? tape->term_slot[term] : tape->term_slot_b[term]);
 }
 

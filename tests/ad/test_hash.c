@@ -68,7 +68,6 @@ START_TEST(runs_are_hashed)
         EXPECT_SEEN(r.tape, run->term_count);
         EXPECT_SEEN(r.tape, run->first_term_index);
         EXPECT_SEEN(r.tape, run->has_nonzero_constant_terms);
-        EXPECT_SEEN(r.tape, run->has_scattered_operands);
     }
     recording_free(&r);
 }

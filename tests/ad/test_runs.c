@@ -18,7 +18,7 @@ static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || ru
 
 /* Runs follow each other, without gaps but before vectors, and read, at the order being computed, only slots that are
  * computed before; each LINEAR has a row of terms, as many as the others of its run; the products of a run have one set
- * of terms, or a row each. */
+ * of terms. */
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
 {
     int slot = tape->input_count + tape->constant_count, row = 0, term = 0;
@@ -42,12 +42,9 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         if (is_product(run)) {
             ck_assert_int_ge(run->term_count, 1);
             ck_assert_int_le(run->term_count, JET_TERMS_MAX);
-            ck_assert(!run->has_scattered_operands || kind == JET_TAPE_VALUES);
-            const int rows = run->has_scattered_operands ? run->operation_count : 1,
-                      read = run->has_scattered_operands ? 1 : run->operation_count;
-            for (int i = 0; i < rows * run->term_count; i++, term++) {
-                ck_assert_int_le(tape->term_slot[term] + read, run->z);
-                ck_assert_int_le(tape->term_slot_b[term] + read, run->z);
+            for (int i = 0; i < run->term_count; i++, term++) {
+                ck_assert_int_le(tape->term_slot[term] + run->operation_count, run->z);
+                ck_assert_int_le(tape->term_slot_b[term] + run->operation_count, run->z);
             }
             continue;
         }
@@ -190,11 +187,9 @@ START_TEST(scattered_operations_run_together)
 }
 END_TEST
 
-/* Operands that do not stand side by side are copied, so that the products run as one; values are read where they are.
- */
+/* Operands that do not stand side by side are copied, so that the products run as one. */
 START_TEST(scattered_operands_are_gathered)
 {
-    if (is_plain()) return;
     const jet_tape_kind kind = (jet_tape_kind)_i;
     jet_graph *graph = jet_graph_create(4);
     jet in[4], z[2];
@@ -205,7 +200,7 @@ START_TEST(scattered_operands_are_gathered)
     const double x[4] = {2, 3, 5, 7};
     double got[2];
     ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), 1);
-    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), kind == JET_TAPE_SERIES ? 2 : 0);
+    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 2);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], 14);
     ck_assert_double_eq(got[1], 15);
@@ -213,10 +208,9 @@ START_TEST(scattered_operands_are_gathered)
 }
 END_TEST
 
-/* Operands that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. Values need no turns. */
+/* Operands that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. */
 START_TEST(shared_operands_are_read_in_turns)
 {
-    if (is_plain()) return;
     const jet_tape_kind kind = (jet_tape_kind)_i;
     jet_graph *graph = jet_graph_create(5);
     jet in[5], z[3];
@@ -227,7 +221,7 @@ START_TEST(shared_operands_are_read_in_turns)
     recording r = record_close(graph, 3, z, kind);
     const double x[5] = {2, 3, 5, 7, 11};
     double got[3];
-    ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), kind == JET_TAPE_SERIES ? 2 : 1);
+    ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), 2);
     ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 0);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], 14);

@@ -51,7 +51,7 @@ END_TEST
 /* Whether the split has the operations of such a run alone. */
 static bool is_cut(const jet_run *run, jet_split_mode which)
 {
-    return which == JET_SPLIT_ALL || (which == JET_SPLIT_SUMS && (run->has_scattered_operands || run->op == OP_LINEAR));
+    return which == JET_SPLIT_ALL || (which == JET_SPLIT_SUMS && run->op == OP_LINEAR);
 }
 
 /* Each slot once, by the operation that the tape has; alone, if it is one of those to be cut. */
