@@ -17,8 +17,9 @@ typedef struct {
     adjoint_contribution *contributions;
     int contribution_count, contribution_capacity;
     int *newest_contribution_index; /* [nodes] Index of the newest contribution to each node; -1: the node has none. */
-    jet *sum_terms;                 /* [sum_term_capacity] Scratch for the contributions to one node. */
-    int sum_term_capacity;
+    /* [scratch_contribution_capacity] Scratch for the contributions to one node. */
+    jet *scratch_contributions_to_one_node;
+    int scratch_contribution_capacity;
     bool is_out_of_memory;
 } adjoint_lists;
 
@@ -44,21 +45,22 @@ static jet sum_adjoint_contributions(adjoint_lists *lists, int node_index)
 {
     int count = 0;
     for (int i = lists->newest_contribution_index[node_index]; i >= 0; i = lists->contributions[i].next_index) count++;
-    if (count > lists->sum_term_capacity) {
-        jet *sum_terms = realloc(lists->sum_terms, (size_t)count * sizeof *sum_terms);
-        if (!sum_terms) {
+    if (count > lists->scratch_contribution_capacity) {
+        jet *scratch_contributions_to_one_node = realloc(lists->scratch_contributions_to_one_node,
+                                                         (size_t)count * sizeof *scratch_contributions_to_one_node);
+        if (!scratch_contributions_to_one_node) {
             lists->is_out_of_memory = true;
             return jet_const(0);
         }
-        lists->sum_terms = sum_terms;
-        lists->sum_term_capacity = count;
+        lists->scratch_contributions_to_one_node = scratch_contributions_to_one_node;
+        lists->scratch_contribution_capacity = count;
     }
     int free_index = count;
-    /* The loop above has counted the contributions, and sum_terms has room for all of them.
+    /* The loop above has counted the contributions, and scratch_contributions_to_one_node has room for all of them.
      * NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
     for (int i = lists->newest_contribution_index[node_index]; i >= 0; i = lists->contributions[i].next_index)
-        lists->sum_terms[--free_index] = lists->contributions[i].value;
-    const jet sum = jet_sum(lists->sum_terms, count);
+        lists->scratch_contributions_to_one_node[--free_index] = lists->contributions[i].value;
+    const jet sum = jet_sum(lists->scratch_contributions_to_one_node, count);
     /* If memory is lacking for the sum, it is a poison node whose index is TVI_ENOMEM. The whole gradient then fails,
      * even if this node depends on no input. */
     lists->is_out_of_memory |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM;
@@ -116,6 +118,6 @@ bool jet_record_gradient(jet_graph *graph, jet output, int input_count, jet grad
     }
     free(lists.contributions);
     free(lists.newest_contribution_index);
-    free(lists.sum_terms);
+    free(lists.scratch_contributions_to_one_node);
     return !lists.is_out_of_memory;
 }

@@ -97,20 +97,20 @@ JET_INLINE bool jet_are_all_in_range(jet_argument_magnitude_range range, int cou
     return !outside;
 }
 
-JET_INLINE void jet_apply_to_vector(jet_vector_function *function, double exponent, const double *argument,
-                                    double *result)
+JET_INLINE void jet_apply_to_one_native_vector(jet_vector_function *vector_function, double exponent,
+                                               const double *argument, double *result)
 {
     jet_native_vector x;
     memcpy(&x, argument, sizeof x);
-    x = function(exponent, x);
+    x = vector_function(exponent, x);
     memcpy(result, &x, sizeof x);
 }
 
-/* Computes the function for those of `count` numbers, at most one vector, that are in the range. The results of all
- * other numbers stay as they were; in the vector, 1 takes the place of these numbers. */
-JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, double exponent,
-                                              jet_argument_magnitude_range range, int count, const double *argument,
-                                              double *result)
+/* Computes the function for those of the first numbers, at most `count` and at most one vector, that are in the range.
+ * The results of all other numbers stay as they were; in the vector, 1 takes the place of these numbers. */
+JET_INLINE void jet_apply_to_vector_where_in_range(jet_vector_function *vector_function, double exponent,
+                                                   jet_argument_magnitude_range range, int count,
+                                                   const double *argument, double *result)
 {
     double x[JET_NATIVE], z[JET_NATIVE];
     bool is_in[JET_NATIVE], any = false;
@@ -120,37 +120,42 @@ JET_INLINE void jet_apply_to_numbers_in_range(jet_vector_function *function, dou
         any |= is_in[i];
     }
     if (!any) return;
-    jet_apply_to_vector(function, exponent, x, z);
+    jet_apply_to_one_native_vector(vector_function, exponent, x, z);
     for (int i = 0; i < JET_NATIVE; i++)
         if (is_in[i]) result[i] = z[i];
 }
 
 /* Computes the function for numbers of every size: by the vector function in the two ranges, and by the scalar function
  * elsewhere. */
-JET_INLINE void jet_apply_in_all_ranges(jet_vector_function *function, jet_scalar_function *scalar_function,
-                                        jet_argument_magnitude_range near_zero,
-                                        jet_argument_magnitude_range far_from_zero, double exponent, int count,
-                                        const double *argument, double *result)
+JET_INLINE void jet_apply_vector_in_ranges_else_scalar(jet_vector_function *vector_function,
+                                                       jet_scalar_function *scalar_function,
+                                                       jet_argument_magnitude_range near_zero,
+                                                       jet_argument_magnitude_range far_from_zero, double exponent,
+                                                       int count, const double *argument, double *result)
 {
     for (int i = 0; i < count; i++)
         if (!jet_is_in_range(near_zero, argument[i]) && !jet_is_in_range(far_from_zero, argument[i]))
             result[i] = scalar_function(exponent, argument[i]);
     for (int here = 0; here < count; here += JET_NATIVE) {
-        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here);
-        jet_apply_to_numbers_in_range(function, exponent, far_from_zero, count - here, argument + here, result + here);
+        jet_apply_to_vector_where_in_range(vector_function, exponent, near_zero, count - here, argument + here,
+                                           result + here);
+        jet_apply_to_vector_where_in_range(vector_function, exponent, far_from_zero, count - here, argument + here,
+                                           result + here);
     }
 }
 
-/* Computes the function for `count` numbers, of which the caller knows that all are in the range near 0. The vector
- * function is used for all of them. */
-JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function, jet_argument_magnitude_range near_zero,
-                                                  double exponent, int count, const double *argument, double *result)
+/* Computes the function for `count` numbers, of which the caller knows that all are in the known range. The vector
+ * function is used for all of them. The range serves to fill up the last vector. */
+JET_INLINE void jet_apply_to_numbers_known_in_range(jet_vector_function *vector_function,
+                                                    jet_argument_magnitude_range known_range, double exponent,
+                                                    int count, const double *argument, double *result)
 {
     int here = 0;
     for (; here + JET_NATIVE <= count; here += JET_NATIVE)
-        jet_apply_to_vector(function, exponent, argument + here, result + here);
+        jet_apply_to_one_native_vector(vector_function, exponent, argument + here, result + here);
     if (here < count)
-        jet_apply_to_numbers_in_range(function, exponent, near_zero, count - here, argument + here, result + here);
+        jet_apply_to_vector_where_in_range(vector_function, exponent, known_range, count - here, argument + here,
+                                           result + here);
 }
 
 /* Defines the function jet_array_NAME. It is inlined for numbers that are all in the range near 0; the code for
@@ -158,8 +163,8 @@ JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function,
 #define JET_ALL_OF(name, near_zero, far_from_zero, exponent, parameters)                                               \
     JET_APART void jet_any_range_##name parameters                                                                     \
     {                                                                                                                  \
-        jet_apply_in_all_ranges(jet_vector_##name, jet_scalar_##name, near_zero, far_from_zero, exponent, count,       \
-                                argument, result);                                                                     \
+        jet_apply_vector_in_ranges_else_scalar(jet_vector_##name, jet_scalar_##name, near_zero, far_from_zero,         \
+                                               exponent, count, argument, result);                                     \
     }                                                                                                                  \
     JET_INLINE void jet_array_##name parameters
 
@@ -178,7 +183,7 @@ JET_INLINE void jet_apply_given_all_are_near_zero(jet_vector_function *function,
     JET_ALL_OF(name, near_zero, far_from_zero, 0, (int count, const double *argument, double *restrict result))        \
     {                                                                                                                  \
         if (jet_are_all_in_range(near_zero, count, argument))                                                          \
-            jet_apply_given_all_are_near_zero(jet_vector_##name, near_zero, 0, count, argument, result);               \
+            jet_apply_to_numbers_known_in_range(jet_vector_##name, near_zero, 0, count, argument, result);             \
         else jet_any_range_##name(count, argument, result);                                                            \
     }
 JET_ELEMENTARY_LIST(JET_ALL)
@@ -201,7 +206,7 @@ JET_ALL_OF(pow, jet_sleef_pow_base_range(exponent), jet_nowhere, exponent,
 {
     const jet_argument_magnitude_range near_zero = jet_sleef_pow_base_range(exponent);
     if (jet_are_all_in_range(near_zero, count, argument))
-        jet_apply_given_all_are_near_zero(jet_vector_pow, near_zero, exponent, count, argument, result);
+        jet_apply_to_numbers_known_in_range(jet_vector_pow, near_zero, exponent, count, argument, result);
     else jet_any_range_pow(exponent, count, argument, result);
 }
 

@@ -13,7 +13,7 @@ enum { WHOLE_VECTOR_LANES = 4, REGISTER_LANES_MIN = 2, REGISTER_LANES_MAX = 8 };
 
 extern const char *const jet_embedded_rules[];
 
-const char *const *jet_rule_source_lines(void) { return jet_embedded_rules; }
+const char *const *jet_embedded_rule_c_source_lines(void) { return jet_embedded_rules; }
 
 void jet_emit_rule_source(jet_text *text)
 {
@@ -40,7 +40,7 @@ static void emit_double_array(jet_text *text, const char *name_prefix, const cha
     jet_text_append(text, "};\n");
 }
 
-static void emit_run_initialiser(jet_text *text, const jet_run *run)
+static void emit_run_initialiser(jet_text *text, const jet_run_of_operations *run)
 {
     jet_text_append(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d},\n", (int)run->op,
                     run->operation_count, run->z, run->a, run->b, run->w, run->exponent,
@@ -53,7 +53,7 @@ typedef struct {
     const jet_tape *tape;
     const jet_emission_request *request;
     int tape_operation_count;
-    bool has_only_single_operations; /* True if each run is a single operation. */
+    bool is_each_run_one_operation; /* True if each run is a single operation. */
 } tape_emitter;
 
 /* Writes the arrays of the tape as constants. Each array begins with an extra 0, since C has no empty arrays. */
@@ -66,58 +66,63 @@ static void emit_tape_arrays(const tape_emitter *emitter)
     emit_int_array(emitter->text, name, "output", tape->output_count, tape->output_slot);
     emit_double_array(emitter->text, name, "coefficient", tape->term_count, tape->term_coefficient);
     emit_double_array(emitter->text, name, "constant_terms", tape->linear_operation_count, tape->constant_terms);
-    jet_text_append(emitter->text, "static const jet_run %s_run[] = {\n", name);
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    jet_text_append(emitter->text, "static const jet_run_of_operations %s_run[] = {\n", name);
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         emit_run_initialiser(emitter->text, run);
     jet_text_append(emitter->text, "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_is_split = %d };\n", name,
-                    tape->slot_count, name, tape->output_count, name, emitter->has_only_single_operations);
-    jet_text_append(
-        emitter->text,
-        "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .runs = (jet_run "
-        "*)%s_run,\n"
-        "    .constant_terms = (double *)%s_constant_terms + 1, .term_slot = (int *)%s_slot + 1,\n"
-        "    .term_slot_b = (int *)%s_slot_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
-        name, tape->input_count, tape->constant_count, tape->slot_count, name, name, name, name, name);
+                    tape->slot_count, name, tape->output_count, name, emitter->is_each_run_one_operation);
+    jet_text_append(emitter->text,
+                    "static const jet_tape %s = {.input_count = %d, .constant_count = %d, .slot_count = %d, .runs = "
+                    "(jet_run_of_operations "
+                    "*)%s_run,\n"
+                    "    .constant_terms = (double *)%s_constant_terms + 1, .term_slot = (int *)%s_slot + 1,\n"
+                    "    .term_slot_b = (int *)%s_slot_b + 1, .term_coefficient = (double *)%s_coefficient + 1};\n",
+                    name, tape->input_count, tape->constant_count, tape->slot_count, name, name, name, name, name);
 }
 
 /* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
 
 /* Tells whether a run is a single sum. All LINEAR runs are single sums if the tape was split by JET_SPLIT_SUMS or
  * JET_SPLIT_ALL. */
-static bool is_single_sum(const jet_run *run) { return run->op == OP_LINEAR && run->operation_count == 1; }
+static bool is_single_sum(const jet_run_of_operations *run)
+{
+    return run->op == OP_LINEAR && run->operation_count == 1;
+}
 
 /* Tells whether a term of the sum reads `slot` or a later slot. */
-static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run *run, int slot)
+static bool sum_reads_slot_at_or_after(const jet_tape *tape, const jet_run_of_operations *run, int slot)
 {
     for (int term = run->first_term_index; term < run->first_term_index + run->term_count; term++)
         if (tape->term_slot[term] >= slot) return true;
     return false;
 }
 
-/* Returns the first sum in the sequence of adjacent sums that contains `run`. No sum of a sequence reads another. */
-static const jet_run *find_first_adjacent_sum(const jet_tape *tape, const jet_run *run)
+/* Returns the first sum in the sequence of adjacent sums that contains one_of_the_sums. No sum of a sequence reads
+ * another. */
+static const jet_run_of_operations *find_start_of_adjacent_sums(const jet_tape *tape,
+                                                                const jet_run_of_operations *one_of_the_sums)
 {
-    const jet_run *first = run;
+    const jet_run_of_operations *first = one_of_the_sums;
     while (first > tape->runs && is_single_sum(first - 1)) first--;
-    for (const jet_run *next = first; next <= run; next++)
+    for (const jet_run_of_operations *next = first; next <= one_of_the_sums; next++)
         if (sum_reads_slot_at_or_after(tape, next, first->z)) first = next;
     return first;
 }
 
 /* Returns the end of the sequence of adjacent sums that begins with `first`. */
-static const jet_run *find_end_of_adjacent_sums(const jet_tape *tape, const jet_run *first)
+static const jet_run_of_operations *find_end_of_adjacent_sums(const jet_tape *tape, const jet_run_of_operations *first)
 {
-    const jet_run *const end = tape->runs + tape->run_count, *next = first;
-    while (next < end && is_single_sum(next) && find_first_adjacent_sum(tape, next) == first) next++;
+    const jet_run_of_operations *const end = tape->runs + tape->run_count, *next = first;
+    while (next < end && is_single_sum(next) && find_start_of_adjacent_sums(tape, next) == first) next++;
     return next;
 }
 
 /* Writes one statement, which adds the contributions of the sums `first`, ..., end - 1 to the adjoint of a slot. */
-static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *tape, const jet_run *first,
-                                               const jet_run *end, int slot)
+static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *tape, const jet_run_of_operations *first,
+                                               const jet_run_of_operations *end, int slot)
 {
     bool has_any = false;
-    for (const jet_run *run = first; run < end; run++)
+    for (const jet_run_of_operations *run = first; run < end; run++)
         for (int term = run->first_term_index; term < run->first_term_index + run->term_count; term++) {
             if (tape->term_slot[term] != slot) continue;
             if (!has_any) jet_text_append(text, "    bar[%d] = bar[%d]", slot, slot);
@@ -132,8 +137,8 @@ static void emit_adjoint_contributions_of_sums(jet_text *text, const jet_tape *t
 static void emit_adjoints_of_sums(const tape_emitter *emitter)
 {
     const jet_tape *tape = emitter->tape;
-    for (const jet_run *first = tape->runs; first < tape->runs + tape->run_count; first++) {
-        if (!is_single_sum(first) || find_first_adjacent_sum(tape, first) != first) continue;
+    for (const jet_run_of_operations *first = tape->runs; first < tape->runs + tape->run_count; first++) {
+        if (!is_single_sum(first) || find_start_of_adjacent_sums(tape, first) != first) continue;
         jet_text_append(emitter->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n",
                         emitter->request->name_prefix, (int)(first - tape->runs));
         for (int slot = 0; slot < first->z; slot++)
@@ -149,7 +154,7 @@ static void emit_adjoints_of_sums(const tape_emitter *emitter)
 static const char *const rule_names[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 
 /* Writes the macro call of one run, such as RULE(T, i, name), for the lists T_RUNS and T_RUNS_BACK (emitted.h). */
-static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
+static void emit_run_macro_call(const tape_emitter *emitter, const jet_run_of_operations *run)
 {
     const char *name = emitter->request->name_prefix;
     const int index = (int)(run - emitter->tape->runs);
@@ -162,9 +167,10 @@ static void emit_run_macro_call(const tape_emitter *emitter, const jet_run *run)
                         run->term_count);
 }
 
-static void emit_reverse_run_list_entry(const tape_emitter *emitter, const jet_run *run)
+/* Writes the macro call of one run for the list T_RUNS_BACK. Adjacent sums have one call SUMS(T, i) together. */
+static void emit_run_macro_call_for_adjoint_sweep(const tape_emitter *emitter, const jet_run_of_operations *run)
 {
-    const jet_run *first = is_single_sum(run) ? find_first_adjacent_sum(emitter->tape, run) : NULL;
+    const jet_run_of_operations *first = is_single_sum(run) ? find_start_of_adjacent_sums(emitter->tape, run) : NULL;
     if (!first) emit_run_macro_call(emitter, run);
     else if (find_end_of_adjacent_sums(emitter->tape, first) == run + 1)
         jet_text_append(emitter->text, " \\\n    SUMS(%s, %d)", emitter->request->name_prefix,
@@ -173,15 +179,16 @@ static void emit_reverse_run_list_entry(const tape_emitter *emitter, const jet_r
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-static void emit_run_lists(const tape_emitter *emitter)
+/* Writes the macros T_RUNS and T_RUNS_BACK (emitted.h). */
+static void emit_macros_that_list_all_runs(const tape_emitter *emitter)
 {
-    const jet_run *const begin = emitter->tape->runs, *const end = begin + emitter->tape->run_count;
+    const jet_run_of_operations *const begin = emitter->tape->runs, *const end = begin + emitter->tape->run_count;
     jet_text_append(emitter->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", emitter->request->name_prefix);
-    for (const jet_run *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
+    for (const jet_run_of_operations *run = begin; run < end; run++) emit_run_macro_call(emitter, run);
     jet_text_append(emitter->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, LINEAR, SUMS)",
                     emitter->request->name_prefix);
-    for (const jet_run *run = end; run-- > begin && emitter->request->needs_adjoint_sweep;)
-        emit_reverse_run_list_entry(emitter, run);
+    for (const jet_run_of_operations *run = end; run-- > begin && emitter->request->needs_adjoint_sweep;)
+        emit_run_macro_call_for_adjoint_sweep(emitter, run);
     jet_text_append(emitter->text, "\n");
 }
 
@@ -192,7 +199,7 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
 {
     const char *name = emitter->request->name_prefix;
     const bool fits = lanes <= REGISTER_LANES_MAX;
-    if (emitter->has_only_single_operations && !fits)
+    if (emitter->is_each_run_one_operation && !fits)
         jet_text_append(emitter->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
         jet_text_append(emitter->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
@@ -204,7 +211,7 @@ static void emit_value_function(const tape_emitter *emitter, int lanes)
 /* Writes the functions of the tape that other generated code calls directly, and not through the table of sweeps: for
  * values at fixed numbers of lanes, and for series with their tangents and adjoints. The value functions for one
  * register are written even without a request; an unused one costs nothing. */
-static void emit_directly_called_functions(const tape_emitter *emitter)
+static void emit_functions_for_other_generated_code(const tape_emitter *emitter)
 {
     const char *name = emitter->request->name_prefix;
     const int *const lane_counts = emitter->request->value_lane_counts;
@@ -270,21 +277,22 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission_requ
 {
     const char *name = request->name_prefix;
     const int operation_count = tape->slot_count - tape->input_count - tape->constant_count;
-    const bool has_only_single_operations =
+    const bool is_each_run_one_operation =
         JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_OPERATIONS && requests_only_vector_values(request);
-    const jet_split_mode mode = has_only_single_operations                                  ? JET_SPLIT_ALL
-                                : JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_SUMS ? JET_SPLIT_SUMS
-                                                                                            : JET_SPLIT_NONE;
+    const jet_runs_to_split runs_to_split = is_each_run_one_operation ? JET_SPLIT_ALL
+                                            : JET_HAS(SPLIT) && operation_count <= EMIT_MAX_SINGLE_SUMS
+                                                ? JET_SPLIT_SUMS
+                                                : JET_SPLIT_NONE;
     jet_tape split;
-    if (!jet_split_tape_runs(&split, tape, mode)) {
+    if (!jet_split_runs_into_single_operations(&split, tape, runs_to_split)) {
         text->is_incomplete = true;
         return;
     }
-    const tape_emitter emitter = {text, &split, request, operation_count, has_only_single_operations};
+    const tape_emitter emitter = {text, &split, request, operation_count, is_each_run_one_operation};
     emit_tape_arrays(&emitter);
     if (request->needs_adjoint_sweep) emit_adjoints_of_sums(&emitter);
-    emit_run_lists(&emitter);
-    emit_directly_called_functions(&emitter);
+    emit_macros_that_list_all_runs(&emitter);
+    emit_functions_for_other_generated_code(&emitter);
     jet_text_append(text, "enum { %s_top = %d };\n", name, request->top_order);
     if (request->value_lane_counts[0] > 0) emit_values_sweep(&emitter);
     if (request->needs_series_sweep) emit_series_sweep(&emitter);

@@ -29,7 +29,7 @@ typedef struct {
 const jet_sweeps *jet_merge_sweeps(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *generated);
 
 /* Returns the source text of the rules, as an array of lines that ends with NULL. */
-const char *const *jet_rule_source_lines(void);
+const char *const *jet_embedded_rule_c_source_lines(void);
 
 /* Writes the source text of the rules. The generated text begins with it. */
 void jet_emit_rule_source(jet_text *text);

@@ -42,7 +42,7 @@
 /* The following macros compute the tangents of order 0, along one direction for each lane of x. */
 #define PER_LANE_RULE(T, i, name)                                                                                      \
     {                                                                                                                  \
-        const jet_run all = jet_make_run_over_all_lanes(&T##_run[i], lanes);                                           \
+        const jet_run_of_operations all = jet_make_run_with_lanes_as_operations(&T##_run[i], lanes);                   \
         name##_tangent(&all, x, dx, 0, (size_t)(T.slot_count * lanes), 1);                                             \
     }
 #define PER_LANE_PRODUCTS(T, i, are_squares, terms)                                                                    \

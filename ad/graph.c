@@ -14,10 +14,10 @@ enum { CHUNK = 128 };
 struct jet_graph {
     bool is_open;
     const char *output_name; /* Name of the outputs, for the texts of refusals. */
-    const char
-        *library_operations_name; /* Name of the operations that the library records itself; NULL: there are none. */
-    int first_library_operation_index; /* Index of the first operation that the library records itself. */
-    bool is_out_of_memory;             /* An operation could not be stored. All outputs are refused from then on. */
+    /* Name of the operations that the library records itself; NULL: there are none. */
+    const char *name_of_nodes_added_by_library;
+    int index_of_first_node_added_by_library; /* Index of the first operation that the library records itself. */
+    bool is_out_of_memory; /* An operation could not be stored. All outputs are refused from then on. */
     int input_count, parameter_count, count, capacity;
     /* Pointers to chunks of CHUNK nodes each. Nodes never move, so that jets may point to them. */
     struct jet_node **nodes;
@@ -69,18 +69,18 @@ int jet_graph_input_count(const jet_graph *graph) { return graph->input_count; }
 int jet_graph_node_count(const jet_graph *graph) { return graph->count; }
 jet jet_graph_input(const jet_graph *graph, int i) { return jet_from_node(jet_graph_node_at(graph, i)); }
 long jet_graph_hash_collision_count(const jet_graph *graph) { return graph->collision_count; }
-void jet_graph_close(jet_graph *graph) { graph->is_open = false; }
-void jet_graph_set_output_name(jet_graph *graph, const char *name) { graph->output_name = name; }
-void jet_graph_begin_library_operations(jet_graph *graph, const char *name)
+void jet_graph_end_recording(jet_graph *graph) { graph->is_open = false; }
+void jet_graph_set_output_name_for_messages(jet_graph *graph, const char *name) { graph->output_name = name; }
+void jet_graph_begin_nodes_added_by_library(jet_graph *graph, const char *name_for_messages)
 {
-    graph->first_library_operation_index = graph->count;
-    graph->library_operations_name = name;
+    graph->index_of_first_node_added_by_library = graph->count;
+    graph->name_of_nodes_added_by_library = name_for_messages;
 }
 
-const char *jet_graph_get_library_operations_name(const jet_graph *graph, int *first_index)
+const char *jet_graph_name_of_nodes_added_by_library(const jet_graph *graph, int *first_node_index)
 {
-    *first_index = graph->first_library_operation_index;
-    return graph->library_operations_name;
+    *first_node_index = graph->index_of_first_node_added_by_library;
+    return graph->name_of_nodes_added_by_library;
 }
 
 void jet_graph_mark_out_of_memory(jet_graph *graph) { graph->is_out_of_memory = true; }
@@ -98,8 +98,8 @@ static uint64_t double_bits(double value)
     return word;
 }
 
-/* Computes the hash of a node's operation, number and operands. The partner is left out, since the operation and the
- * operands determine it. */
+/* Computes the hash of a node's operation, number and operands. The auxiliary node is left out, since the operation and
+ * the operands determine it. */
 static uint64_t hash_node(const struct jet_node *node)
 {
     uint64_t hash = mix_into_hash((uint64_t)node->op, double_bits(node->number));

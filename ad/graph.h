@@ -14,7 +14,8 @@
 
 /* The operations that remain after folding. All sums, differences, multiples and added numbers become LINEAR nodes. In
  * the formulas, z is the result, a and b are the operands, and a prime is the derivative by the variable of the power
- * series. A partner w is another series that the recurrence of z needs (rule.h); `number` is the member of jet_node. */
+ * series. The auxiliary series w is another series that the recurrence of z needs (rule.h); `number` is the member of
+ * jet_node. */
 typedef enum {
     OP_INPUT,
     OP_CONST,
@@ -76,13 +77,13 @@ typedef struct jet_term {
 struct jet_node {
     jet_graph *graph; /* The graph that the node belongs to; NULL: the node is poison. */
     jet_op op;
-    /* Number of the node in the order of recording. Its operands have smaller numbers; a partner may have a larger
-     * one. */
+    /* Number of the node in the order of recording. Its operands have smaller numbers; its auxiliary node may have a
+     * larger one. */
     int index;
     double number;      /* CONST and PARAMETER: the value. POW: the exponent. LINEAR: the constant term. */
     struct jet_node *a; /* The first operand; NULL: there is none. */
     struct jet_node *b; /* The second operand; NULL: there is none. */
-    struct jet_node *w; /* The partner, another series that the recurrence needs; NULL: there is none. */
+    struct jet_node *w; /* The auxiliary node, whose series the recurrence needs; NULL: there is none. */
     jet_term *terms;    /* LINEAR: the terms of the sum, [count]. */
     int count;          /* Number of terms. Poison node: its jet_reason. */
     int scratch;        /* Scratch of the function that runs: the index of a term, or a flag. */
@@ -93,15 +94,16 @@ struct jet_node {
 
 /* Creates an open graph, whose first nodes are its inputs. Returns NULL if memory is lacking. */
 jet_graph *jet_graph_create(int input_count);
-void jet_graph_close(jet_graph *graph);
+/* Closes the graph. */
+void jet_graph_end_recording(jet_graph *graph);
 /* Sets the name of the outputs in texts of refusals. The name must be static. */
-void jet_graph_set_output_name(jet_graph *graph, const char *name);
+void jet_graph_set_output_name_for_messages(jet_graph *graph, const char *name);
 /* Begins the operations that the library records itself, such as the energy of a Lagrangian, after those of the user.
- * Texts of refusals call them `name`, which must be static. */
-void jet_graph_begin_library_operations(jet_graph *graph, const char *name);
-/* Returns the name of the operations that the library records itself, and in *first_index the index of the first of
- * them. Returns NULL if there are none. */
-const char *jet_graph_get_library_operations_name(const jet_graph *graph, int *first_index);
+ * Texts of refusals call them name_for_messages, which must be static. */
+void jet_graph_begin_nodes_added_by_library(jet_graph *graph, const char *name_for_messages);
+/* Returns the name of the operations that the library records itself, and in *first_node_index the index of the first
+ * of them. Returns NULL if there are none. */
+const char *jet_graph_name_of_nodes_added_by_library(const jet_graph *graph, int *first_node_index);
 void jet_graph_free(jet_graph *graph);
 
 /* Returns the node that equals `wanted`, and records it if there is none. The graph then owns the terms of `wanted`.

@@ -12,8 +12,8 @@ typedef struct {
     const jet *parameter_direction; /* Direction of each parameter; NULL: all are 0. */
     bool *is_node_needed;           /* [nodes] Tells whether an output depends on the node of `source`. */
     jet *value, *derivative;        /* [nodes] Value and derivative of each node of `source`, as jets of `target`. */
-    jet *term_jets;                 /* Scratch: the operands of a sum, then its constant term. */
-    double *term_coefficients;      /* Scratch: the coefficients of a sum, then 1 for its constant term. */
+    jet *scratch_jets_of_sum_terms; /* Scratch: the operands of a sum, then its constant term. */
+    double *scratch_coefficients_of_sum_terms; /* Scratch: the coefficients of a sum, then 1 for its constant term. */
 } forward_recording;
 
 static void mark_needed_nodes(forward_recording *recording, int node_count, int output_count, const jet output[])
@@ -34,12 +34,13 @@ static jet record_sum_with_given_operands(const forward_recording *recording, co
                                           const jet operand_jets[], double constant_term)
 {
     for (int term = 0; term < z->count; term++) {
-        recording->term_coefficients[term] = z->terms[term].coefficient;
-        recording->term_jets[term] = operand_jets[z->terms[term].node->index];
+        recording->scratch_coefficients_of_sum_terms[term] = z->terms[term].coefficient;
+        recording->scratch_jets_of_sum_terms[term] = operand_jets[z->terms[term].node->index];
     }
-    recording->term_coefficients[z->count] = 1;
-    recording->term_jets[z->count] = jet_const(constant_term);
-    return jet_record_linear_combination(z->count + 1, recording->term_coefficients, recording->term_jets);
+    recording->scratch_coefficients_of_sum_terms[z->count] = 1;
+    recording->scratch_jets_of_sum_terms[z->count] = jet_const(constant_term);
+    return jet_record_linear_combination(z->count + 1, recording->scratch_coefficients_of_sum_terms,
+                                         recording->scratch_jets_of_sum_terms);
 }
 
 static jet record_primal_node(const forward_recording *recording, const struct jet_node *z)
@@ -90,10 +91,11 @@ static bool allocate_forward_recording(forward_recording *recording, int node_co
     recording->is_node_needed = calloc(nodes, sizeof *recording->is_node_needed);
     recording->value = calloc(nodes, sizeof *recording->value);
     recording->derivative = calloc(nodes, sizeof *recording->derivative);
-    recording->term_jets = calloc(most_terms, sizeof *recording->term_jets);
-    recording->term_coefficients = calloc(most_terms, sizeof *recording->term_coefficients);
-    return recording->is_node_needed && recording->value && recording->derivative && recording->term_jets &&
-           recording->term_coefficients;
+    recording->scratch_jets_of_sum_terms = calloc(most_terms, sizeof *recording->scratch_jets_of_sum_terms);
+    recording->scratch_coefficients_of_sum_terms =
+        calloc(most_terms, sizeof *recording->scratch_coefficients_of_sum_terms);
+    return recording->is_node_needed && recording->value && recording->derivative &&
+           recording->scratch_jets_of_sum_terms && recording->scratch_coefficients_of_sum_terms;
 }
 
 static void record_values_and_derivatives(forward_recording *recording, int node_count, const jet input[],
@@ -126,7 +128,7 @@ bool jet_record_forward_derivatives(const jet_graph *source, jet_graph *target, 
     free(recording.is_node_needed);
     free(recording.value);
     free(recording.derivative);
-    free(recording.term_jets);
-    free(recording.term_coefficients);
+    free(recording.scratch_jets_of_sum_terms);
+    free(recording.scratch_coefficients_of_sum_terms);
     return allocated;
 }

@@ -12,8 +12,8 @@ static int larger_int(int a, int b) { return a > b ? a : b; }
 
 /* ---- What is needed ---------------------------------------------------------------------------------------------- */
 
-/* Marks all nodes that the outputs depend on, and counts them. A partner may have been recorded after the node that
- * needs it; the walk is therefore repeated until it finds nothing new. */
+/* Marks all nodes that the outputs depend on, and counts them. An auxiliary node may have been recorded after the node
+ * that needs it; the walk is therefore repeated until it finds nothing new. */
 static void mark_needed_nodes(graph_lowering *lowering, int input_count, int output_count, const jet output[])
 {
     for (int i = 0; i < input_count; i++) lowering->is_node_needed[i] = true;
@@ -27,7 +27,7 @@ static void mark_needed_nodes(graph_lowering *lowering, int input_count, int out
             if (z->a) lowering->is_node_needed[z->a->index] = true;
             if (z->b) lowering->is_node_needed[z->b->index] = true;
             for (int term = 0; term < z->count; term++) lowering->is_node_needed[z->terms[term].node->index] = true;
-            if (!must_compute_partner(lowering, z) || lowering->is_node_needed[z->w->index]) continue;
+            if (!must_compute_auxiliary_series(lowering, z) || lowering->is_node_needed[z->w->index]) continue;
             lowering->is_node_needed[z->w->index] = true;
             again = again || z->w->index > i;
         }
@@ -43,7 +43,7 @@ static void count_node_uses(graph_lowering *lowering, int output_count, const je
         const struct jet_node *z = jet_graph_node_at(lowering->graph, i);
         if (z->a) lowering->use_counts[z->a->index]++;
         if (z->b) lowering->use_counts[z->b->index]++;
-        if (must_compute_partner(lowering, z)) lowering->use_counts[z->w->index]++;
+        if (must_compute_auxiliary_series(lowering, z)) lowering->use_counts[z->w->index]++;
         for (int term = 0; term < z->count; term++) lowering->use_counts[z->terms[term].node->index]++;
     }
 }
@@ -66,14 +66,14 @@ static jet_op choose_tape_operation(const graph_lowering *lowering, const struct
 }
 
 /* Returns an operand of the node: the first (factor_index = 0) or second factor (factor_index = 1) of a pair. The
- * partner, another series that the recurrence needs, counts as the second operand if the order that is being computed
+ * auxiliary series, which the recurrence needs, counts as the second operand if the order that is being computed
  * is read of it. NULL: there is no such operand. */
 static const struct jet_node *find_operand_node(const graph_lowering *lowering, const tape_placement *z, int pair_index,
                                                 int factor_index)
 {
     const struct jet_node *read = sum_term(z, pair_index).node;
     if (factor_index == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
-    return reads_partner_at_same_order(lowering, read) ? read->w : read->b;
+    return needs_same_taylor_order_of_auxiliary_series(lowering, read) ? read->w : read->b;
 }
 
 /* Chooses the operations of all needed nodes. Products that become terms of a sum of products are no longer needed
@@ -86,7 +86,7 @@ static void choose_all_operations(graph_lowering *lowering, int output_count, co
         tape_placement *z = &lowering->placements[i];
         z->node = jet_graph_node_at(lowering->graph, i);
         z->op = choose_tape_operation(lowering, z->node);
-        z->subgroup_number = z->slot = -1;
+        z->adjacency_class = z->slot = -1;
         z->operand = lowering->operands + lowering->operand_pair_count;
         if (jet_is_sum_of_products(z->op)) z->operand_pair_count = z->node->op == OP_LINEAR ? z->node->count : 1;
         else z->operand_pair_count = jet_rules[z->op] ? 1 : 0;
@@ -128,20 +128,21 @@ static int compare_by_level(const void *first, const void *second)
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
 }
 
-static void set_subgroup_if_unset(const graph_lowering *lowering, const struct jet_node *node, int subgroup_number)
+static void set_adjacency_class_if_unset(const graph_lowering *lowering, const struct jet_node *node,
+                                         int adjacency_class)
 {
-    if (node && lowering->placements[node->index].subgroup_number < 0)
-        lowering->placements[node->index].subgroup_number = subgroup_number;
+    if (node && lowering->placements[node->index].adjacency_class < 0)
+        lowering->placements[node->index].adjacency_class = adjacency_class;
 }
 
-/* Divides the operations of a level into numbered subgroups. Operations with the same number are placed one after the
+/* Divides the operations of a level into numbered adjacency classes. Operations of one class are placed one after the
  * other, so that they can read adjacent slots. For an operation with two operands, the function counts how many
- * operations before it read each operand; the larger count is the number of the subgroup. An operation with one
+ * operations before it read each operand; the larger count is the number of the class. An operation with one
  * operand, or with none, gets the number of the first two-operand operation that reads it. If a sum of products reads
  * it first, its number is its position among the terms of that sum. As an example, let x, y and z be the components of
  * the distances of many pairs of bodies; they are squared and summed, and each is multiplied by a function of its pair.
- * Then all x form one subgroup, all y the next, and all z the third. */
-static void assign_operations_to_subgroups(graph_lowering *lowering, tape_placement *level[], int count)
+ * Then all x form one class, all y the next, and all z the third. */
+static void assign_adjacency_classes_by_operand_use(graph_lowering *lowering, tape_placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
         tape_placement *z = level[i];
@@ -149,11 +150,11 @@ static void assign_operations_to_subgroups(graph_lowering *lowering, tape_placem
             const struct jet_node *a = find_operand_node(lowering, z, pair_index, 0),
                                   *b = find_operand_node(lowering, z, pair_index, 1);
             if (b)
-                z->subgroup_number = larger_int(
-                    z->subgroup_number, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
+                z->adjacency_class = larger_int(
+                    z->adjacency_class, larger_int(lowering->use_counts[a->index]++, lowering->use_counts[b->index]++));
             if (!b && z->operand_pair_count == 1) continue;
-            set_subgroup_if_unset(lowering, a, z->operand_pair_count > 1 ? pair_index : z->subgroup_number);
-            set_subgroup_if_unset(lowering, b, z->operand_pair_count > 1 ? pair_index : z->subgroup_number);
+            set_adjacency_class_if_unset(lowering, a, z->operand_pair_count > 1 ? pair_index : z->adjacency_class);
+            set_adjacency_class_if_unset(lowering, b, z->operand_pair_count > 1 ? pair_index : z->adjacency_class);
         }
     }
     for (int i = 0; i < count; i++)
@@ -177,7 +178,7 @@ static int compare_term_coefficients(const tape_placement *x, const tape_placeme
 
 /* Compares two nodes of a level for sorting. A group consists of the nodes that can be operations of one run, if their
  * operands are adjacent; the result is 0 for two nodes of one group. */
-static int compare_by_group_for_one_run(const tape_placement *x, const tape_placement *y)
+static int compare_by_operation_and_coefficients(const tape_placement *x, const tape_placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
     /* Sums of equally many terms are sorted together. */
@@ -186,15 +187,15 @@ static int compare_by_group_for_one_run(const tape_placement *x, const tape_plac
     return jet_rules[x->node->op] ? compare_numbers(x->node->number, y->node->number) : compare_term_coefficients(x, y);
 }
 
-/* Compares two nodes of a level for qsort: by group and subgroup, then by the slots of their operands, so that adjacent
- * results have adjacent operands. This function compares the slots of operand a first, and compare_by_second_operand
- * those of operand b. Sums that are outputs come last, in the order of the outputs. */
+/* Compares two nodes of a level for qsort: by group and adjacency class, then by the slots of their operands, so that
+ * adjacent results have adjacent operands. This function compares the slots of operand a first, and
+ * compare_by_second_operand those of operand b. Sums that are outputs come last, in the order of the outputs. */
 static int compare_by_first_operand(const void *first, const void *second)
 {
     const tape_placement *x = *(tape_placement *const *)first, *y = *(tape_placement *const *)second;
-    const int group = compare_by_group_for_one_run(x, y);
+    const int group = compare_by_operation_and_coefficients(x, y);
     if (group) return group;
-    if (x->level > 0 && x->subgroup_number != y->subgroup_number) return x->subgroup_number - y->subgroup_number;
+    if (x->level > 0 && x->adjacency_class != y->adjacency_class) return x->adjacency_class - y->adjacency_class;
     if (x->operand_pair_count == 0)
         return x->level > 0 && x->one_based_output_index != y->one_based_output_index
                    ? x->one_based_output_index - y->one_based_output_index
@@ -228,12 +229,12 @@ static bool are_operands_adjacent(const graph_lowering *lowering, tape_placement
     return true;
 }
 
-/* Tells whether the operations of each subgroup of the group read adjacent slots. */
-static bool do_subgroups_have_adjacent_operands(const graph_lowering *lowering, tape_placement *const group[],
-                                                int count)
+/* Tells whether the operations of each adjacency class in the group read adjacent slots. */
+static bool does_each_adjacency_class_read_adjacent_slots(const graph_lowering *lowering, tape_placement *const group[],
+                                                          int count)
 {
     for (int begin = 0, end = 0; begin < count; begin = end) {
-        while (end < count && group[end]->subgroup_number == group[begin]->subgroup_number) end++;
+        while (end < count && group[end]->adjacency_class == group[begin]->adjacency_class) end++;
         for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
             for (int factor_index = 0; factor_index < 2; factor_index++)
                 if (!are_operands_adjacent(lowering, group + begin, end - begin, pair_index, factor_index))
@@ -259,11 +260,11 @@ static void copy_operands_to_adjacent_slots(graph_lowering *lowering, tape_place
 }
 
 /* Sorts the operations of a group, or copies operands, so that successive operations read adjacent slots. The order by
- * subgroups is kept if the operations of each subgroup read adjacent slots. Otherwise the group is sorted by one
+ * adjacency classes is kept if the operations of each class read adjacent slots. Otherwise the group is sorted by one
  * operand, and the other operand is copied to adjacent slots. */
 static void make_group_operands_adjacent(graph_lowering *lowering, tape_placement *group[], int count)
 {
-    if (do_subgroups_have_adjacent_operands(lowering, group, count)) return;
+    if (does_each_adjacency_class_read_adjacent_slots(lowering, group, count)) return;
     if (!are_operands_adjacent(lowering, group, count, 0, 0) && !are_operands_adjacent(lowering, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, compare_by_second_operand);
     for (int pair_index = 0; pair_index < group[0]->operand_pair_count; pair_index++)
@@ -272,11 +273,11 @@ static void make_group_operands_adjacent(graph_lowering *lowering, tape_placemen
 }
 
 /* Returns the end of the group that begins with level[group_begin]. A group consists of the nodes that can be
- * operations of one run (compare_by_group_for_one_run). */
+ * operations of one run (compare_by_operation_and_coefficients). */
 static int find_end_of_group_for_one_run(tape_placement *const level[], int group_begin, int level_count)
 {
     int end = group_begin + 1;
-    while (end < level_count && compare_by_group_for_one_run(level[group_begin], level[end]) == 0) end++;
+    while (end < level_count && compare_by_operation_and_coefficients(level[group_begin], level[end]) == 0) end++;
     return end;
 }
 
@@ -316,7 +317,7 @@ static void assign_slots_by_level(graph_lowering *lowering)
 {
     qsort(lowering->nodes_by_level, (size_t)lowering->needed_node_count, sizeof *lowering->nodes_by_level,
           compare_by_level);
-    call_for_each_level(lowering, assign_operations_to_subgroups);
+    call_for_each_level(lowering, assign_adjacency_classes_by_operand_use);
     call_for_each_level(lowering, assign_slots_of_level);
 }
 

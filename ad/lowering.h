@@ -12,14 +12,14 @@ typedef struct {
     const struct jet_node *node; /* The node; NULL: a copy of the slot operand[0][0]. */
     jet_op op;                   /* The operation that computes the node on the tape. */
     int level; /* 0 for inputs and constants, otherwise one more than the highest level of an operand. */
-    /* Operations of a level with the same number are placed one after the other (assign_operations_to_subgroups). */
-    int subgroup_number;
+    /* Operations of one class in a level are placed one after the other (assign_adjacency_classes_by_operand_use). */
+    int adjacency_class;
     int one_based_output_index; /* 1, 2, ... in the order of the outputs; 0: the node is no output. */
     int slot;
     /* Number of operand pairs: the number of terms of PRODUCTS and SQUARES, 0 for LINEAR, inputs and constants,
      * otherwise 1. */
     int operand_pair_count;
-    /* [operand_pair_count] Slots of the operands, without partners of which only lower orders are read. */
+    /* [operand_pair_count] Slots of the operands, without auxiliary series of which only lower orders are read. */
     int (*operand)[2];
 } tape_placement;
 
@@ -52,16 +52,16 @@ void jet_assign_slots(graph_lowering *lowering, int input_count, int output_coun
  * then unchanged. */
 bool jet_pad_runs_to_whole_vectors(jet_tape *tape);
 
-/* Tells whether the tape needs the partner of z, as all tapes of series do. */
-static inline bool must_compute_partner(const graph_lowering *lowering, const struct jet_node *z)
+/* Tells whether the tape needs the auxiliary series of z, as all tapes of series do. */
+static inline bool must_compute_auxiliary_series(const graph_lowering *lowering, const struct jet_node *z)
 {
     return z->w && lowering->tape_kind == JET_TAPE_SERIES;
 }
 
-/* Tells whether order k of z is computed from order k of its partner. */
-static inline bool reads_partner_at_same_order(const graph_lowering *lowering, const struct jet_node *z)
+/* Tells whether order k of z is computed from order k of its auxiliary series. */
+static inline bool needs_same_taylor_order_of_auxiliary_series(const graph_lowering *lowering, const struct jet_node *z)
 {
-    return must_compute_partner(lowering, z) && jet_rules[z->op]->partner_orders == W_SAME;
+    return must_compute_auxiliary_series(lowering, z) && jet_rules[z->op]->auxiliary_series_orders_read == W_SAME;
 }
 
 /* Returns the term number `term`, from 0 on, of a sum of products. A product that stands alone is a sum of one term. */

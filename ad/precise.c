@@ -19,7 +19,7 @@ static long double compute_long_double_power(long double a, double c)
     return k < 0 ? 1 / product : product;
 }
 
-static long double evaluate_operation(const jet_run *run, long double a, long double b)
+static long double evaluate_operation(const jet_run_of_operations *run, long double a, long double b)
 {
     switch (run->op) {
     case OP_DIV: return a / b;
@@ -47,7 +47,7 @@ static long double evaluate_operation(const jet_run *run, long double a, long do
     }
 }
 
-static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run, int operation_index,
+static long double evaluate_linear_sum(const jet_tape *tape, const jet_run_of_operations *run, int operation_index,
                                        const long double *values)
 {
     long double sum = tape->constant_terms[run->first_constant_term_index + operation_index];
@@ -56,7 +56,7 @@ static long double evaluate_linear_sum(const jet_tape *tape, const jet_run *run,
     return sum;
 }
 
-static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run, int operation_index,
+static long double evaluate_product_sum(const jet_tape *tape, const jet_run_of_operations *run, int operation_index,
                                         const long double *values)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_slot_b;
@@ -70,7 +70,7 @@ static long double evaluate_product_sum(const jet_tape *tape, const jet_run *run
 void jet_sweep_long_double_values(const jet_tape *tape, const double *block, long double *values)
 {
     for (int i = tape->input_count; i < tape->input_count + tape->constant_count; i++) values[i] = block[i];
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++)
             values[run->z + i] = run->op == OP_LINEAR ? evaluate_linear_sum(tape, run, i, values)
                                  : jet_is_sum_of_products(run->op)

@@ -46,8 +46,8 @@ tvi_status jet_explain_refused_output(const char *name, int output_count, int ou
 
 /* Returns the value, in one lane, of the operand that is outside the domain of an operation of the run: the divisor of
  * a division, or the first operand of any other operation. */
-static double value_of_operand_outside_domain(const jet_run *run, const double *block, int lanes, int operation,
-                                              int lane)
+static double value_of_operand_outside_domain(const jet_run_of_operations *run, const double *block, int lanes,
+                                              int operation, int lane)
 {
     return block[((run->op == OP_DIV ? run->b : run->a) + operation) * lanes + lane];
 }
@@ -58,19 +58,20 @@ bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
     /* Generated code does not store the values of all slots; the interpreter therefore computes all of them again. */
     (void)tape->interpreter_sweeps->values(tape, block, lanes);
     (void)jet_refuse(TVI_EDOMAIN, "an operation has no power series");
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (!operation_names[run->op]) continue;
         const double *a = block + (size_t)run->a * (size_t)lanes, *b = block + (size_t)run->b * (size_t)lanes;
         for (int i = 0; i < run->operation_count * lanes; i++) {
             if (jet_rules[run->op]->compute_values(run->exponent, 1, a + i, b + i, &z)) continue;
             const int operation = i / lanes;
-            const bool is_part = tape->library_operations_name &&
-                                 tape->recording_index[run->z + operation] >= tape->first_library_operation_index;
+            const bool is_part = tape->name_of_operations_added_by_library &&
+                                 tape->recorded_operation_number_of_slot[run->z + operation] >=
+                                     tape->first_operation_number_added_by_library;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
-                             is_part ? tape->library_operations_name : "", is_part ? ": " : "",
+                             is_part ? tape->name_of_operations_added_by_library : "", is_part ? ": " : "",
                              operation_names[run->op],
                              value_of_operand_outside_domain(run, block, lanes, operation, i % lanes),
-                             tape->recording_index[run->z + operation]);
+                             tape->recorded_operation_number_of_slot[run->z + operation]);
             return false;
         }
     }

@@ -11,9 +11,9 @@
 #include "tape.h"
 #include "vector.h"
 
-/* In the rules, a is the first operand, b the second one, w the partner, and z the result. a_k is the coefficient of
- * order k of the series of a, da_k that of its tangent along a direction, and abar_k its adjoint: the derivative of a
- * scalar by a_k. */
+/* In the rules, a is the first operand, b the second one, w the auxiliary series, and z the result. a_k is the
+ * coefficient of order k of the series of a, da_k that of its tangent along a direction, and abar_k its adjoint: the
+ * derivative of a scalar by a_k. */
 
 /* Computes z_0 from a_0 and b_0, arrays of `width` numbers. The exponent is that of pow. Returns false if no power
  * series exists at one of the numbers. A NaN is allowed, and propagates to z. z overlaps neither a nor b. */
@@ -24,33 +24,35 @@ typedef bool jet_values_rule(double exponent, int width, const double *a, const 
  * apart. */
 
 /* Computes z_k, k >= 1, from orders 0..k of a, b, w and orders 0..k-1 of z. */
-typedef void jet_series_rule(const jet_run *run, double *x, int k, size_t stride, int lanes);
+typedef void jet_series_rule(const jet_run_of_operations *run, double *x, int k, size_t stride, int lanes);
 
 /* Computes dz_k, k >= 0, from orders 0..k of a, b, w, z, da, db, dw and orders 0..k-1 of dz. x has one lane, and dx
  * has several. */
-typedef void jet_tangent_rule(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes);
+typedef void jet_tangent_rule(const jet_run_of_operations *run, const double *x, double *dx, int k, size_t stride,
+                              int lanes);
 
 /* Applies the transpose of the derivative of the series rule, for one lane and k = top, ..., 0 in turn. A rule does
  * this in one of two ways. It adds all that zbar_k, which is complete, contributes to the adjoints of orders 0..k of
  * a, b, w and 0..k-1 of z. Or it adds all that zbar of orders k..top contribute to the adjoints of order k; it then
  * stores intermediate numbers of its own in the place of zbar_k. */
-typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride);
+typedef void jet_adjoint_rule(const jet_run_of_operations *run, const double *x, double *bar, int k, int top,
+                              size_t stride);
 
 /* Records the contribution of the node z, whose adjoint is zbar, to the adjoint of an operand: zbar times the partial
  * derivative of z by a (operand_index = 0) or b (operand_index = 1). */
 typedef jet jet_pullback_rule(struct jet_node *z, jet zbar, int operand_index);
 
-/* The orders of the partner from which order k of z is computed. Values (order 0) need no partner. */
+/* The orders of the auxiliary series w from which order k of z is computed. Values (order 0) do not need it. */
 typedef enum {
-    W_NONE,  /* The operation has no partner. */
-    W_LOWER, /* Order k of z needs orders 0..k-1 of the partner. */
-    W_SAME   /* Order k of z needs orders 0..k of the partner; only for operations with one operand. */
-} jet_partner_orders;
+    W_NONE,  /* The operation has no auxiliary series. */
+    W_LOWER, /* Order k of z needs orders 0..k-1 of w. */
+    W_SAME   /* Order k of z needs orders 0..k of w; only for operations with one operand. */
+} jet_auxiliary_orders;
 
 /* The rule of one operation. */
 typedef struct {
     int operand_count; /* The number of operands of the operation, 1 or 2. */
-    jet_partner_orders partner_orders;
+    jet_auxiliary_orders auxiliary_series_orders_read;
     jet_values_rule *compute_values;
     jet_series_rule *compute_series_order;
     jet_tangent_rule *compute_tangents;
@@ -106,22 +108,22 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 
 /* Returns the run for a block of one lane that covers all operations and lanes of a run in a block of several lanes.
  * Both runs cover the same consecutive numbers. */
-JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
+JET_INLINE jet_run_of_operations jet_make_run_with_lanes_as_operations(const jet_run_of_operations *run, int lanes)
 {
-    return (jet_run){.op = run->op,
-                     .operation_count = run->operation_count * lanes,
-                     .z = run->z * lanes,
-                     .a = run->a * lanes,
-                     .b = run->b * lanes,
-                     .w = run->w * lanes,
-                     .exponent = run->exponent};
+    return (jet_run_of_operations){.op = run->op,
+                                   .operation_count = run->operation_count * lanes,
+                                   .z = run->z * lanes,
+                                   .a = run->a * lanes,
+                                   .b = run->b * lanes,
+                                   .w = run->w * lanes,
+                                   .exponent = run->exponent};
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 /* Defines the function name_series from the body SERIES(V, S), which sets JET_AT(V, z, k), that is z_k. */
 #define JET_SERIES_FRAME(name, SERIES)                                                                                 \
-    static void name##_series(const jet_run *run, double *x, int k, size_t slots, int lanes)                           \
+    static void name##_series(const jet_run_of_operations *run, double *x, int k, size_t slots, int lanes)             \
     {                                                                                                                  \
         const size_t each = (size_t)lanes, stride = slots * each;                                                      \
         const double c = run->exponent, *a = x + (size_t)run->a * each, *b = x + (size_t)run->b * each;                \
@@ -135,7 +137,8 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
 /* Defines the function name_tangent from the body TANGENT(V, S), which sets JET_D_AT(V, dz, k), that is dz_k. With one
  * lane, its vectors go across the operations of the run; with several lanes, across the lanes of each operation. */
 #define JET_TANGENT_FRAME(name, TANGENT)                                                                               \
-    static void name##_tangent(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes)       \
+    static void name##_tangent(const jet_run_of_operations *run, const double *x, double *dx, int k, size_t stride,    \
+                               int lanes)                                                                              \
     {                                                                                                                  \
         const size_t each = (size_t)lanes, dstride = stride * each;                                                    \
         const double c = run->exponent, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;            \
@@ -156,7 +159,8 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
 /* Defines the function name_adjoint from the body ADJOINT(V, S), which adds to JET_AT(V, abar, j), that is abar_j, and
  * likewise to the adjoints of b, w and z. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
-    static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride)        \
+    static void name##_adjoint(const jet_run_of_operations *run, const double *x, double *bar, int k, int top,         \
+                               size_t stride)                                                                          \
     {                                                                                                                  \
         const double c = run->exponent, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;            \
         double *abar = bar + run->a, *bbar = bar + run->b, *wbar = bar + run->w, *zbar = bar + run->z;                 \
@@ -176,8 +180,8 @@ JET_INLINE jet_run jet_make_run_over_all_lanes(const jet_run *run, int lanes)
 #else
 #define JET_RULE_ROW(name, ...)
 #endif
-#define JET_RULE(name, operands, partner)                                                                              \
-    JET_RULE_ROW(name, operands, partner, evaluate_##name, name##_series, name##_tangent, name##_adjoint,              \
+#define JET_RULE(name, operands, auxiliary_orders)                                                                     \
+    JET_RULE_ROW(name, operands, auxiliary_orders, evaluate_##name, name##_series, name##_tangent, name##_adjoint,     \
                  record_##name##_pullback)
 
 #endif

@@ -1,6 +1,6 @@
 /* rule_growth.c - Defines the rules of functions z of one operand a with z' = s w a', s = 1 or -1: exponential,
  * trigonometric and hyperbolic functions, and the error function (docs/jets.md, section 4). The series w, called the
- * partner of z, is recorded with z, and read at lower orders only. */
+ * auxiliary series of z, is recorded with z, and read at lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 

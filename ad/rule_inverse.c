@@ -1,6 +1,6 @@
 /* rule_inverse.c - Defines the rules of functions z of one operand a with z' = s a' / w, s = 1 or -1: the logarithm and
- * the inverse trigonometric and hyperbolic functions (docs/jets.md, section 4). The series w, called the partner of z,
- * is recorded with z, and read at lower orders only. */
+ * the inverse trigonometric and hyperbolic functions (docs/jets.md, section 4). The series w, called the auxiliary
+ * series of z, is recorded with z, and read at lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 

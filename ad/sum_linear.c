@@ -15,7 +15,8 @@ enum { SPECIALISED_TERMS_MAX = 5 };
 #define FUNCTION(name, run) name[(run)->term_count <= SPECIALISED_TERMS_MAX ? (run)->term_count : 0]
 
 /* Computes the sums of a run, without constant terms, in a block of one lane. */
-JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run *run, double *block, int term_count)
+JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run_of_operations *run, double *block,
+                                         int term_count)
 {
     const int *from = tape->term_slot + run->first_term_index;
     const double *coefficient = tape->term_coefficient + run->first_term_index;
@@ -27,7 +28,8 @@ JET_INLINE void compute_sums_of_one_lane(const jet_tape *tape, const jet_run *ru
     }
 }
 
-TABLE(sums_one, compute_sums_of_one_lane, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block)
+TABLE(sums_one, compute_sums_of_one_lane, (const jet_tape *tape, const jet_run_of_operations *run, double *block), tape,
+      run, block)
 
 /* Computes one sum for a vector of lanes. The first `kept` terms have their pointers and coefficients in registers, and
  * the other terms in memory. */
@@ -54,8 +56,8 @@ TABLE(sums_one, compute_sums_of_one_lane, (const jet_tape *tape, const jet_run *
 
 /* Computes the sums of a run in a block of several lanes. `constant_terms` points to the constant terms of the run;
  * NULL: they are left out. */
-JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                           const double *constant_terms, int term_count)
+JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run_of_operations *run, double *block,
+                                           int lanes, const double *constant_terms, int term_count)
 {
     const size_t stride = (size_t)lanes;
     const int *from = tape->term_slot + run->first_term_index,
@@ -74,20 +76,21 @@ JET_INLINE void compute_sums_of_many_lanes(const jet_tape *tape, const jet_run *
     }
 }
 
-TABLE(sums_eight, compute_sums_of_many_lanes, (const jet_tape *tape, const jet_run *run, double *block), tape, run,
-      block, 8, NULL)
+TABLE(sums_eight, compute_sums_of_many_lanes, (const jet_tape *tape, const jet_run_of_operations *run, double *block),
+      tape, run, block, 8, NULL)
 
-JET_INLINE void compute_sums_without_constants(const jet_tape *tape, const jet_run *run, double *block, int lanes,
-                                               int term_count)
+JET_INLINE void compute_sums_without_constants(const jet_tape *tape, const jet_run_of_operations *run, double *block,
+                                               int lanes, int term_count)
 {
     if (lanes == 1) compute_sums_of_one_lane(tape, run, block, term_count);
     else compute_sums_of_many_lanes(tape, run, block, lanes, NULL, term_count);
 }
 
-TABLE(sums_any, compute_sums_without_constants, (const jet_tape *tape, const jet_run *run, double *block, int lanes),
-      tape, run, block, lanes)
+TABLE(sums_any, compute_sums_without_constants,
+      (const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes), tape, run, block, lanes)
 
-void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run *run, double *block, int lanes)
+void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run_of_operations *run, double *block,
+                                        int lanes)
 {
     if (lanes == 1) FUNCTION(sums_one, run)(tape, run, block);
     else if (lanes == 8) FUNCTION(sums_eight, run)(tape, run, block);
@@ -96,7 +99,7 @@ void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run *run
 
 #define ADD_CONSTANT_TERM(V, S) JET_AT(V, z, 0) += constant_term;
 
-JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, double *block, int lanes)
+JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes)
 {
     const size_t stride = (size_t)lanes;
     if (!run->has_nonzero_constant_terms) return;
@@ -108,10 +111,10 @@ JET_INLINE void add_constant_terms(const jet_tape *tape, const jet_run *run, dou
 }
 
 TABLE(sums_with_constants, compute_sums_of_many_lanes,
-      (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape, run, block, lanes,
+      (const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes), tape, run, block, lanes,
       tape->constant_terms + run->first_constant_term_index)
 
-void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
+void jet_compute_linear_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes)
 {
     if (run->has_nonzero_constant_terms && lanes > 8) {
         FUNCTION(sums_with_constants, run)(tape, run, block, lanes);
@@ -124,7 +127,8 @@ void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double 
 /* Adds the contributions of sums to the adjoints of their terms, for one lane. If consecutive sums have a term in
  * common, as the differences between one body's position and those of others have, its contributions are summed in a
  * register. */
-JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run *run, double *adjoints, int term_count)
+JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run_of_operations *run, double *adjoints,
+                                    int term_count)
 {
     enum { KEPT = 2 };
     const int *to = tape->term_slot + run->first_term_index;
@@ -149,10 +153,10 @@ JET_INLINE void add_linear_adjoints(const jet_tape *tape, const jet_run *run, do
     for (int term = 0; term < kept; term++) adjoints[slot[term]] += sum[term];
 }
 
-TABLE(adjoints_one, add_linear_adjoints, (const jet_tape *tape, const jet_run *run, double *adjoints), tape, run,
-      adjoints)
+TABLE(adjoints_one, add_linear_adjoints, (const jet_tape *tape, const jet_run_of_operations *run, double *adjoints),
+      tape, run, adjoints)
 
-void jet_add_linear_adjoints(const jet_tape *tape, const jet_run *run, double *adjoints)
+void jet_add_linear_adjoints(const jet_tape *tape, const jet_run_of_operations *run, double *adjoints)
 {
     FUNCTION(adjoints_one, run)(tape, run, adjoints);
 }

@@ -22,8 +22,8 @@ typedef struct {
     const double *factor_a[JET_TERMS_MAX], *factor_b[JET_TERMS_MAX];
 } product_terms;
 
-JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *run, const double *block, size_t lanes,
-                                          int term_count)
+JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
+                                          size_t lanes, int term_count)
 {
     product_terms p;
     for (int t = 0; t < term_count; t++) {
@@ -56,7 +56,7 @@ JET_INLINE product_terms locate_run_terms(const jet_tape *tape, const jet_run *r
     }
 
 /* Computes the operations of a run in a sweep of values. Each operation is a sum of term_count products. */
-JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes,
+JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes,
                                        bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, (size_t)lanes, term_count);
@@ -67,12 +67,12 @@ JET_INLINE void compute_product_values(const jet_tape *tape, const jet_run *run,
     if (lanes == 8) JET_BLOCKS_OF_8(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
-TABLE(values_eight, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block), tape, run, block,
-      8)
-TABLE(values_any, compute_product_values, (const jet_tape *tape, const jet_run *run, double *block, int lanes), tape,
-      run, block, lanes)
+TABLE(values_eight, compute_product_values, (const jet_tape *tape, const jet_run_of_operations *run, double *block),
+      tape, run, block, 8)
+TABLE(values_any, compute_product_values,
+      (const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes), tape, run, block, lanes)
 
-void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes)
+void jet_compute_product_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes)
 {
     if (lanes == 8) FUNCTION(values_eight, run)(tape, run, block);
     else FUNCTION(values_any, run)(tape, run, block, lanes);
@@ -106,8 +106,8 @@ void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
-JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k,
-                                             size_t lanes, bool are_squares, int term_count)
+JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run_of_operations *run, double *block,
+                                             int k, size_t lanes, bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, lanes, term_count);
     const size_t stride = (size_t)tape->slot_count * lanes;
@@ -117,12 +117,14 @@ JET_INLINE void compute_product_series_order(const jet_tape *tape, const jet_run
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
 
-TABLE(series_one, compute_product_series_order, (const jet_tape *tape, const jet_run *run, double *block, int k), tape,
-      run, block, k, 1)
+TABLE(series_one, compute_product_series_order,
+      (const jet_tape *tape, const jet_run_of_operations *run, double *block, int k), tape, run, block, k, 1)
 TABLE(series_any, compute_product_series_order,
-      (const jet_tape *tape, const jet_run *run, double *block, int k, int lanes), tape, run, block, k, (size_t)lanes)
+      (const jet_tape *tape, const jet_run_of_operations *run, double *block, int k, int lanes), tape, run, block, k,
+      (size_t)lanes)
 
-void jet_compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k, int lanes)
+void jet_compute_product_series_order(const jet_tape *tape, const jet_run_of_operations *run, double *block, int k,
+                                      int lanes)
 {
     if (lanes == 1) FUNCTION(series_one, run)(tape, run, block, k);
     else FUNCTION(series_any, run)(tape, run, block, k, lanes);
@@ -164,7 +166,7 @@ void jet_compute_product_series_order(const jet_tape *tape, const jet_run *run, 
             JET_BLOCKS((int)lanes, TANGENT, JET_ONE_OF);                                                               \
     }
 
-JET_INLINE void compute_product_tangents(const jet_tape *tape, const jet_run *run, const double *block,
+JET_INLINE void compute_product_tangents(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
                                          double *tangent_block, int k, size_t block_lanes, size_t lanes,
                                          bool are_squares, int term_count)
 {
@@ -180,14 +182,16 @@ JET_INLINE void compute_product_tangents(const jet_tape *tape, const jet_run *ru
 }
 
 TABLE(tangents_one, compute_product_tangents,
-      (const jet_tape *tape, const jet_run *run, const double *block, double *tangent_block, int k, int lanes), tape,
-      run, block, tangent_block, k, 1, (size_t)lanes)
+      (const jet_tape *tape, const jet_run_of_operations *run, const double *block, double *tangent_block, int k,
+       int lanes),
+      tape, run, block, tangent_block, k, 1, (size_t)lanes)
 TABLE(tangents_own, compute_product_tangents,
-      (const jet_tape *tape, const jet_run *run, const double *block, double *tangent_block, int k, int lanes), tape,
-      run, block, tangent_block, k, (size_t)lanes, (size_t)lanes)
+      (const jet_tape *tape, const jet_run_of_operations *run, const double *block, double *tangent_block, int k,
+       int lanes),
+      tape, run, block, tangent_block, k, (size_t)lanes, (size_t)lanes)
 
-void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, const double *block, double *tangent_block,
-                                  int k, int block_lanes, int lanes)
+void jet_compute_product_tangents(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
+                                  double *tangent_block, int k, int block_lanes, int lanes)
 {
     if (block_lanes == 1) FUNCTION(tangents_one, run)(tape, run, block, tangent_block, k, lanes);
     else FUNCTION(tangents_own, run)(tape, run, block, tangent_block, k, lanes);
@@ -218,7 +222,7 @@ void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, cons
         for (int t = 0; t < term_count; t++) JET_AT(V, abar[t], k) += 2 * p.coefficient[t] * sum[t];                   \
     }
 
-JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, const double *block,
+JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
                                      double *adjoint_block, int k, int top, bool are_squares, int term_count)
 {
     const product_terms p = locate_run_terms(tape, run, block, 1, term_count);
@@ -234,11 +238,12 @@ JET_INLINE void add_product_adjoints(const jet_tape *tape, const jet_run *run, c
 }
 
 TABLE(adjoints, add_product_adjoints,
-      (const jet_tape *tape, const jet_run *run, const double *block, double *adjoint_block, int k, int top), tape, run,
-      block, adjoint_block, k, top)
+      (const jet_tape *tape, const jet_run_of_operations *run, const double *block, double *adjoint_block, int k,
+       int top),
+      tape, run, block, adjoint_block, k, top)
 
-void jet_add_product_adjoints(const jet_tape *tape, const jet_run *run, const double *block, double *adjoint_block,
-                              int k, int top)
+void jet_add_product_adjoints(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
+                              double *adjoint_block, int k, int top)
 {
     FUNCTION(adjoints, run)(tape, run, block, adjoint_block, k, top);
 }

@@ -19,19 +19,21 @@
  * jet_compute_linear_values is for order 0, and adds the constant terms. jet_compute_sums_without_constants is for
  * order k >= 1 of a series, and for every order of a tangent. jet_add_linear_adjoints is for every order of the
  * adjoints. */
-void jet_compute_linear_values(const jet_tape *tape, const jet_run *run, double *block, int lanes);
-void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run *run, double *block, int lanes);
-void jet_add_linear_adjoints(const jet_tape *tape, const jet_run *run, double *adjoints);
+void jet_compute_linear_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes);
+void jet_compute_sums_without_constants(const jet_tape *tape, const jet_run_of_operations *run, double *block,
+                                        int lanes);
+void jet_add_linear_adjoints(const jet_tape *tape, const jet_run_of_operations *run, double *adjoints);
 
 /* Compute the PRODUCTS or SQUARES operations of a run, as the sweeps of values, series, tangents and adjoints need
  * them (tape.h). k is the order, and `top` the highest order of the series. */
-void jet_compute_product_values(const jet_tape *tape, const jet_run *run, double *block, int lanes);
-void jet_compute_product_series_order(const jet_tape *tape, const jet_run *run, double *block, int k, int lanes);
+void jet_compute_product_values(const jet_tape *tape, const jet_run_of_operations *run, double *block, int lanes);
+void jet_compute_product_series_order(const jet_tape *tape, const jet_run_of_operations *run, double *block, int k,
+                                      int lanes);
 /* `block` is that of the series, and has one lane (block_lanes = 1) or as many lanes as tangent_block. */
-void jet_compute_product_tangents(const jet_tape *tape, const jet_run *run, const double *block, double *tangent_block,
-                                  int k, int block_lanes, int lanes);
-void jet_add_product_adjoints(const jet_tape *tape, const jet_run *run, const double *block, double *adjoint_block,
-                              int k, int top);
+void jet_compute_product_tangents(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
+                                  double *tangent_block, int k, int block_lanes, int lanes);
+void jet_add_product_adjoints(const jet_tape *tape, const jet_run_of_operations *run, const double *block,
+                              double *adjoint_block, int k, int top);
 
 /* Defines functions name_T(parameters), which call body(..., T), for T = 1 .. JET_TERMS_MAX terms. Each T has a
  * function of its own, so that T is a constant for the compiler. */

@@ -14,7 +14,7 @@ static double *locate_numbers_of_slot(double *block, int slot, int lanes)
 JET_INLINE bool sweep_values_inlined(const jet_tape *tape, double *block, int lanes)
 {
     bool inside = true;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op)) jet_compute_product_values(tape, run, block, lanes);
         else if (run->op == OP_LINEAR) jet_compute_linear_values(tape, run, block, lanes);
         else
@@ -37,7 +37,7 @@ JET_INLINE bool sweep_series_inlined(const jet_tape *tape, double *block, int or
 {
     if (order == 0) return sweep_values(tape, block, lanes);
     const size_t stride = (size_t)tape->slot_count;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op)) jet_compute_product_series_order(tape, run, block, order, lanes);
         else if (run->op == OP_LINEAR)
             jet_compute_sums_without_constants(tape, run, block + (size_t)order * stride * (size_t)lanes, lanes);
@@ -51,30 +51,31 @@ static bool sweep_series(const jet_tape *tape, double *block, int order, int lan
     return lanes == 1 ? sweep_series_inlined(tape, block, order, 1) : sweep_series_inlined(tape, block, order, lanes);
 }
 
-static void sweep_tangents(const jet_tape *tape, const double *block, double *tangent_block, int order, int lanes)
+static void sweep_tangents(const jet_tape *tape, const double *block, double *tangent_block, int order,
+                           int direction_count)
 {
     const size_t stride = (size_t)tape->slot_count;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op))
-            jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, lanes);
+            jet_compute_product_tangents(tape, run, block, tangent_block, order, 1, direction_count);
         else if (run->op == OP_LINEAR)
-            jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride * (size_t)lanes,
-                                               lanes);
-        else jet_rules[run->op]->compute_tangents(run, block, tangent_block, order, stride, lanes);
+            jet_compute_sums_without_constants(
+                tape, run, tangent_block + (size_t)order * stride * (size_t)direction_count, direction_count);
+        else jet_rules[run->op]->compute_tangents(run, block, tangent_block, order, stride, direction_count);
     }
 }
 
-static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, double *tangent_block, int order,
-                                    int lanes)
+static void sweep_one_tangent_per_lane(const jet_tape *tape, const double *block, double *tangent_block, int order,
+                                       int lanes)
 {
     const size_t stride = (size_t)tape->slot_count * (size_t)lanes;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         if (jet_is_sum_of_products(run->op))
             jet_compute_product_tangents(tape, run, block, tangent_block, order, lanes, lanes);
         else if (run->op == OP_LINEAR)
             jet_compute_sums_without_constants(tape, run, tangent_block + (size_t)order * stride, lanes);
         else {
-            const jet_run all = jet_make_run_over_all_lanes(run, lanes);
+            const jet_run_of_operations all = jet_make_run_with_lanes_as_operations(run, lanes);
             jet_rules[run->op]->compute_tangents(&all, block, tangent_block, order, stride, 1);
         }
     }
@@ -83,7 +84,7 @@ static void sweep_tangents_per_lane(const jet_tape *tape, const double *block, d
 static void sweep_adjoints(const jet_tape *tape, const double *block, double *adjoint_block, int order, int top_order)
 {
     const size_t stride = (size_t)tape->slot_count;
-    for (const jet_run *run = tape->runs + tape->run_count; run-- > tape->runs;) {
+    for (const jet_run_of_operations *run = tape->runs + tape->run_count; run-- > tape->runs;) {
         if (jet_is_sum_of_products(run->op))
             jet_add_product_adjoints(tape, run, block, adjoint_block, order, top_order);
         else if (run->op == OP_LINEAR) jet_add_linear_adjoints(tape, run, adjoint_block + (size_t)order * stride);
@@ -91,5 +92,5 @@ static void sweep_adjoints(const jet_tape *tape, const double *block, double *ad
     }
 }
 
-const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa),    sweep_values,   sweep_series,    sweep_tangents,
-                                            sweep_tangents_per_lane, sweep_adjoints, jet_combine_rows};
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa),       sweep_values,   sweep_series,    sweep_tangents,
+                                            sweep_one_tangent_per_lane, sweep_adjoints, jet_combine_rows};

@@ -19,17 +19,17 @@ static void append_tape_term(jet_tape *tape, double coefficient, int slot_a, int
 
 /* Makes a LINEAR run of one operation, and appends its constant term and its terms to the tape. A copy is a sum of
  * one term. */
-static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
+static jet_run_of_operations make_linear_run(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
 {
     const int terms = z->node ? z->node->count : 1;
     const double number = z->node ? z->node->number : 0;
-    const jet_run run = {OP_LINEAR,
-                         1,
-                         z->slot,
-                         .has_nonzero_constant_terms = number != 0,
-                         .first_constant_term_index = tape->linear_operation_count,
-                         .term_count = terms,
-                         .first_term_index = tape->term_count};
+    const jet_run_of_operations run = {OP_LINEAR,
+                                       1,
+                                       z->slot,
+                                       .has_nonzero_constant_terms = number != 0,
+                                       .first_constant_term_index = tape->linear_operation_count,
+                                       .term_count = terms,
+                                       .first_term_index = tape->term_count};
     tape->constant_terms[tape->linear_operation_count++] = number;
     if (!z->node) {
         append_tape_term(tape, 1, z->operand[0][0], 0);
@@ -40,7 +40,7 @@ static jet_run make_linear_run(const graph_lowering *lowering, jet_tape *tape, c
     return run;
 }
 
-static bool try_joining_linear_run(jet_run *run, const jet_run *next)
+static bool try_joining_linear_run(jet_run_of_operations *run, const jet_run_of_operations *next)
 {
     if (next->term_count != run->term_count) return false;
     if (next->has_nonzero_constant_terms) run->has_nonzero_constant_terms = 1;
@@ -49,16 +49,17 @@ static bool try_joining_linear_run(jet_run *run, const jet_run *next)
 
 /* Makes a run of one sum of products, and appends its terms to the tape. try_joining_product_run removes these terms
  * again if the operation joins the last run, whose terms it shares. */
-static jet_run make_product_run(jet_tape *tape, const tape_placement *z)
+static jet_run_of_operations make_product_run(jet_tape *tape, const tape_placement *z)
 {
-    const jet_run run = {z->op, 1, z->slot, .term_count = z->operand_pair_count, .first_term_index = tape->term_count};
+    const jet_run_of_operations run = {z->op, 1, z->slot, .term_count = z->operand_pair_count,
+                                       .first_term_index = tape->term_count};
     for (int pair = 0; pair < z->operand_pair_count; pair++)
         append_tape_term(tape, sum_term(z, pair).coefficient, z->operand[pair][0],
                          z->operand[pair][z->op == OP_PRODUCTS]);
     return run;
 }
 
-static bool try_joining_product_run(jet_tape *tape, const jet_run *run, const jet_run *next)
+static bool try_joining_product_run(jet_tape *tape, const jet_run_of_operations *run, const jet_run_of_operations *next)
 {
     if (next->term_count != run->term_count) return false;
     for (int here = run->first_term_index, there = next->first_term_index;
@@ -71,21 +72,21 @@ static bool try_joining_product_run(jet_tape *tape, const jet_run *run, const je
     return true;
 }
 
-/* Makes a run of one operation that has a rule. The member w of the run is the slot of the partner. A partner that is
- * read at the order that is being computed is the second operand of the placement. */
-static jet_run make_rule_run(const graph_lowering *lowering, const tape_placement *z)
+/* Makes a run of one operation that has a rule. The member w of the run is the slot of the auxiliary series. Such a
+ * series that is read at the order that is being computed is the second operand of the placement. */
+static jet_run_of_operations make_rule_run(const graph_lowering *lowering, const tape_placement *z)
 {
     const int *operand = z->operand[0];
-    jet_run run = {z->op, 1, z->slot, operand[0], operand[1], .exponent = z->node->number};
-    if (must_compute_partner(lowering, z->node)) run.w = node_slot(lowering, z->node->w);
-    if (reads_partner_at_same_order(lowering, z->node)) {
+    jet_run_of_operations run = {z->op, 1, z->slot, operand[0], operand[1], .exponent = z->node->number};
+    if (must_compute_auxiliary_series(lowering, z->node)) run.w = node_slot(lowering, z->node->w);
+    if (needs_same_taylor_order_of_auxiliary_series(lowering, z->node)) {
         run.b = 0;
         run.w = operand[1];
     }
     return run;
 }
 
-static bool can_join_rule_run(const jet_run *run, const jet_run *next)
+static bool can_join_rule_run(const jet_run_of_operations *run, const jet_run_of_operations *next)
 {
     const int count = run->operation_count, of_b = jet_rules[run->op]->operand_count == 2 ? count : 0;
     const bool same_w = (run->w == 0 && next->w == 0) || next->w == run->w + count;
@@ -94,10 +95,10 @@ static bool can_join_rule_run(const jet_run *run, const jet_run *next)
 
 /* Joins the operation `next` to the last run, and returns true, if it is of the same level and kind, and has adjacent
  * operands. Otherwise returns false. */
-static bool try_joining_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run *next)
+static bool try_joining_last_run(const graph_lowering *lowering, jet_tape *tape, const jet_run_of_operations *next)
 {
     if (tape->run_count == 0) return false;
-    jet_run *run = &tape->runs[tape->run_count - 1];
+    jet_run_of_operations *run = &tape->runs[tape->run_count - 1];
     if (run->op != next->op || lowering->nodes_by_slot[run->z]->level != lowering->nodes_by_slot[next->z]->level)
         return false;
     const bool joins = next->op == OP_LINEAR              ? try_joining_linear_run(run, next)
@@ -110,9 +111,9 @@ static bool try_joining_last_run(const graph_lowering *lowering, jet_tape *tape,
 /* Appends an operation to the last run, or as a run of its own. */
 static void append_operation(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
 {
-    const jet_run next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
-                         : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
-                                                         : make_rule_run(lowering, z);
+    const jet_run_of_operations next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
+                                       : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
+                                                                       : make_rule_run(lowering, z);
     if (!try_joining_last_run(lowering, tape, &next)) tape->runs[tape->run_count++] = next;
 }
 
@@ -127,7 +128,8 @@ static void lay_out_runs_and_constants(graph_lowering *lowering, jet_tape *tape)
 {
     for (int i = 0; i < lowering->slot_count; i++) {
         const tape_placement *z = lowering->nodes_by_slot[i];
-        tape->recording_index[i] = z->node ? z->node->index + 1 - jet_graph_input_count(lowering->graph) : 0;
+        tape->recorded_operation_number_of_slot[i] =
+            z->node ? z->node->index + 1 - jet_graph_input_count(lowering->graph) : 0;
         if (z->op == OP_INPUT) tape->input_count++;
         else if (z->op == OP_CONST || z->op == OP_PARAMETER) append_constant(tape, z);
         else append_operation(lowering, tape, z);
@@ -153,11 +155,11 @@ static bool allocate_lowering_and_tape(graph_lowering *lowering, jet_tape *tape,
     tape->term_slot_b = calloc(pairs + copies, sizeof *tape->term_slot_b);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output_slot = calloc((size_t)output_count + 1, sizeof *tape->output_slot);
-    tape->recording_index = calloc(nodes + copies, sizeof *tape->recording_index);
+    tape->recorded_operation_number_of_slot = calloc(nodes + copies, sizeof *tape->recorded_operation_number_of_slot);
     return lowering->is_node_needed && lowering->use_counts && lowering->placements && lowering->nodes_by_level &&
            lowering->nodes_by_slot && lowering->operands && tape->runs && tape->constant_values && tape->parameters &&
            tape->constant_terms && tape->term_slot && tape->term_slot_b && tape->term_coefficient &&
-           tape->output_slot && tape->recording_index;
+           tape->output_slot && tape->recorded_operation_number_of_slot;
 }
 
 /* Lowers the graph to the tape, whose arrays are allocated. Returns false if memory is lacking. */
@@ -166,9 +168,9 @@ static bool lower_graph_to_tape(graph_lowering *lowering, jet_tape *tape, int in
 {
     jet_assign_slots(lowering, input_count, output_count, output);
     lay_out_runs_and_constants(lowering, tape);
-    tape->library_operations_name =
-        jet_graph_get_library_operations_name(lowering->graph, &tape->first_library_operation_index);
-    tape->first_library_operation_index += 1 - jet_graph_input_count(lowering->graph);
+    tape->name_of_operations_added_by_library =
+        jet_graph_name_of_nodes_added_by_library(lowering->graph, &tape->first_operation_number_added_by_library);
+    tape->first_operation_number_added_by_library += 1 - jet_graph_input_count(lowering->graph);
     tape->slot_count = lowering->slot_count;
     tape->output_count = output_count;
     tape->used_node_count = lowering->used_node_count;

@@ -15,11 +15,12 @@
 #include <stdint.h>
 
 typedef enum {
-    JET_TAPE_VALUES, /* Values only; no partner series, such as the cosine that a sine needs. */
+    JET_TAPE_VALUES, /* Values only; no auxiliary series, such as the cosine that a sine needs. */
     JET_TAPE_SERIES
 } jet_tape_kind;
 
-/* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i, with partners w + i.
+/* A run: the operations z + i = op(a + i, b + i), i < operation_count, of adjacent slots z + i. Slots w + i are the
+ * auxiliary series.
  * LINEAR: z + i has the constant term constant_terms[first_constant_term_index + i], and terms of its own:
  * term_coefficient[k] times slot term_slot[k], for `term_count` values k from first_term_index + i * term_count on.
  * PRODUCTS, SQUARES: the operations share coefficients. The terms are term_coefficient[k] times the slots term_slot[k]
@@ -30,7 +31,7 @@ typedef struct {
     double exponent;                /* POW: the exponent. Otherwise 0. */
     int has_nonzero_constant_terms; /* LINEAR: 1 if some constant term is not 0. Otherwise 0. */
     int first_constant_term_index, term_count, first_term_index;
-} jet_run;
+} jet_run_of_operations;
 
 /* Tells whether the operation is a sum of products. On a tape every product and square is such a sum, of one term or
  * more. */
@@ -58,7 +59,7 @@ typedef struct {
     int input_count, constant_count, parameter_count, slot_count, run_count, linear_operation_count, term_count,
         output_count;
     int used_node_count; /* The number of nodes of the graph on which the outputs depend, inputs included. */
-    jet_run *runs;
+    jet_run_of_operations *runs;
     double *constant_values;        /* [constant_count] Values of the constants, whose slots follow the inputs. */
     jet_tape_parameter *parameters; /* [parameter_count] The parameters, whose values the caller may change. */
     double *constant_terms;         /* [linear_operation_count] The constant term of each sum (LINEAR). */
@@ -66,11 +67,12 @@ typedef struct {
     double *term_coefficient;     /* [term_count] The coefficient of each term of a sum or of a sum of products. */
     int *output_slot;             /* [output_count] The slot of each output of the tape. */
     /* [slot_count] Number of the operation in the order of recording, from 1 on; 0 for copies, negative for inputs. */
-    int *recording_index;
-    /* Name of the operations that the library recorded itself (jet_graph_begin_library_operations); NULL: there are
+    int *recorded_operation_number_of_slot;
+    /* Name of the operations that the library recorded itself (jet_graph_begin_nodes_added_by_library); NULL: there are
      * none. */
-    const char *library_operations_name;
-    int first_library_operation_index; /* recording_index of the first operation that the library recorded. */
+    const char *name_of_operations_added_by_library;
+    /* recorded_operation_number_of_slot of the first operation that the library recorded. */
+    int first_operation_number_added_by_library;
 } jet_tape;
 
 /* Creates a tape that computes the outputs, which have passed jet_graph_check_outputs. The first `input_count` inputs
@@ -94,7 +96,7 @@ uint64_t jet_tape_continue_hash(uint64_t hash, const jet_tape *tape);
 
 /* Prepares a block, once, before its first sweep: sets the constants, and the inputs to 0. All other slots are NaN
  * until a sweep computes them, so that a number that was read too early shows. */
-void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes);
+void jet_tape_reset_block_and_set_constants(const jet_tape *tape, double *block, int order_count, int lanes);
 
 /* Sets parameter i in a prepared block to the row value[i][values_per_parameter], for i < parameter_count. A row with
  * fewer values than lanes is repeated over the lanes. Other parameters stay as they are. */
@@ -111,7 +113,7 @@ struct jet_sweeps {
     bool (*values)(const jet_tape *tape, double *x, int lanes);
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
-    void (*tangents_per_lane)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
+    void (*one_tangent_per_lane)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
     /* Computes out[w] = sum_{j < count} c_j table[j][w] for w < width, with c_j = c[j * stride]. For a series in
      * powers, the terms of the highest powers are the smallest; they come last in the table, and are added first. */
@@ -151,16 +153,16 @@ static inline bool jet_sweep_series(const jet_tape *tape, double *series, int or
 /* Computes the tangents of one order along a series of one lane, with one direction for each lane of `tangents`,
  * from the tangents of the inputs. The caller goes through the orders 0, 1, 2, ... in turn. */
 static inline void jet_sweep_tangents(const jet_tape *tape, const double *series, double *tangents, int order,
-                                      int lanes)
+                                      int direction_count)
 {
-    tape->sweeps->tangents(tape, series, tangents, order, lanes);
+    tape->sweeps->tangents(tape, series, tangents, order, direction_count);
 }
 
 /* Computes the tangents of one order along a series of several lanes, with one direction for each of these lanes. */
-static inline void jet_sweep_tangents_per_lane(const jet_tape *tape, const double *series, double *tangents, int order,
-                                               int lanes)
+static inline void jet_sweep_one_tangent_per_lane(const jet_tape *tape, const double *series, double *tangents,
+                                                  int order, int lanes)
 {
-    tape->sweeps->tangents_per_lane(tape, series, tangents, order, lanes);
+    tape->sweeps->one_tangent_per_lane(tape, series, tangents, order, lanes);
 }
 
 /* Computes the adjoints of one order along a series of one lane; the caller goes through the orders top_order, ...,

@@ -14,7 +14,7 @@ typedef struct {
 
 /* Lists all arrays of a tape. jet_tape_free frees them, and jet_tape_continue_hash hashes them. */
 enum { TAPE_ARRAYS = 9 };
-_Static_assert(sizeof(jet_run) == 9 * sizeof(int) + 2 * sizeof(short) + sizeof(double),
+_Static_assert(sizeof(jet_run_of_operations) == 9 * sizeof(int) + 2 * sizeof(short) + sizeof(double),
                "A run, whose bytes are hashed, has no gaps.");
 static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
 {
@@ -28,12 +28,12 @@ static void list_tape_arrays(const jet_tape *tape, tape_array list[TAPE_ARRAYS])
         {tape->term_slot_b, terms * sizeof *tape->term_slot_b},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
         {tape->output_slot, (size_t)tape->output_count * sizeof *tape->output_slot},
-        {tape->recording_index, 0},
+        {tape->recorded_operation_number_of_slot, 0},
     };
     memcpy(list, all, sizeof all);
 }
 
-void jet_tape_prepare_block(const jet_tape *tape, double *block, int order_count, int lanes)
+void jet_tape_reset_block_and_set_constants(const jet_tape *tape, double *block, int order_count, int lanes)
 {
     const size_t given = (size_t)(tape->input_count + tape->constant_count) * (size_t)lanes;
     const size_t all = (size_t)tape->slot_count * (size_t)lanes;

@@ -10,7 +10,7 @@ typedef struct {
     jet_tape *split_tape;
     /* [slot_count] The run that computes the slot; NULL: the operation is already on the new tape, or the slot is no
      * result. */
-    const jet_run **producing_run;
+    const jet_run_of_operations **producing_run;
 } run_splitting;
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
@@ -26,10 +26,11 @@ static void append_split_terms(jet_tape *split, const jet_tape *tape, int first,
 
 /* Appends `count` operations of the run to the new tape, as one run. The first has the number first_operation in the
  * old run, counted from 0. */
-static void append_split_run(const run_splitting *splitting, const jet_run *run, int first_operation, int count)
+static void append_split_run(const run_splitting *splitting, const jet_run_of_operations *run, int first_operation,
+                             int count)
 {
     const jet_tape *tape = splitting->tape;
-    jet_run part = *run;
+    jet_run_of_operations part = *run;
     part.operation_count = count;
     part.z += first_operation;
     part.first_term_index = splitting->split_tape->term_count;
@@ -45,10 +46,11 @@ static void append_split_run(const run_splitting *splitting, const jet_run *run,
     splitting->split_tape->runs[splitting->split_tape->run_count++] = part;
 }
 
-static void split_runs_in_tape_order(const run_splitting *splitting, jet_split_mode mode)
+static void split_runs_in_tape_order(const run_splitting *splitting, jet_runs_to_split runs_to_split)
 {
-    for (const jet_run *run = splitting->tape->runs; run < splitting->tape->runs + splitting->tape->run_count; run++) {
-        const bool is_apart = mode == JET_SPLIT_SUMS && run->op == OP_LINEAR;
+    for (const jet_run_of_operations *run = splitting->tape->runs;
+         run < splitting->tape->runs + splitting->tape->run_count; run++) {
+        const bool is_apart = runs_to_split == JET_SPLIT_SUMS && run->op == OP_LINEAR;
         for (int i = 0; i < (is_apart ? run->operation_count : 1); i++)
             append_split_run(splitting, run, i, is_apart ? 1 : run->operation_count);
     }
@@ -56,7 +58,7 @@ static void split_runs_in_tape_order(const run_splitting *splitting, jet_split_m
 
 /* ---- One by one, as they are wanted ------------------------------------------------------------------------------ */
 
-int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, int k)
+int jet_operation_operand_slot(const jet_tape *tape, const jet_run_of_operations *run, int i, int k)
 {
     const int reads = run->term_count > 0 ? run->term_count : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
@@ -68,7 +70,7 @@ int jet_operation_operand_slot(const jet_tape *tape, const jet_run *run, int i, 
 
 void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[])
 {
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) {
             bool *z = &is_dependent[run->z + i];
             *z = false;
@@ -76,13 +78,13 @@ void jet_tape_propagate_slot_dependence(const jet_tape *tape, bool is_dependent[
         }
 }
 
-/* Tells whether the operation of `slot` reads newest_slot, whose operation was appended last, and all its operands are
- * on the new tape. */
-static bool is_operation_ready_after(const run_splitting *splitting, int slot, int newest_slot)
+/* Tells whether the operation of reading_slot reads newest_slot, whose operation was appended last, and all its
+ * operands are on the new tape. */
+static bool is_newest_slot_last_missing_operand(const run_splitting *splitting, int reading_slot, int newest_slot)
 {
-    const jet_run *run = splitting->producing_run[slot];
+    const jet_run_of_operations *run = splitting->producing_run[reading_slot];
     bool reads = false;
-    for (int k = 0, a; (a = jet_operation_operand_slot(splitting->tape, run, slot - run->z, k)) >= 0; k++) {
+    for (int k = 0, a; (a = jet_operation_operand_slot(splitting->tape, run, reading_slot - run->z, k)) >= 0; k++) {
         if (splitting->producing_run[a]) return false;
         reads |= a == newest_slot;
     }
@@ -93,7 +95,7 @@ static bool is_operation_ready_after(const run_splitting *splitting, int slot, i
  * for this one alone. */
 static void append_operation_with_dependents(const run_splitting *splitting, int slot)
 {
-    const jet_run *run = splitting->producing_run[slot];
+    const jet_run_of_operations *run = splitting->producing_run[slot];
     if (!run) return;
     for (int k = 0, a; (a = jet_operation_operand_slot(splitting->tape, run, slot - run->z, k)) >= 0; k++)
         append_operation_with_dependents(splitting, a);
@@ -101,14 +103,14 @@ static void append_operation_with_dependents(const run_splitting *splitting, int
     append_split_run(splitting, run, slot - run->z, 1);
     splitting->producing_run[slot] = NULL;
     for (int next = 0; next < splitting->tape->slot_count; next++)
-        if (splitting->producing_run[next] && is_operation_ready_after(splitting, next, slot))
+        if (splitting->producing_run[next] && is_newest_slot_last_missing_operand(splitting, next, slot))
             append_operation_with_dependents(splitting, next);
 }
 
 static void split_runs_in_dependence_order(const run_splitting *splitting)
 {
     const jet_tape *tape = splitting->tape;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++) splitting->producing_run[run->z + i] = run;
     for (int i = 0; i < tape->output_count; i++) append_operation_with_dependents(splitting, tape->output_slot[i]);
     for (int slot = 0; slot < tape->slot_count; slot++) append_operation_with_dependents(splitting, slot);
@@ -124,10 +126,10 @@ void jet_free_split_tape(jet_tape *split)
     free(split->term_coefficient);
 }
 
-bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode mode)
+bool jet_split_runs_into_single_operations(jet_tape *split, const jet_tape *tape, jet_runs_to_split runs_to_split)
 {
     size_t terms = 1;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         terms += (size_t)run->operation_count * (size_t)run->term_count;
     const size_t slots = (size_t)tape->slot_count + 1;
     *split = *tape;
@@ -136,12 +138,12 @@ bool jet_split_tape_runs(jet_tape *split, const jet_tape *tape, jet_split_mode m
     split->term_slot = calloc(terms, sizeof *split->term_slot);
     split->term_slot_b = calloc(terms, sizeof *split->term_slot_b);
     split->term_coefficient = calloc(terms, sizeof *split->term_coefficient);
-    const run_splitting splitting = {tape, split, calloc(slots, sizeof(jet_run *))};
+    const run_splitting splitting = {tape, split, calloc(slots, sizeof(jet_run_of_operations *))};
     const bool has_memory =
         splitting.producing_run && split->runs && split->term_slot && split->term_slot_b && split->term_coefficient;
     if (!has_memory) jet_free_split_tape(split);
-    else if (mode == JET_SPLIT_ALL) split_runs_in_dependence_order(&splitting);
-    else split_runs_in_tape_order(&splitting, mode);
+    else if (runs_to_split == JET_SPLIT_ALL) split_runs_in_dependence_order(&splitting);
+    else split_runs_in_tape_order(&splitting, runs_to_split);
     free(splitting.producing_run);
     return has_memory;
 }

@@ -134,7 +134,7 @@ static uint64_t hash_lines(uint64_t hash, const char *const lines[])
 
 uint64_t tvi_compiled_hash_library_text(void)
 {
-    const char *const *const texts[] = {jet_rule_source_lines(),
+    const char *const *const texts[] = {jet_embedded_rule_c_source_lines(),
                                         tvi_embedded_code,
                                         tvi_embedded_galerkin,
                                         tvi_embedded_galerkin_plain,

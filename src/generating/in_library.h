@@ -52,15 +52,15 @@ enum { CURVE_MOST_WIDTH = 1 };
 #define ORDERS_SERIES(curve, k)                                                                                        \
     jet_sweep_series((curve)->system->field_series, (curve)->series_block, k, CURVE_WIDTH(curve))
 #define ORDERS_TANGENTS(curve, dx, k, lanes)                                                                           \
-    (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_per_lane : jet_sweep_tangents)((curve)->system->field_series,         \
-                                                                                (curve)->series_block, dx, k, lanes)
+    (CURVE_WIDTH(curve) > 1 ? jet_sweep_one_tangent_per_lane                                                           \
+                            : jet_sweep_tangents)((curve)->system->field_series, (curve)->series_block, dx, k, lanes)
 
 /* PRODUCTS_TANGENTS and PRODUCTS_ADJOINTS multiply by the Jacobian of order k of the field and by its transpose. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
 /* SEEDS_VALUES evaluates the field at the nodes, and SEEDS_TANGENTS its tangents. */
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
-#define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_per_lane(tape, x, dx, 0, lanes)
+#define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_one_tangent_per_lane(tape, x, dx, 0, lanes)
 
 /* MOMENTA_ROUNDOFF is the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_estimate_node_momenta_roundoff(action, curve)

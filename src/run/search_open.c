@@ -11,7 +11,7 @@ enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
 static double *allocate_tape_block(const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slot_count * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare_block(tape, block, 1, lanes);
+    if (block) jet_tape_reset_block_and_set_constants(tape, block, 1, lanes);
     return block;
 }
 

@@ -63,8 +63,8 @@ static tvi_status allocate_tape_blocks(tvi_integrator *it, tvi_tangent *tangent)
     tangent->field_block = malloc(numbers * sizeof *tangent->field_block);
     if (!tangent->field_block) return TVI_ENOMEM;
     tangent->energy_block = tangent->field_block + flow->slot_count;
-    jet_tape_prepare_block(flow, tangent->field_block, 1, 1);
-    jet_tape_prepare_block(change, tangent->energy_block, 1, 1);
+    jet_tape_reset_block_and_set_constants(flow, tangent->field_block, 1, 1);
+    jet_tape_reset_block_and_set_constants(change, tangent->energy_block, 1, 1);
     it->stats.bytes += numbers * sizeof *tangent->field_block;
     return TVI_OK;
 }

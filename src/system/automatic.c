@@ -38,7 +38,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 {
     const int n = motion->n, first_p = n + 1, inputs = 2 * n + 1;
     if (!jet_record_gradient(graph, H, inputs, gradient)) return false;
-    jet_graph_begin_library_operations(
+    jet_graph_begin_nodes_added_by_library(
         graph, "the automatic g, which has no value there (take a smaller step, or give a g of your own)");
     for (int i = 0; i < n; i++) {
         if (!jet_record_gradient(graph, gradient[i], inputs, row)) return false;

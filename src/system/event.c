@@ -16,13 +16,13 @@ static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void 
     const int n = event->n, inputs = 2 * n + 1;
     jet *state = calloc((size_t)inputs, sizeof *state);
     event->graph = jet_graph_create(inputs);
-    if (event->graph) jet_graph_set_output_name(event->graph, "event function");
+    if (event->graph) jet_graph_set_output_name_for_messages(event->graph, "event function");
     tvi_status status = state && event->graph ? TVI_OK : TVI_ENOMEM;
     for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);
     if (status == TVI_OK) {
         jet value = g(state, state + n, state[2 * n], ctx);
         status = jet_graph_check_outputs(event->graph, 1, &value);
-        jet_graph_close(event->graph);
+        jet_graph_end_recording(event->graph);
         if (status == TVI_OK) event->tape = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_VALUES);
         if (status == TVI_OK) event->series = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_SERIES);
         if (status == TVI_OK && !(event->tape && event->series)) status = TVI_ENOMEM;
@@ -85,7 +85,7 @@ static tvi_status record_events_in_one_graph(const tvi_event *const events[], in
                                             &value[i], &rate))
             return TVI_ENOMEM;
     const tvi_status status = jet_graph_check_outputs(graph, count, value);
-    jet_graph_close(graph);
+    jet_graph_end_recording(graph);
     return status;
 }
 
@@ -133,7 +133,7 @@ tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_ev
     expansion->series_block = malloc((EVENT_LINE_DEGREE + 1) * slots * sizeof *expansion->series_block);
     expansion->tangents = calloc(slots * SAMPLES, sizeof *expansion->tangents);
     if (!expansion->series_block || !expansion->tangents) return TVI_ENOMEM;
-    jet_tape_prepare_block(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
+    jet_tape_reset_block_and_set_constants(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
     return TVI_OK;
 }
 

@@ -23,7 +23,7 @@ double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size)
 }
 
 /* Tells whether an operation of a run only multiplies by a power of two, which is exact. */
-static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, int operation)
+static bool is_multiplication_exact(const jet_tape *tape, const jet_run_of_operations *run, int operation)
 {
     int exponent;
     return run->op == OP_LINEAR && run->term_count == 1 &&
@@ -33,7 +33,8 @@ static bool is_multiplication_exact(const jet_tape *tape, const jet_run *run, in
 
 /* Returns the magnitude to which the roundoff of an operation of a run is relative: the magnitude of its result, or
  * for a sum that of its terms. */
-static double compute_roundoff_scale(const jet_tape *tape, const jet_run *run, int operation, const double *x)
+static double compute_roundoff_scale(const jet_tape *tape, const jet_run_of_operations *run, int operation,
+                                     const double *x)
 {
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
     if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + operation]);
@@ -68,7 +69,7 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
     for (int i = 0; i < input_count; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->run_count; r++) {
         jet_tape one_run = *tape;
-        /* The interpreter sweeps the single jet_run of this tape, since generated code sweeps only whole tapes. */
+        /* The interpreter sweeps the single run of this tape, since generated code sweeps only whole tapes. */
         one_run.sweeps = tape->interpreter_sweeps;
         one_run.runs = tape->runs + r;
         one_run.run_count = 1;

@@ -69,7 +69,7 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     recording->gradient_of_r_dot_Hp = malloc(2 * count * sizeof *recording->gradient_of_r_dot_Hp);
     if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->gradient_of_r_dot_Hp)
         return TVI_ENOMEM;
-    jet_graph_set_output_name(system->graph, user_function_name(statement));
+    jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
     recording->v = recording->q + n;
     recording->r = recording->v + n;
     const int input_count = general ? 2 * n : n;
@@ -126,9 +126,9 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
     if (!force) return TVI_ENOMEM;
     for (int i = 0; i < n; i++) force[i] = jet_make_unset_poison();
     statement->drive(recording->q, v, recording->t, force, statement->drive_ctx);
-    jet_graph_set_output_name(system->graph, "driving force");
+    jet_graph_set_output_name_for_messages(system->graph, "driving force");
     const tvi_status status = jet_graph_check_outputs(system->graph, n, force);
-    jet_graph_set_output_name(system->graph, user_function_name(statement));
+    jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
     for (int i = 0; i < n; i++) recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
     free(force);
     system->is_driven = true;
@@ -299,7 +299,7 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
     const tvi_status status = jet_graph_check_outputs(system->graph, outputs, recording->field);
     if (status != TVI_OK) return status;
-    jet_graph_close(system->graph);
+    jet_graph_end_recording(system->graph);
     system->input_count = outputs;
     system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
     system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);

@@ -26,7 +26,7 @@ static void unite_sets(int set_parent[], int a, int b)
  * functions of the time) unite nothing. */
 static void unite_results_with_operands(const jet_tape *tape, const bool depends_on_state[], int set_parent[])
 {
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++)
             for (int k = 0, a; (a = jet_operation_operand_slot(tape, run, i, k)) >= 0; k++)
                 if (depends_on_state[a]) unite_sets(set_parent, run->z + i, a);

@@ -69,7 +69,8 @@ struct tvi_system {
     jet user_function;
     /* -1 if a Lagrangian became separable, since the energy tape then gives -V; otherwise 1. */
     double energy_sign;
-    const struct tvi_code *code; /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
+    /* Generated code for the tapes. NULL: the interpreter runs the tapes. */
+    const struct tvi_code *code;
     /* The number of inputs of the energy tape without t: n, or 2n. In a separable system with 2n inputs, V is the
      * energy at v = 0 or p = 0, up to its sign. */
     int energy_input_count;
@@ -115,7 +116,8 @@ TVI_NODISCARD tvi_status tvi_hessian_record(tvi_system *system, jet **jets);
  * leaves out f g''. If this matrix is too expensive, too, it records no second derivatives. */
 TVI_NODISCARD tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets);
 
-/* Creates the tape of the second derivatives if there are any. The recording must be finished (jet_graph_close). */
+/* Creates the tape of the second derivatives if there are any. The recording must be finished
+ * (jet_graph_end_recording). */
 TVI_NODISCARD tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[]);
 
 /* Finds the masses of a system from the gradient of its recorded L or H: velocity_gradient [n] is the gradient by v,

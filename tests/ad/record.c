@@ -19,7 +19,7 @@ recording record_close(jet_graph *graph, int outputs, jet output[], jet_tape_kin
 {
     recording r = {.graph = graph, .inputs = jet_graph_input_count(graph), .outputs = outputs};
     ck_assert_int_eq(jet_graph_check_outputs(graph, outputs, output), TVI_OK);
-    jet_graph_close(graph);
+    jet_graph_end_recording(graph);
     r.tape = jet_tape_create(graph, r.inputs, outputs, output, kind);
     ck_assert_ptr_nonnull(r.tape);
     return r;
@@ -73,7 +73,7 @@ recording record_lift(const function *f, bool of_gradient, jet_tape_kind kind)
     const int outputs = of_gradient ? f->inputs : f->outputs;
     if (of_gradient) ck_assert(jet_record_gradient(from, z[f->outputs - 1], f->inputs, z));
     ck_assert_int_eq(jet_graph_check_outputs(from, outputs, z), TVI_OK);
-    jet_graph_close(from);
+    jet_graph_end_recording(from);
     const int nodes = jet_graph_node_count(from);
     for (int i = 0; i < f->inputs; i++) {
         x[i] = jet_graph_input(graph, f->inputs - 1 - i);
@@ -124,7 +124,7 @@ static double *new_block(const jet_tape *tape, int orders, int lanes)
 bool run_values(const recording *r, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, 1, lanes);
-    jet_tape_prepare_block(r->tape, block, 1, lanes);
+    jet_tape_reset_block_and_set_constants(r->tape, block, 1, lanes);
     spoil(r->tape, 1, lanes, false, block);
     set_inputs(r, 0, lanes, 0, 0, x, block);
     const bool inside = jet_sweep_values(r->tape, block, lanes);
@@ -136,7 +136,7 @@ bool run_values(const recording *r, int lanes, const double x[], double z[])
 static double size_of(const jet_tape *tape, int slot, int lanes, const double *lane)
 {
     double size = fabs(lane[slot * lanes]);
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int k = 0;
              run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->operation_count && k < run->term_count;
              k++) {
@@ -149,7 +149,7 @@ static double size_of(const jet_tape *tape, int slot, int lanes, const double *l
 void run_sizes(const recording *r, int lanes, const double x[], double size[])
 {
     double *block = new_block(r->tape, 1, lanes);
-    jet_tape_prepare_block(r->tape, block, 1, lanes);
+    jet_tape_reset_block_and_set_constants(r->tape, block, 1, lanes);
     set_inputs(r, 0, lanes, 0, 0, x, block);
     (void)jet_sweep_values(r->tape, block, lanes);
     for (int i = 0; i < r->outputs * lanes; i++)
@@ -160,7 +160,7 @@ void run_sizes(const recording *r, int lanes, const double x[], double size[])
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare_block(r->tape, block, degree + 1, lanes);
+    jet_tape_reset_block_and_set_constants(r->tape, block, degree + 1, lanes);
     spoil(r->tape, degree + 1, lanes, true, block);
     bool inside = true;
     for (int k = 0; k <= degree; k++) {
@@ -176,7 +176,7 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
                   double dz[])
 {
     double *block = new_block(r->tape, degree + 1, lanes_of_x), *dblock = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare_block(r->tape, block, degree + 1, lanes_of_x);
+    jet_tape_reset_block_and_set_constants(r->tape, block, degree + 1, lanes_of_x);
     spoil(r->tape, degree + 1, lanes_of_x, true, block);
     spoil(r->tape, degree + 1, lanes, true, dblock);
     for (int k = 0; k <= degree; k++) {
@@ -184,7 +184,7 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
         ck_assert(jet_sweep_series(r->tape, block, k, lanes_of_x));
         set_inputs(r, degree, lanes, k, k, dx, dblock);
         if (lanes_of_x == 1) jet_sweep_tangents(r->tape, block, dblock, k, lanes);
-        else jet_sweep_tangents_per_lane(r->tape, block, dblock, k, lanes);
+        else jet_sweep_one_tangent_per_lane(r->tape, block, dblock, k, lanes);
     }
     get_outputs(r, degree, lanes, dblock, dz);
     free(block);
@@ -195,7 +195,7 @@ void run_adjoints(const recording *r, int degree, const double x[], const double
 {
     const jet_tape *tape = r->tape;
     double *block = new_block(tape, degree + 1, 1), *bar = new_block(tape, degree + 1, 1);
-    jet_tape_prepare_block(tape, block, degree + 1, 1);
+    jet_tape_reset_block_and_set_constants(tape, block, degree + 1, 1);
     for (int k = 0; k <= degree; k++) {
         set_inputs(r, degree, 1, k, k, x, block);
         ck_assert(jet_sweep_series(tape, block, k, 1));

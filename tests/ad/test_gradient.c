@@ -223,7 +223,7 @@ START_TEST(lift_of_poison_is_poison)
     jet_graph *from = jet_graph_create(2), *graph = jet_graph_create(2);
     jet z = jet_mul(jet_graph_input(from, 0), jet_exp(jet_graph_input(from, 1))), value, rate;
     ck_assert_int_eq(jet_graph_check_outputs(from, 1, &z), TVI_OK);
-    jet_graph_close(from);
+    jet_graph_end_recording(from);
     const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_make_unset_poison()};
     ck_assert(jet_record_forward_derivatives(from, graph, all, one, NULL, 1, &z, &value, &rate));
     ck_assert_int_eq(jet_graph_check_outputs(graph, 1, &value), TVI_OK);

@@ -56,7 +56,7 @@ START_TEST(runs_are_hashed)
     recording r = record_all_kinds();
     ck_assert_int_gt(r.tape->run_count, 5);
     for (int i = 0; i < r.tape->run_count; i++) {
-        jet_run *run = &r.tape->runs[i];
+        jet_run_of_operations *run = &r.tape->runs[i];
         EXPECT_SEEN(r.tape, run->op);
         EXPECT_SEEN(r.tape, run->operation_count);
         EXPECT_SEEN(r.tape, run->z);

@@ -95,7 +95,7 @@ START_TEST(outputs_are_refused)
 {
     jet_graph *graph = jet_graph_create(2), *other = jet_graph_create(1), *closed = jet_graph_create(1);
     (void)jet_sqr(jet_graph_input(closed, 0));
-    jet_graph_close(closed);
+    jet_graph_end_recording(closed);
     const int closed_count = jet_graph_node_count(closed);
     const tvi_status status = refusal(_i, graph, other, closed);
     ck_assert_msg(status == refusals[_i].status, "%s: status %d instead of %d", refusals[_i].name, status,

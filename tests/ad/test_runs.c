@@ -14,7 +14,7 @@
 
 enum { VECTOR = 8 };
 
-static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
+static bool is_product(const jet_run_of_operations *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
 /* Runs follow each other, without gaps but before vectors, and read, at the order being computed, only slots that are
  * computed before; each LINEAR has a row of terms, as many as the others of its run; the products of a run have one set
@@ -22,7 +22,7 @@ static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || ru
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
 {
     int slot = tape->input_count + tape->constant_count, row = 0, term = 0;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++) {
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++) {
         const jet_rule *rule = jet_rules[run->op];
         if (run->z != slot) { /* a vector begins (tape_pad.c) */
             ck_assert_int_eq(kind, JET_TAPE_SERIES);
@@ -32,7 +32,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         slot = run->z + run->operation_count;
         ck_assert_int_le(slot, tape->slot_count);
         if (rule && rule->operand_count == 2) ck_assert_int_le(run->b + run->operation_count, run->z);
-        if (rule && rule->partner_orders == W_SAME && kind == JET_TAPE_SERIES)
+        if (rule && rule->auxiliary_series_orders_read == W_SAME && kind == JET_TAPE_SERIES)
             ck_assert_int_le(run->w + run->operation_count, run->z);
         if (run->op != OP_LINEAR && !is_product(run)) {
             ck_assert_int_le(run->a + run->operation_count, run->z);
@@ -105,7 +105,7 @@ START_TEST(pairs_run_together)
         ck_assert_int_eq(runs_of(r.tape, expected[i].op), expected[i].runs);
     }
     for (int i = 0; i < r.tape->run_count && _i == JET_TAPE_SERIES; i++) {
-        const jet_run *run = &r.tape->runs[i];
+        const jet_run_of_operations *run = &r.tape->runs[i];
         if (run->op == OP_LINEAR) continue;
         ck_assert_int_eq(run->z % VECTOR, 0);
         ck_assert_int_eq(run->operation_count % VECTOR, 0);

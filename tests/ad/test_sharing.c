@@ -181,7 +181,7 @@ END_TEST
 
 /* ---- Counts of nodes --------------------------------------------------------------------------------------------- */
 
-/* row(name, nodes, result): so many nodes are added to the two inputs, partners among them. */
+/* row(name, nodes, result): so many nodes are added to the two inputs, auxiliary nodes among them. */
 #define COUNTS(ROW)                                                                                                    \
     ROW(of_numbers, 0, jet_sub(jet_tanh(jet_add(1, jet_exp(0.5))), jet_div(jet_pow(2, 0.5), jet_log(3))))              \
     ROW(of_nothing, 0, jet_mul(0, x))                                                                                  \
@@ -234,7 +234,7 @@ START_TEST(closed_recording_is_not_written)
 {
     jet_graph *graph = jet_graph_create(2);
     const jet x = jet_graph_input(graph, 0), y = jet_graph_input(graph, 1), u = jet_sin(jet_add(x, jet_mul(3, y)));
-    jet_graph_close(graph);
+    jet_graph_end_recording(graph);
     enum { MOST = 16 };
     struct jet_node before[MOST];
     const int count = jet_graph_node_count(graph);

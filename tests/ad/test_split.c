@@ -9,19 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const jet_split_mode ways[] = {JET_SPLIT_NONE, JET_SPLIT_SUMS, JET_SPLIT_ALL};
+static const jet_runs_to_split ways[] = {JET_SPLIT_NONE, JET_SPLIT_SUMS, JET_SPLIT_ALL};
 enum { WAYS = sizeof ways / sizeof *ways, LANES = 8 };
 
-static recording split_of(const recording *r, jet_split_mode which, jet_tape *split)
+static recording split_of(const recording *r, jet_runs_to_split which, jet_tape *split)
 {
-    ck_assert(jet_split_tape_runs(split, r->tape, which));
+    ck_assert(jet_split_runs_into_single_operations(split, r->tape, which));
     recording other = *r;
     other.tape = split;
     return other;
 }
 
 /* The same values, to roundoff. A slot that is read before it is computed would be no number. */
-static void check_values(const recording *r, const function *f, jet_split_mode which)
+static void check_values(const recording *r, const function *f, jet_runs_to_split which)
 {
     double x[INPUTS_MAX * LANES], want[OUTPUTS_MAX * LANES], got[OUTPUTS_MAX * LANES];
     jet_tape split;
@@ -49,7 +49,7 @@ START_TEST(splits_compute_the_same)
 END_TEST
 
 /* Whether the split has the operations of such a run alone. */
-static bool is_cut(const jet_run *run, jet_split_mode which)
+static bool is_cut(const jet_run_of_operations *run, jet_runs_to_split which)
 {
     return which == JET_SPLIT_ALL || (which == JET_SPLIT_SUMS && run->op == OP_LINEAR);
 }
@@ -62,9 +62,9 @@ START_TEST(operations_are_made_once)
     int *makers = calloc((size_t)r.tape->slot_count, sizeof *makers);
     for (int way = 0; way < WAYS; way++) {
         jet_tape split;
-        ck_assert(jet_split_tape_runs(&split, r.tape, ways[way]));
+        ck_assert(jet_split_runs_into_single_operations(&split, r.tape, ways[way]));
         memset(makers, 0, (size_t)r.tape->slot_count * sizeof *makers);
-        for (const jet_run *run = split.runs; run < split.runs + split.run_count; run++) {
+        for (const jet_run_of_operations *run = split.runs; run < split.runs + split.run_count; run++) {
             ck_assert(run->operation_count == 1 || !is_cut(run, ways[way]));
             for (int slot = run->z; slot < run->z + run->operation_count; slot++) makers[slot]++;
         }
@@ -88,7 +88,7 @@ static const function *gravity(void)
 static int longest_way(const jet_tape *tape)
 {
     int *made = calloc((size_t)tape->slot_count, sizeof *made), longest = 0, count = 0;
-    for (const jet_run *run = tape->runs; run < tape->runs + tape->run_count; run++)
+    for (const jet_run_of_operations *run = tape->runs; run < tape->runs + tape->run_count; run++)
         for (int i = 0; i < run->operation_count; i++, count++) {
             made[run->z + i] = count;
             for (int term = run->first_term_index;
@@ -108,8 +108,8 @@ START_TEST(pairs_follow_each_other)
 {
     recording r = record_outputs(gravity(), JET_TAPE_VALUES);
     jet_tape sums, all;
-    ck_assert(jet_split_tape_runs(&sums, r.tape, JET_SPLIT_SUMS));
-    ck_assert(jet_split_tape_runs(&all, r.tape, JET_SPLIT_ALL));
+    ck_assert(jet_split_runs_into_single_operations(&sums, r.tape, JET_SPLIT_SUMS));
+    ck_assert(jet_split_runs_into_single_operations(&all, r.tape, JET_SPLIT_ALL));
     ck_assert_int_ge(longest_way(&sums), 45);
     ck_assert_int_le(longest_way(&all), 12);
     jet_free_split_tape(&sums);

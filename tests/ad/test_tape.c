@@ -15,12 +15,12 @@
 
 static int all_operations(const jet_tape *tape) { return tape->slot_count - tape->input_count - tape->constant_count; }
 
-/* Values leave out the partners, which series alone need. */
+/* Values leave out the auxiliary series, which series alone need. */
 static const struct {
     const char *name;
-    jet_op op, partner;
+    jet_op op, auxiliary;
     int values, series; /* operations on the tape */
-} partners[] = {
+} auxiliary_cases[] = {
     {"exp", OP_EXP, OP_EXP, 1, 1},         {"log", OP_LOG, OP_LOG, 1, 1},
     {"sin", OP_SIN, OP_COS, 1, 2},         {"cos", OP_COS, OP_SIN, 1, 2},
     {"sinh", OP_SINH, OP_COSH, 1, 2},      {"cosh", OP_COSH, OP_SINH, 1, 2},
@@ -34,27 +34,28 @@ static const struct {
     {"atan2", OP_ATAN2, OP_SQUARES, 1, 2},
 };
 
-START_TEST(values_leave_out_partners)
+START_TEST(values_leave_out_auxiliary_series)
 {
     if (is_plain()) return;
-    const function f = {partners[_i].name, operation_named(partners[_i].name), 2, 1, 0, {0}, 0};
+    const function f = {auxiliary_cases[_i].name, operation_named(auxiliary_cases[_i].name), 2, 1, 0, {0}, 0};
     recording values = record_outputs(&f, JET_TAPE_VALUES), series = record_outputs(&f, JET_TAPE_SERIES);
-    ck_assert_int_eq(operations_of(values.tape, partners[_i].op), 1);
-    ck_assert_int_eq(all_operations(values.tape), partners[_i].values);
-    ck_assert_int_eq(all_operations(series.tape), partners[_i].series);
-    ck_assert_int_ge(operations_of(series.tape, partners[_i].partner), 1);
+    ck_assert_int_eq(operations_of(values.tape, auxiliary_cases[_i].op), 1);
+    ck_assert_int_eq(all_operations(values.tape), auxiliary_cases[_i].values);
+    ck_assert_int_eq(all_operations(series.tape), auxiliary_cases[_i].series);
+    ck_assert_int_ge(operations_of(series.tape, auxiliary_cases[_i].auxiliary), 1);
     recording_free(&values);
     recording_free(&series);
 }
 END_TEST
 
-/* The derivative of tanh is sech^2 and of sin is cos: the output is the partner, and a tape of values has it alone. */
+/* The derivative of tanh is sech^2 and of sin is cos: the output is the auxiliary series, and a tape of values has it
+ * alone. */
 static const struct {
     const char *name;
     jet_op op;
 } derivatives[] = {{"tanh", OP_SECH2}, {"sin", OP_COS}, {"cosh", OP_SINH}, {"exp", OP_EXP}};
 
-START_TEST(values_of_a_partner_are_alone)
+START_TEST(values_of_an_auxiliary_series_are_alone)
 {
     const function f = {derivatives[_i].name, operation_named(derivatives[_i].name), 1, 1, 0, {0}, 0};
     recording r = record_gradient(&f, 0, JET_TAPE_VALUES);
@@ -74,7 +75,7 @@ START_TEST(what_is_not_needed_is_left_out)
     (void)jet_tan(jet_sin(x[3]));
     z[0] = jet_mul(x[1], jet_sqrt(x[2]));
     ck_assert_int_eq(jet_graph_check_outputs(graph, 1, z), TVI_OK);
-    jet_graph_close(graph);
+    jet_graph_end_recording(graph);
     jet_tape *tape = jet_tape_create(graph, 1, 1, z, JET_TAPE_SERIES);
     ck_assert_int_eq(tape->input_count, 3); /* x0, asked for; x1 and x2, needed; x3 is not */
     ck_assert_int_eq(tape->slot_count, 5);
@@ -141,7 +142,7 @@ START_TEST(block_is_prepared)
     const int size = ORDERS_USED * r.tape->slot_count * LANES;
     double *block = numbers((size_t)size);
     for (int i = 0; i < size; i++) block[i] = 7;
-    jet_tape_prepare_block(r.tape, block, ORDERS_USED, LANES);
+    jet_tape_reset_block_and_set_constants(r.tape, block, ORDERS_USED, LANES);
     for (int i = 0; i < size; i++) {
         const int constant = i / LANES - r.tape->input_count;
         const bool is_constant = constant >= 0 && constant < r.tape->constant_count;
@@ -171,7 +172,7 @@ START_TEST(sweeps_write_their_own_order)
     recording r = record_outputs(f, JET_TAPE_SERIES);
     const size_t size = (size_t)((DEGREE + 1) * r.tape->slot_count);
     double *x = numbers(size), *dx = numbers(size), *before = numbers(size);
-    jet_tape_prepare_block(r.tape, x, DEGREE + 1, 1);
+    jet_tape_reset_block_and_set_constants(r.tape, x, DEGREE + 1, 1);
     for (int k = 0; k <= DEGREE; k++)
         for (int i = 0; i < f->inputs; i++) {
             x[k * r.tape->slot_count + i] = k == 0 ? f->centre[i] : 0.1;
@@ -197,8 +198,8 @@ Suite *tape_suite(void)
     Suite *suite = suite_create("tape");
     const int functions = operation_count + composition_count;
     TCase *lowering = add_case(suite, "lowering");
-    tcase_add_loop_test(lowering, values_leave_out_partners, 0, COUNT(partners));
-    tcase_add_loop_test(lowering, values_of_a_partner_are_alone, 0, COUNT(derivatives));
+    tcase_add_loop_test(lowering, values_leave_out_auxiliary_series, 0, COUNT(auxiliary_cases));
+    tcase_add_loop_test(lowering, values_of_an_auxiliary_series_are_alone, 0, COUNT(derivatives));
     tcase_add_test(lowering, what_is_not_needed_is_left_out);
     tcase_add_test(lowering, outputs_may_be_anything);
     tcase_add_loop_test(lowering, products_that_are_outputs_stay, 0, 2);
