@@ -11,14 +11,14 @@ extern _Thread_local bool passes_end_sooner;
 /* The square of how many times the rule's roundoff: first passes may grow. */
 #define SOONER_SMALL 1024
 
-static inline tvi_passes_verdict judge_sooner(tvi_passes *passes, const tvi_passes_rule *rule, double size)
+static inline tvi_passes_verdict judge_sooner(tvi_convergence_test *passes, const tvi_stopping_rule *rule, double size)
 {
     const double before = passes->size;
-    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, rule, size);
+    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(passes, rule, size);
     if (!passes_end_sooner) return verdict;
     return size == 0 || (size >= before && size <= SOONER_SMALL * rule->roundoff_level) ? TVI_PASSES_MAY_END
                                                                                         : TVI_PASSES_GO_ON;
 }
-#define tvi_passes_add_and_judge judge_sooner
+#define tvi_convergence_test_add_pass judge_sooner
 
 #endif

@@ -20,7 +20,7 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     c->memory = tvi_arena_obtain_memory(&arena);
     if (!c->memory) abort();
     lay_out(c, &arena, system, N);
-    tvi_blocks_set_constants(arena.first_block);
+    tvi_blocks_set_constants(arena.first_tape_block);
     tvi_curve_fill_constant_tables(&c->curve);
     c->tau = h / 2;
     for (int i = 0; i < system->n; i++) {

@@ -19,7 +19,7 @@
 #endif
 #endif
 
-typedef struct tvi_block tvi_block;
+typedef struct tvi_tape_block tvi_tape_block;
 
 /* The arena. Its history is a region that contains everything one step leaves to the next one. All zeros are the
  * history before a first step. The owner of the memory can therefore copy, restore, clear and save the history without
@@ -32,9 +32,9 @@ typedef struct {
     char *memory, *history, *uncopied_history;
     /* The numbers of bytes that are allocated so far outside of the history, in the copied history, and in the uncopied
      * history. */
-    size_t bytes_outside_history, copied_history_bytes, uncopied_history_bytes;
+    size_t bytes_not_kept_between_steps, copied_history_bytes, uncopied_history_bytes;
     /* The first of the blocks that were allocated in this arena; they form a list (block.h). */
-    const tvi_block *first_block;
+    const tvi_tape_block *first_tape_block;
 } tvi_arena;
 
 /* Alignment of arrays in bytes. Arrays of the copied history are closer together, since each step copies them. */
@@ -57,7 +57,7 @@ static inline size_t tvi_arena_round_up(size_t bytes, size_t alignment)
 }
 
 /* Returns the size of both parts of the history in bytes. */
-static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
+static inline size_t tvi_arena_bytes_kept_between_steps(const tvi_arena *arena)
 {
     return tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT) + arena->uncopied_history_bytes;
 }
@@ -65,7 +65,7 @@ static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
  * step. */
 static inline size_t tvi_arena_total_bytes(const tvi_arena *arena)
 {
-    return arena->bytes_outside_history + tvi_arena_history_bytes(arena) +
+    return arena->bytes_not_kept_between_steps + tvi_arena_bytes_kept_between_steps(arena) +
            tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT);
 }
 
@@ -77,7 +77,7 @@ static inline void *tvi_arena_obtain_memory(tvi_arena *arena)
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
     if (!memory) return NULL;
     memset(memory, 0, bytes);
-    char *const history = memory + arena->bytes_outside_history;
+    char *const history = memory + arena->bytes_not_kept_between_steps;
     char *const uncopied_history = history + tvi_arena_round_up(arena->copied_history_bytes, ARENA_ALIGNMENT);
     *arena = (tvi_arena){.memory = memory, .history = history, .uncopied_history = uncopied_history};
     return memory;
@@ -97,17 +97,17 @@ static inline void *tvi_arena_reserve_piece(char *region, size_t *used, size_t b
 /* Allocates an array of this size outside of the history. */
 static inline void *tvi_arena_allocate(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_reserve_piece(arena->memory, &arena->bytes_outside_history, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_reserve_piece(arena->memory, &arena->bytes_not_kept_between_steps, bytes, ARENA_ALIGNMENT);
 }
 
 /* Allocates an array of this size in the copied history. */
-static inline void *tvi_arena_allocate_in_copied_history(tvi_arena *arena, size_t bytes)
+static inline void *tvi_arena_allocate_restored_if_step_fails(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->history, &arena->copied_history_bytes, bytes, ARENA_COPIED_ALIGNMENT);
 }
 
 /* Allocates an array of this size in the uncopied history. */
-static inline void *tvi_arena_allocate_in_uncopied_history(tvi_arena *arena, size_t bytes)
+static inline void *tvi_arena_allocate_kept_even_if_step_fails(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_reserve_piece(arena->uncopied_history, &arena->uncopied_history_bytes, bytes, ARENA_ALIGNMENT);
 }
@@ -118,14 +118,15 @@ static inline double *tvi_arena_allocate_doubles(tvi_arena *arena, size_t count)
     return tvi_arena_allocate(arena, count * sizeof(double));
 }
 
-/* Copies a whole history, or clears it if `from` is NULL. It does not use memcpy if there are gaps, since the address
- * sanitizer would report that memcpy accesses them. */
-ARENA_NO_SANITIZER static inline void tvi_arena_copy_history(char *to, const char *from, size_t bytes)
+/* Copies a whole history, or clears it if from_or_null is NULL. It does not use memcpy if there are gaps, since the
+ * address sanitizer would report that memcpy accesses them. */
+ARENA_NO_SANITIZER static inline void tvi_arena_copy_or_clear_with_sanitizer_gaps(char *to, const char *from_or_null,
+                                                                                  size_t bytes)
 {
 #ifdef ARENA_HAS_GAPS
-    for (size_t i = 0; i < bytes; i++) ((volatile char *)to)[i] = from ? from[i] : 0;
+    for (size_t i = 0; i < bytes; i++) ((volatile char *)to)[i] = from_or_null ? from_or_null[i] : 0;
 #else
-    if (from) memcpy(to, from, bytes);
+    if (from_or_null) memcpy(to, from_or_null, bytes);
     else memset(to, 0, bytes);
 #endif
 }

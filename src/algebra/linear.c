@@ -33,7 +33,7 @@ tvi_status tvi_factor_compute(tvi_lu_factor *factor)
     linear_equilibrate_matrix(n, factor);
     /* dgetf2 has one thread for any size, so that results do not depend on the number of threads. */
     (n < LAPACK_THREADED_MIN_ROWS ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    return linear_finish_factorisation(n, info == 0, factor);
+    return linear_check_pivots_and_choose_refinement(n, info == 0, factor);
 }
 
 double tvi_factor_least_pivot(const tvi_lu_factor *factor) { return linear_least_pivot(factor->n, factor); }

@@ -141,9 +141,9 @@ JET_INLINE double linear_least_pivot(int n, const tvi_lu_factor *factor)
     return least;
 }
 
-/* Ends the factorisation of a scaled matrix: decides whether solutions are refined, and returns TVI_ESINGULAR if the
- * factorisation failed or a pivot is at the level of roundoff. */
-JET_INLINE tvi_status linear_finish_factorisation(int n, bool is_factored, tvi_lu_factor *factor)
+/* Ends the factorisation of a scaled matrix by its pivots: decides whether solutions are refined, and returns
+ * TVI_ESINGULAR if the factorisation failed or a pivot is at the level of roundoff. */
+JET_INLINE tvi_status linear_check_pivots_and_choose_refinement(int n, bool is_factored, tvi_lu_factor *factor)
 {
     factor->uses_refinement = factor->uses_refinement && linear_has_row_exchanges(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
@@ -155,15 +155,16 @@ JET_INLINE void linear_scale_components(int n, const double scale[], double x[])
     for (int i = 0; i < n; i++) x[i] *= scale[i];
 }
 
-/* Computes factor->residual, the residual of the solution x, for one step of iterative refinement. If rows of different
- * units were exchanged, the step removes the roundoff of large unknowns from small ones (Skeel, Math. Comp. 35,
- * 1980). */
-JET_INLINE void linear_compute_residual(int n, const tvi_lu_factor *factor, bool transposed, const double x[])
+/* Computes factor->residual, the residual of the solution for factor->right_side, for one step of iterative refinement.
+ * If rows of different units were exchanged, the step removes the roundoff of large unknowns from small ones (Skeel,
+ * Math. Comp. 35, 1980). */
+JET_INLINE void linear_compute_residual_inside_factor(int n, const tvi_lu_factor *factor, bool transposed,
+                                                      const double solution[])
 {
     const int row_stride = transposed ? 1 : n, column_stride = transposed ? n : 1;
     for (int i = 0; i < n; i++) {
         double residual = factor->right_side[i];
-        for (int j = 0; j < n; j++) residual -= factor->scaled_matrix[i * row_stride + j * column_stride] * x[j];
+        for (int j = 0; j < n; j++) residual -= factor->scaled_matrix[i * row_stride + j * column_stride] * solution[j];
         factor->residual[i] = residual;
     }
 }
@@ -180,7 +181,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_lu_factor *factor, bool tra
     if (factor->uses_refinement) memcpy(factor->right_side, x, (size_t)n * sizeof *x);
     solve_factored(n, factor, transposed, x);
     if (factor->uses_refinement) {
-        linear_compute_residual(n, factor, transposed, x);
+        linear_compute_residual_inside_factor(n, factor, transposed, x);
         solve_factored(n, factor, transposed, factor->residual);
         for (int i = 0; i < n; i++) x[i] += factor->residual[i];
     }
@@ -194,7 +195,7 @@ JET_INLINE tvi_status linear_small_equilibrate_and_factor(int n, tvi_lu_factor *
     if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate_matrix(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
-    return linear_finish_factorisation(n, true, factor);
+    return linear_check_pivots_and_choose_refinement(n, true, factor);
 }
 
 /* Computes x <- (R A C)^-1 x, or x <- (R A C)^-T x if `transposed`. linear_small_factor reads the row-major matrix R A
@@ -237,11 +238,11 @@ JET_INLINE void linear_multiply_per_member(int width, const double a[], const do
 }
 
 /* Factors A = L U, row-major. U is in the upper half of factor->lu, L below the diagonal of factor->scaled_matrix, and
- * 1 / U_jj in factor->row_scale. In this layout rows are only written as a whole. The first `same_unit_row_count` rows
- * have the same units as the columns. Sets is_safe [width] of a member to 0 if a pivot needs an exchange of rows, or is
- * NaN. */
-JET_INLINE void linear_unpivoted_factor(int n, int same_unit_row_count, int width, const tvi_lu_factor *factor,
-                                        long long is_safe[])
+ * 1 / U_jj in factor->row_scale. In this layout rows are only written as a whole. The first
+ * count_of_rows_in_column_units rows have the same units as the columns. Sets is_safe_mask_of_member [width] of a
+ * member to 0 if a pivot needs an exchange of rows, or is NaN. */
+JET_INLINE void linear_unpivoted_factor_in_place(int n, int count_of_rows_in_column_units, int width,
+                                                 const tvi_lu_factor *factor, long long is_safe_mask_of_member[])
 {
     const size_t stride = (size_t)n;
     double before[LINEAR_OWN_MAX_ROWS * BATCH_MAX_WIDTH];
@@ -253,9 +254,9 @@ JET_INLINE void linear_unpivoted_factor(int n, int same_unit_row_count, int widt
         const double *row = factor->lu + j * n * width, *pivot = row + j * width;
         double *inverse = factor->row_scale + j * width;
         for (int m = 0; m < width; m++) {
-            const bool is_large = j >= same_unit_row_count || fabs(pivot[m]) >= LINEAR_MIN_PIVOT;
+            const bool is_large = j >= count_of_rows_in_column_units || fabs(pivot[m]) >= LINEAR_MIN_PIVOT;
             inverse[m] = 1 / pivot[m];
-            is_safe[m] &=
+            is_safe_mask_of_member[m] &=
                 -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_MIN_PIVOT));
         }
         JET_UNROLLED
@@ -274,8 +275,8 @@ JET_INLINE void linear_unpivoted_factor(int n, int same_unit_row_count, int widt
     }
 }
 
-/* Computes x <- A^-1 x for all members, with the factors of linear_unpivoted_factor. The unknown that is computed last
- * is subtracted last, so that the other products need not wait. */
+/* Computes x <- A^-1 x for all members, with the factors of linear_unpivoted_factor_in_place. The unknown that is
+ * computed last is subtracted last, so that the other products need not wait. */
 JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->scaled_matrix, *u = factor->lu;
@@ -292,7 +293,7 @@ JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_lu_factor *fa
     }
 }
 
-/* Computes x <- A^-T x for all members, with the factors of linear_unpivoted_factor. */
+/* Computes x <- A^-T x for all members, with the factors of linear_unpivoted_factor_in_place. */
 JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_lu_factor *factor, double x[])
 {
     const double *l = factor->scaled_matrix, *u = factor->lu;

@@ -31,7 +31,7 @@ typedef struct {
     int stall_comparison_lag;
     /* The next ratio is expected to be the square of the last one, as in Newton's method. */
     bool is_convergence_quadratic;
-} tvi_passes_rule;
+} tvi_stopping_rule;
 
 /* The outcome of a pass of an iteration. */
 typedef enum {
@@ -40,8 +40,8 @@ typedef enum {
     TVI_PASSES_STUCK    /* The passes are at roundoff, or they do not converge; the caller measures the roundoff. */
 } tvi_passes_verdict;
 
-/* Defines the structure tvi_passes, which describes the passes so far, and the function
- * tvi_add_pass_and_check_if_may_end, which adds a pass to it. */
+/* Defines the structure tvi_convergence_test, which holds the sizes of the corrections so far, and the function
+ * tvi_add_correction_and_check_convergence, which adds a pass to it. */
 #define JUDGED(name)       tvi_##name
 #define REAL               double
 #define TRUTH              int
@@ -53,34 +53,35 @@ typedef enum {
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 
-/* Begins an iteration. `earlier_slowest_ratio` is the slowest ratio of successive corrections in an earlier iteration,
- * or 0 if it is unknown. The fields are set one by one, since compilers would clear the structure by an instruction
- * that starts slowly. */
-static inline void tvi_passes_begin(tvi_passes *passes, double earlier_slowest_ratio)
+/* Begins an iteration. `earlier_slowest_contraction_ratio` is the slowest ratio of successive corrections in an earlier
+ * iteration, or 0 if it is unknown. The fields are set one by one, since compilers would clear the structure by an
+ * instruction that starts slowly. */
+static inline void tvi_convergence_test_begin_iteration(tvi_convergence_test *test,
+                                                        double earlier_slowest_contraction_ratio)
 {
-    passes->count = 0;
-    passes->size = passes->previous_size = passes->size_two_passes_before = INFINITY;
-    passes->ratio = passes->expected_next_size = passes->roundoff = 0;
-    passes->size_without_roundoff = INFINITY;
-    passes->contraction_ratio_growth = 1;
-    passes->slowest_ratio = earlier_slowest_ratio;
+    test->count = 0;
+    test->size = test->previous_size = test->size_two_passes_before = INFINITY;
+    test->ratio = test->expected_next_size = test->roundoff = 0;
+    test->size_without_roundoff = INFINITY;
+    test->contraction_ratio_growth = 1;
+    test->slowest_ratio = earlier_slowest_contraction_ratio;
 }
 
 /* Adds a pass whose correction has this size, and returns the outcome of the pass. */
-static inline tvi_passes_verdict tvi_passes_add_and_judge(tvi_passes *passes, const tvi_passes_rule *rule,
-                                                          double correction_size)
+static inline tvi_passes_verdict tvi_convergence_test_add_pass(tvi_convergence_test *test,
+                                                               const tvi_stopping_rule *rule, double correction_size)
 {
-    int is_stuck;
-    if (tvi_add_pass_and_check_if_may_end(passes, rule, correction_size, &is_stuck)) return TVI_PASSES_MAY_END;
-    return is_stuck ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
+    int is_stalled;
+    if (tvi_add_correction_and_check_convergence(test, rule, correction_size, &is_stalled)) return TVI_PASSES_MAY_END;
+    return is_stalled ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
 /* Tells whether the last correction is roundoff: whether it is at most the roundoff that was measured after the passes
  * were stuck. Keeps this roundoff for later passes. */
-static inline bool tvi_passes_have_reached_roundoff(tvi_passes *passes, double measured_roundoff)
+static inline bool tvi_convergence_test_is_at_roundoff(tvi_convergence_test *test, double measured_roundoff)
 {
-    passes->roundoff = measured_roundoff;
-    return passes->size <= measured_roundoff;
+    test->roundoff = measured_roundoff;
+    return test->size <= measured_roundoff;
 }
 
 #endif

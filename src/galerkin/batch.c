@@ -97,11 +97,11 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     stepper.tail_of_member = tvi_arena_allocate_doubles(arena, count);
     stepper.stepped_together_mask = tvi_arena_allocate(arena, count * sizeof *stepper.stepped_together_mask);
     stepper.last_step_only_mask = tvi_arena_allocate(arena, count * sizeof *stepper.last_step_only_mask);
-    stepper.history = tvi_arena_allocate_in_copied_history(arena, count * sizeof *stepper.history);
-    stepper.last_ring_index = tvi_arena_allocate_in_copied_history(arena, sizeof *stepper.last_ring_index);
+    stepper.history = tvi_arena_allocate_restored_if_step_fails(arena, count * sizeof *stepper.history);
+    stepper.last_ring_index = tvi_arena_allocate_restored_if_step_fails(arena, sizeof *stepper.last_ring_index);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
         stepper.impulse_ring[i] =
-            tvi_arena_allocate_in_copied_history(arena, unknowns * (size_t)options->degree * sizeof(double));
+            tvi_arena_allocate_restored_if_step_fails(arena, unknowns * (size_t)options->degree * sizeof(double));
     if (taken) *taken = stepper;
     return taken;
 }

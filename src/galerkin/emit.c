@@ -14,7 +14,7 @@ void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, co
 
 #define FIELD(name) #name, rule->name
 
-static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
+static void emit_passes_rule(jet_text *text, const tvi_stopping_rule *rule)
 {
     const struct {
         const char *name;
@@ -27,7 +27,7 @@ static void emit_passes_rule(jet_text *text, const tvi_passes_rule *rule)
                  {FIELD(stall_contraction_ratio)},
                  {FIELD(stall_comparison_lag)},
                  {FIELD(is_convergence_quadratic)}};
-    jet_text_append(text, "static const tvi_passes_rule galerkin_rule = {");
+    jet_text_append(text, "static const tvi_stopping_rule galerkin_rule = {");
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_append(text, ".%s = %a, ", field[i].name, field[i].value);
     jet_text_append(text, "};\n");
@@ -38,7 +38,7 @@ static void emit_text_lines(jet_text *text, const char *const *line)
     for (; *line; line++) jet_text_append(text, "%s", *line);
 }
 
-void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule)
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_stopping_rule *rule)
 {
     const galerkin_nodes *nodes = &field->nodes;
     jet_text_append(text,

@@ -67,7 +67,7 @@ struct galerkin_field_form {
 
 /* The rules that end the passes of a fixed-point iteration, of a Newton method that reuses its Jacobian, and of
  * Newton's method (probe.c). */
-extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
+extern const tvi_stopping_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
 /* The forms of the field. In the fixed-point form the rates are outputs of the tape, and passes are a fixed-point
  * iteration. The passes of the forms of a Lagrangian and of a Hamiltonian also use second derivatives. */
@@ -82,7 +82,7 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
 
 /* Writes the steps of one system into generated code, after the sweeps of its tapes (emit.c). `rule` decides when the
  * passes of a step end. */
-void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule);
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_stopping_rule *rule);
 /* Writes the definition of the array `static const int galerkin_NAME[]`, with a 0 after its last element. */
 void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[]);
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];

@@ -50,7 +50,7 @@ static const galerkin_field_form *select_field_form(const tvi_system *system)
 /* Returns the rule that ends the passes. If the second derivatives of a Hamiltonian K = g h (hamiltonian.c) are
  * computed without the term h g'', each pass reduces the error by a constant factor only. Such passes do not have the
  * rule of Newton's method. */
-static const tvi_passes_rule *select_passes_rule(const tvi_system *system)
+static const tvi_stopping_rule *select_passes_rule(const tvi_system *system)
 {
     return !system->hessian_values                                          ? &tvi_galerkin_fixed_point
            : system->form == TVI_HAMILTONIAN && system->hessian_is_complete ? &tvi_galerkin_newton

@@ -86,11 +86,12 @@ JET_INLINE void NAME(compute_tails_of_form)(const galerkin_rate_tail_data *tail_
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(is_separable ? at : at + inputs.n * width);
-            const tvi_tail_component component = galerkin_make_tail_component(&inputs, i, (size_t)at, momentum);
-            share[at] = tvi_tail_component_motion_share(&component, is_separable || inputs.has_masses);
-            ratio[at] = tvi_tail_component_last_term_ratio(&component);
+            const tvi_component_sizes_in_step component =
+                galerkin_make_tail_component(&inputs, i, (size_t)at, momentum);
+            share[at] = tvi_component_share_of_step_motion(&component, is_separable || inputs.has_masses);
+            ratio[at] = tvi_largest_relative_last_series_term(&component);
         }
-    tvi_tail_compute_for_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
+    tvi_compute_tails_of_ensemble_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
 
 KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, int member_count, double tail[])
@@ -101,8 +102,8 @@ KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, 
 }
 
 #if MEMBERS
-/* The operations with which judge.h defines members_add_pass_and_check_if_may_end, which judges the passes of several
- * members at once. */
+/* The operations with which judge.h defines members_add_correction_and_check_convergence, which judges the passes of
+ * several members at once. */
 #define JUDGED(name)       members_##name
 #define REAL               V
 #define TRUTH              JET_MASK(jet_widest)
@@ -114,25 +115,26 @@ KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, 
 #define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
 #include "algebra/judge.h"
 
-KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, const tvi_passes_rule *caller_rule,
+KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, const tvi_stopping_rule *caller_rule,
                                        int width, int count)
 {
-    const tvi_passes_rule rule = *caller_rule;
+    const tvi_stopping_rule rule = *caller_rule;
     long long left = 0;
     for (int m = 0; m < width; m += NUMBERS_OF(V)) {
         const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(iteration->moving_mask + m);
         const V movement = *(const V *)(iteration->movement_square + m), infinite = INFINITY - (V){0},
                 slowest = *(V *)(iteration->largest_contraction_ratio + m);
-        members_passes passes = {.count = count - 1,
-                                 .size = *(V *)(iteration->correction + m),
-                                 .previous_size = *(V *)(iteration->previous_correction + m),
-                                 .ratio = *(V *)(iteration->contraction_ratio + m),
-                                 .slowest_ratio = slowest,
-                                 .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
-                                 .contraction_ratio_growth = 1 - (V){0},
-                                 .roundoff = {0}};
+        members_convergence_test passes = {.count = count - 1,
+                                           .size = *(V *)(iteration->correction + m),
+                                           .previous_size = *(V *)(iteration->previous_correction + m),
+                                           .ratio = *(V *)(iteration->contraction_ratio + m),
+                                           .slowest_ratio = slowest,
+                                           .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
+                                           .contraction_ratio_growth = 1 - (V){0},
+                                           .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
-        const JET_MASK(jet_widest) may_end = members_add_pass_and_check_if_may_end(&passes, &rule, movement, &is_stuck),
+        const JET_MASK(jet_widest) may_end =
+            members_add_correction_and_check_convergence(&passes, &rule, movement, &is_stuck),
                                    is_finite = movement < infinite;
         *(V *)(iteration->correction + m) = passes.size;
         *(V *)(iteration->previous_correction + m) = passes.previous_size;

@@ -39,8 +39,8 @@ typedef struct {
 typedef struct {
     /* the movement of the last pass: the sum of the squares of the relative changes of the unknowns */
     double movement_square[BATCH_MAX_WIDTH];
-    /* The fields of tvi_passes (algebra/passes.h) of each member. `correction` is the movement of the last pass that
-     * was judged, contraction_ratio its ratio to previous_correction. */
+    /* The fields of tvi_convergence_test (algebra/passes.h) of each member. `correction` is the movement of the last
+     * pass that was judged, contraction_ratio its ratio to previous_correction. */
     double correction[BATCH_MAX_WIDTH], previous_correction[BATCH_MAX_WIDTH], contraction_ratio[BATCH_MAX_WIDTH];
     double largest_contraction_ratio[BATCH_MAX_WIDTH], correction_without_roundoff[BATCH_MAX_WIDTH];
     double first_movement_square[BATCH_MAX_WIDTH]; /* the movement of the first pass */
@@ -95,30 +95,31 @@ typedef struct {
     double *impulse_scale, *inverse_impulse_scale;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_tail_component_motion_share), and
-     * the ratio of its last term to its momentum or movement (tvi_tail_component_last_term_ratio). */
+    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_component_share_of_step_motion),
+     * and the ratio of its last term to its momentum or movement (tvi_largest_relative_last_series_term). */
     double *component_motion_share, *component_tail_ratio;
 } galerkin_rate_tail_data;
 
 /* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
  * of its coordinate and its momentum in the arrays. */
-static inline tvi_tail_component galerkin_make_tail_component(const galerkin_rate_tail_data *inputs, int i,
-                                                              size_t coordinate_index, size_t momentum_index)
+static inline tvi_component_sizes_in_step galerkin_make_tail_component(const galerkin_rate_tail_data *inputs, int i,
+                                                                       size_t coordinate_index, size_t momentum_index)
 {
     const double *last = inputs->impulse_sums_over_nodes.last_term,
                  *end_size = inputs->impulse_sums_over_nodes.end_impulse_size;
-    tvi_tail_component component = {.momentum_size = fabs(inputs->start_p[coordinate_index]) +
-                                                     (fabs(inputs->momentum_increment[coordinate_index]) +
-                                                      end_size[momentum_index] * inputs->inverse_outermost_weight),
-                                    .p_change_by_last_term = last[momentum_index],
-                                    .q_change_by_last_term = inputs->is_separable ? 0 : last[coordinate_index],
-                                    .coordinate_size = fabs(inputs->start_q[coordinate_index])};
-    component.inverse_momentum_size = 1 / component.momentum_size;
-    component.movement_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
+    tvi_component_sizes_in_step component = {.momentum_size =
+                                                 fabs(inputs->start_p[coordinate_index]) +
+                                                 (fabs(inputs->momentum_increment[coordinate_index]) +
+                                                  end_size[momentum_index] * inputs->inverse_outermost_weight),
+                                             .p_change_by_last_term = last[momentum_index],
+                                             .q_change_by_last_term = inputs->is_separable ? 0 : last[coordinate_index],
+                                             .coordinate_size = fabs(inputs->start_q[coordinate_index])};
+    component.one_over_momentum_size = 1 / component.momentum_size;
+    component.q_change_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
                                                    : end_size[coordinate_index] * inputs->inverse_outermost_weight;
-    component.inverse_movement_size = inputs->is_separable
-                                          ? inputs->inverse_impulse_scale[i] * component.inverse_momentum_size
-                                          : 1 / component.movement_size;
+    component.one_over_q_change_size = inputs->is_separable
+                                           ? inputs->inverse_impulse_scale[i] * component.one_over_momentum_size
+                                           : 1 / component.q_change_size;
     return component;
 }
 
@@ -269,10 +270,10 @@ typedef struct galerkin_kernels {
     /* Computes the tail of each member, [member_count]. */
     void (*compute_tails)(const galerkin_rate_tail_data *inputs, int member_count, double tail[]);
 
-    /* This kernel is for several members only. It decides, as tvi_passes_add_and_judge does for one member, which
-     * members have converged in pass number `count`, and updates their masks. Returns the number of members that still
-     * make passes. */
-    int (*judge_passes)(galerkin_batch_iteration *iteration, const tvi_passes_rule *rule, int width, int count);
+    /* This kernel is for several members only. It decides, as tvi_convergence_test_add_pass does for one member,
+     * which members have converged in pass number `count`, and updates their masks. Returns the number of members that
+     * still make passes. */
+    int (*judge_passes)(galerkin_batch_iteration *iteration, const tvi_stopping_rule *rule, int width, int count);
 
     /* The following kernels are for one member only. `move_in_parts` does what `move` does, and also sets
      * displacements [unknowns][lanes]: the moved values are drift_values + displacements, rounded. */

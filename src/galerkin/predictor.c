@@ -9,10 +9,10 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
 {
     const int unknowns = field->nodes.unknown_count, lanes = field->nodes.lane_count;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
-    predictor->history = tvi_arena_allocate_in_copied_history(arena, sizeof *predictor->history);
+    predictor->history = tvi_arena_allocate_restored_if_step_fails(arena, sizeof *predictor->history);
     predictor->max_first_movement_square = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
-        predictor->impulse_ring[i] = tvi_arena_allocate_in_uncopied_history(arena, count * width * sizeof(double));
+        predictor->impulse_ring[i] = tvi_arena_allocate_kept_even_if_step_fails(arena, count * width * sizeof(double));
     predictor->two_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
     predictor->last_step_extrapolation = tvi_arena_allocate_doubles(arena, width * width);
     predictor->resized_step_extrapolation = tvi_arena_allocate_doubles(arena, width * width);

@@ -26,14 +26,14 @@
     .roundoff_level = SQUARE(GALERKIN_ROUNDOFF_LEVEL),                                                                 \
     .max_trusted_contraction_ratio = SQUARE(PASSES_MAX_CONTRACTION),                                                   \
     .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE, .stall_comparison_lag = 2
-const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
-const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
-const tvi_passes_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_convergence_quadratic = true};
+const tvi_stopping_rule tvi_galerkin_fixed_point = {RULE(GALERKIN_GOAL)};
+const tvi_stopping_rule tvi_galerkin_quasi_newton = {RULE(GALERKIN_HESSIAN_GOAL)};
+const tvi_stopping_rule tvi_galerkin_newton = {RULE(GALERKIN_HESSIAN_GOAL), .is_convergence_quadratic = true};
 
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int unknown_value_count,
-                                               const tvi_options *options)
+tvi_stopping_rule tvi_galerkin_scale_passes_rule(const tvi_stopping_rule *rule_per_unknown, int unknown_value_count,
+                                                 const tvi_options *options)
 {
-    tvi_passes_rule rule = *rule_per_unknown;
+    tvi_stopping_rule rule = *rule_per_unknown;
     rule.correction_goal *= unknown_value_count;
     rule.roundoff_level *= unknown_value_count;
     rule = tvi_passes_rule_with_options(&rule, options, SQUARE(options->tolerance));

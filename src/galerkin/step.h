@@ -90,8 +90,8 @@ void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *aren
 
 /* Returns the rule that ends the passes of a step, from the rule for one unknown at one node and from the user's
  * options. unknown_value_count is the number of unknowns times the number of lanes. */
-tvi_passes_rule tvi_galerkin_scale_passes_rule(const tvi_passes_rule *rule_per_unknown, int unknown_value_count,
-                                               const tvi_options *options);
+tvi_stopping_rule tvi_galerkin_scale_passes_rule(const tvi_stopping_rule *rule_per_unknown, int unknown_value_count,
+                                                 const tvi_options *options);
 
 /* Returns whether the nodes are still near the start of the step (tvi_roundoff_may_exceed_step_motion of roundoff.h),
  * and have not diverged. */
@@ -112,7 +112,7 @@ typedef struct {
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
     galerkin_roundoff_probe probe;
-    tvi_passes_rule passes_rule;
+    tvi_stopping_rule passes_rule;
     galerkin_node_polynomials node_polynomials;
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
     double *increment_per_impulse;

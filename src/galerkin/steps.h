@@ -16,7 +16,7 @@ typedef struct galerkin_step_data {
     const galerkin_nodes *nodes;
     const galerkin_rate_tail_data *tail_inputs;
     const galerkin_impulse_sum_weights *impulse_sum_weights;
-    const tvi_passes_rule *passes_rule;
+    const tvi_stopping_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
     /* the fields of the same names in galerkin_predictor */
     const double *two_step_extrapolation, *last_step_extrapolation;
@@ -48,7 +48,7 @@ typedef struct {
 typedef struct {
     tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
     int pass_count;
-    tvi_passes convergence_test;
+    tvi_convergence_test convergence_test;
     /* The convergence of an earlier step of the same size when the iteration begins, and of this step when the
      * iteration has ended. */
     galerkin_convergence convergence;
@@ -114,10 +114,10 @@ JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_s
 }
 
 /* Records a pass of a member with this movement, and decides whether the iteration may end. */
-JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_passes_rule *rule, galerkin_member_iteration *iteration,
+JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_stopping_rule *rule, galerkin_member_iteration *iteration,
                                                   double movement)
 {
-    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(&iteration->convergence_test, rule, movement);
+    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&iteration->convergence_test, rule, movement);
     if (iteration->pass_count++ == 0) iteration->convergence.first_movement_square = movement;
     iteration->convergence.largest_contraction_ratio = iteration->convergence_test.slowest_ratio;
     iteration->status = !(movement < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
@@ -152,7 +152,8 @@ JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_data *step_da
 {
     const int most = step_data->passes_rule->max_passes;
     bool is_stuck = false;
-    tvi_passes_begin(&iteration->convergence_test, iteration->convergence.largest_contraction_ratio);
+    tvi_convergence_test_begin_iteration(&iteration->convergence_test,
+                                         iteration->convergence.largest_contraction_ratio);
     iteration->pass_count = 0;
     iteration->status = most > 0 ? TVI_ENOCONV : TVI_OK;
     *movement = 0;

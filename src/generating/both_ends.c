@@ -61,7 +61,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity_guess = tvi_arena_allocate_in_copied_history(arena, n * sizeof *w.velocity_guess);
+        w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
     }
     w.q_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
     w.velocity_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);

@@ -192,10 +192,11 @@ static inline void step_factor_jacobians(quick_step_progress *progress, int due_
     matrices_stack_combination_jacobians(closure, &closure->q_mean_weights, closure_get_second_combination(closure),
                                          full->lu);
     const int renewed = matrices_renew_corrector_jacobians(closure, progress->iterating_mask, back->lu);
-    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
-                            progress->iterating_mask);
+    linear_unpivoted_factor_in_place(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
+                                     progress->iterating_mask);
     if (renewed > 0)
-        linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, progress->iterating_mask);
+        linear_unpivoted_factor_in_place(size, form != TVI_LAGRANGIAN ? size : n, width, back,
+                                         progress->iterating_mask);
     progress->factorisation_count += due_count + renewed;
 }
 

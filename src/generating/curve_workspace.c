@@ -52,7 +52,7 @@ static void allocate_plain_taylor_step(work *w, tvi_arena *arena, int width)
 {
     const tvi_curve *curve = &w->closure.curve;
     const tvi_system *system = curve->system;
-    w->last_adapted_step_size = tvi_arena_allocate_in_copied_history(arena, (size_t)width * sizeof(double));
+    w->last_adapted_step_size = tvi_arena_allocate_restored_if_step_fails(arena, (size_t)width * sizeof(double));
     if (width > 1) w->quick_step = tvi_choose_curve_isa_functions(system->field_series)->taylor_step_of_members;
     else tvi_allocate_increment_refinement(&w->refinement, arena, curve);
     if (width > 1 || system->form != TVI_SEPARABLE) return;
@@ -79,7 +79,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_allocate(&w.legendre, arena, system);
-        w.velocity_guess = tvi_arena_allocate_in_copied_history(arena, n * sizeof *w.velocity_guess);
+        w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
     }
     if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena, width);
     w.scratch = tvi_arena_allocate_doubles(arena, n);

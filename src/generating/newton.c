@@ -11,15 +11,15 @@
 /* The rule for the corrections relative to each unknown's scale: passes end if the next correction is expected to be
  * half a unit of roundoff or less. If each correction is PASSES_STALL_RATIO times the one before it, this takes 53
  * passes. */
-static const tvi_passes_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
-                                           .correction_goal = DBL_EPSILON / 2,
-                                           .max_trusted_contraction_ratio = 1,
-                                           .stall_contraction_ratio = PASSES_STALL_RATIO,
-                                           .stall_comparison_lag = 1};
+static const tvi_stopping_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
+                                             .correction_goal = DBL_EPSILON / 2,
+                                             .max_trusted_contraction_ratio = 1,
+                                             .stall_contraction_ratio = PASSES_STALL_RATIO,
+                                             .stall_comparison_lag = 1};
 /* The rule for the largest correction of a group, relative to the largest scale of the group. Passes without a Jacobian
  * are not stuck as long as these corrections shrink. In each pass corrections spread from a body to its neighbours
  * only; the corrections of the bodies that are reached last also shrink last. */
-static const tvi_passes_rule by_group = {.stall_contraction_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
+static const tvi_stopping_rule by_group = {.stall_contraction_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
                          bool allocates_jacobian, int width)
@@ -38,7 +38,7 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     newton->trial_unknowns = tvi_arena_allocate_doubles(arena, count);
     newton->trial_residual = tvi_arena_allocate_doubles(arena, count);
     if (allocates_jacobian) tvi_factor_allocate(&newton->factor, arena, size, width);
-    newton->max_contraction_ratio_growth_of_member = tvi_arena_allocate_in_copied_history(
+    newton->max_contraction_ratio_growth_of_member = tvi_arena_allocate_restored_if_step_fails(
         arena, (size_t)width * sizeof *newton->max_contraction_ratio_growth_of_member);
 }
 
@@ -105,7 +105,7 @@ void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, b
     tvi_newton_rules *rules = &newton->rules;
     *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
     newton->needs_extra_pass = needs_extra_pass;
-    if (newton->is_jacobian_allocated) rules->by_group = (tvi_passes_rule){.stall_comparison_lag = 1};
+    if (newton->is_jacobian_allocated) rules->by_group = (tvi_stopping_rule){.stall_comparison_lag = 1};
     /* A correction is compared with the two before it, since corrections of q follow from those of p, and those of p
      * from those of q. */
     if (!newton->is_jacobian_allocated || needs_extra_pass) rules->by_unknown.stall_comparison_lag = 2;

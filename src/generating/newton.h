@@ -37,12 +37,12 @@ typedef struct {
 /* The rules by which passes end: by_unknown judges largest_relative_correction, and by_group judges
  * relative_group_correction. */
 typedef struct {
-    tvi_passes_rule by_unknown, by_group;
+    tvi_stopping_rule by_unknown, by_group;
 } tvi_newton_rules;
 /* The passes of a solution so far: by_unknown records largest_relative_correction, and by_group records
  * relative_group_correction. */
 typedef struct {
-    tvi_passes by_unknown, by_group;
+    tvi_convergence_test by_unknown, by_group;
     /* The contraction ratio of a pass is the size of its correction divided by that of the correction before it.
      * contraction_ratio_growth is the factor by which this ratio may grow from one pass to the next; the expected size
      * of the next correction allows for it. unconfirmed_ratio_growth is a greater factor that the last correction
@@ -57,8 +57,8 @@ typedef struct {
 static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max_contraction_ratio_growth,
                                            const tvi_newton_rules *rules, bool needs_extra_pass)
 {
-    tvi_passes_begin(&passes->by_unknown, 0);
-    tvi_passes_begin(&passes->by_group, 0);
+    tvi_convergence_test_begin_iteration(&passes->by_unknown, 0);
+    tvi_convergence_test_begin_iteration(&passes->by_group, 0);
     passes->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
     passes->unconfirmed_ratio_growth = 0;
     passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 &&
@@ -70,7 +70,7 @@ static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max
  * only if the next correction contracts again, because roundoff does not contract. */
 static inline void tvi_newton_update_ratio_growth(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
-    const tvi_passes *each = &passes->by_unknown;
+    const tvi_convergence_test *each = &passes->by_unknown;
     const bool shows = size <= rules->by_unknown.stall_contraction_ratio * each->size;
     if (each->count < 2) return;
     if (shows)
@@ -92,9 +92,9 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
     passes->by_unknown.contraction_ratio_growth =
         tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth);
     const tvi_passes_verdict verdict =
-        tvi_passes_add_and_judge(&passes->by_unknown, &rules->by_unknown, largest_relative_correction);
+        tvi_convergence_test_add_pass(&passes->by_unknown, &rules->by_unknown, largest_relative_correction);
     const tvi_passes_verdict settled =
-        tvi_passes_add_and_judge(&passes->by_group, &rules->by_group, relative_group_correction);
+        tvi_convergence_test_add_pass(&passes->by_group, &rules->by_group, relative_group_correction);
     const bool is_confirmed =
         expected <= rules->by_unknown.correction_goal && largest_relative_correction <= NEWTON_CHECK_MAX_CORRECTION;
     if (verdict == TVI_PASSES_MAY_END && passes->must_confirm_convergence && largest_relative_correction > 0 &&

@@ -264,19 +264,19 @@ static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combi
  * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step.
  * p_change_by_last_term and q_change_by_last_term are the last terms of the two sums; q_change_by_last_term is 0 for a
  * separable system. coordinate_size is |Q_0|. */
-static inline tvi_tail_component curve_get_tail_component(const tvi_curve *curve, int i)
+static inline tvi_component_sizes_in_step curve_get_tail_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
     const double momentum = curve->momentum_size[i], movement = curve->movement_size[i];
-    return (tvi_tail_component){
+    return (tvi_component_sizes_in_step){
         .momentum_size = momentum,
-        .movement_size = movement,
+        .q_change_size = movement,
         .p_change_by_last_term = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
         .q_change_by_last_term = has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
         .coordinate_size = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
-        .inverse_momentum_size = 1 / momentum,
-        .inverse_movement_size = 1 / movement};
+        .one_over_momentum_size = 1 / momentum,
+        .one_over_q_change_size = 1 / movement};
 }
 
 static inline void curve_compute_movement_sizes(const tvi_curve *curve)
@@ -293,11 +293,12 @@ static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
     for (int m = 0; m < width; m++) tail[m] = 0;
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_vector_length(curve); at++) {
-        const tvi_tail_component component = curve_get_tail_component(curve, at);
-        share[at] = tvi_tail_component_motion_share(&component, curve->system->has_tail_shares_without_momenta);
-        ratio[at] = tvi_tail_component_last_term_ratio(&component);
+        const tvi_component_sizes_in_step component = curve_get_tail_component(curve, at);
+        share[at] = tvi_component_share_of_step_motion(&component, curve->system->has_tail_shares_without_momenta);
+        ratio[at] = tvi_largest_relative_last_series_term(&component);
     }
-    tvi_tail_compute_for_members(&curve->system->tail_subsystems, curve_dimension(curve), width, share, ratio, tail);
+    tvi_compute_tails_of_ensemble_members(&curve->system->tail_subsystems, curve_dimension(curve), width, share, ratio,
+                                          tail);
 }
 
 static inline double curve_compute_tail(const tvi_curve *curve)

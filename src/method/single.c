@@ -12,13 +12,13 @@ void tvi_allocate_state_and_increments(tvi_arena *arena, int n, tvi_run_state *s
 void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *arena, const tvi_stepper *stepper,
                                  const tvi_system *system, const tvi_options *options, int width, int point_count)
 {
-    const tvi_block *const blocks_of_batch = arena->first_block;
+    const tvi_tape_block *const blocks_of_batch = arena->first_tape_block;
     const int slots[] = {system->field_values->slot_count, system->field_series->slot_count};
     *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .batch_width = width};
-    arena->first_block = NULL;
+    arena->first_tape_block = NULL;
     member_stepper->stepper_work = stepper->allocate(arena, system, options);
-    member_stepper->first_block = arena->first_block;
-    arena->first_block = blocks_of_batch;
+    member_stepper->first_block = arena->first_tape_block;
+    arena->first_tape_block = blocks_of_batch;
     member_stepper->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(system));
     tvi_allocate_state_and_increments(arena, system->n, &member_stepper->start_state, &member_stepper->increments);
     member_stepper->member_block =

@@ -10,10 +10,10 @@
 
 /* Returns the rule that decides when the passes of a step end, with the limits of passes from the options. A tolerance
  * other than 0 replaces rule->correction_goal, and is measured as the corrections are, absolutely or relatively. */
-static inline tvi_passes_rule tvi_passes_rule_with_options(const tvi_passes_rule *rule, const tvi_options *options,
-                                                           double tolerance)
+static inline tvi_stopping_rule tvi_passes_rule_with_options(const tvi_stopping_rule *rule, const tvi_options *options,
+                                                             double tolerance)
 {
-    tvi_passes_rule requested = *rule;
+    tvi_stopping_rule requested = *rule;
     if (options->max_passes > 0) requested.max_passes = options->max_passes;
     if (options->passes > 0) requested.max_passes = requested.exact_passes = options->passes;
     if (tolerance > 0) {

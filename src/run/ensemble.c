@@ -114,8 +114,8 @@ static char *history_of_batch(const tvi_ensemble *ensemble, int batch)
 
 void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
 {
-    tvi_arena_copy_history(worker->batch_integrator->history, history_of_batch(ensemble, batch),
-                           ensemble->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(worker->batch_integrator->history, history_of_batch(ensemble, batch),
+                                                ensemble->history_bytes);
     tvi_integrator_load_parameters(worker->batch_integrator,
                                    ensemble->parameters + tvi_first_member_of_batch(ensemble, batch),
                                    (size_t)ensemble->member_count, tvi_count_members_of_batch(ensemble, batch));
@@ -124,8 +124,8 @@ void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ense
 
 void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int batch)
 {
-    tvi_arena_copy_history(history_of_batch(ensemble, batch), worker->batch_integrator->history,
-                           ensemble->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(history_of_batch(ensemble, batch), worker->batch_integrator->history,
+                                                ensemble->history_bytes);
 }
 
 void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
@@ -268,8 +268,8 @@ static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_piece
         if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
     }
     for (int batch = 0; batch < ensemble->batch_count; batch++) {
-        tvi_arena_copy_history(it->history, histories + (size_t)batch * ensemble->history_bytes,
-                               ensemble->history_bytes);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, histories + (size_t)batch * ensemble->history_bytes,
+                                                    ensemble->history_bytes);
         if (!tvi_loaded_history_is_valid(it)) return false;
     }
     return true;

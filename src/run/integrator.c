@@ -35,13 +35,13 @@ static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
     tvi_increments *increments = &integrator->increments;
     allocate_state_arrays(arena, tvi_arena_allocate, dimension, width,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    allocate_state_arrays(arena, tvi_arena_allocate_in_copied_history, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate_restored_if_step_fails, dimension, width,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
     integrator->is_state_from_step =
-        tvi_arena_allocate_in_copied_history(arena, members * sizeof *integrator->is_state_from_step);
-    integrator->run_start = tvi_arena_allocate_in_uncopied_history(arena, (2 * (size_t)n + 1) * row);
+        tvi_arena_allocate_restored_if_step_fails(arena, members * sizeof *integrator->is_state_from_step);
+    integrator->run_start = tvi_arena_allocate_kept_even_if_step_fails(arena, (2 * (size_t)n + 1) * row);
     integrator->reference_energy =
-        tvi_arena_allocate_in_copied_history(arena, members * sizeof *integrator->reference_energy);
+        tvi_arena_allocate_restored_if_step_fails(arena, members * sizeof *integrator->reference_energy);
     integrator->status = tvi_arena_allocate(arena, members * sizeof *integrator->status);
     integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
     integrator->pass_counts = tvi_arena_allocate(arena, members * sizeof *integrator->pass_counts);
@@ -69,8 +69,8 @@ static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
     if (tvi_is_rescaled(integrator))
         tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian_work, arena, integrator->stepped);
     integrator->field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
-    integrator->one_lane_blocks = arena->first_block;
-    arena->first_block = NULL;
+    integrator->one_lane_blocks = arena->first_tape_block;
+    arena->first_tape_block = NULL;
     if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
         tvi_energy_allocate(&integrator->all_energies_work, arena, system, integrator->width);
 }
@@ -91,10 +91,10 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     laid.state_bytes = arena->copied_history_bytes;
     laid.work = width > 1 ? stepper->batch->allocate(arena, laid.stepped, options, width)
                           : stepper->allocate(arena, laid.stepped, options);
-    laid.blocks = arena->first_block;
+    laid.blocks = arena->first_tape_block;
     laid.history = arena->history;
     laid.copied_history_bytes = width > 1 ? 0 : arena->copied_history_bytes;
-    laid.history_bytes = tvi_arena_history_bytes(arena);
+    laid.history_bytes = tvi_arena_bytes_kept_between_steps(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
     laid.stats.bytes = tvi_arena_total_bytes(arena);

@@ -51,9 +51,9 @@ struct tvi_integrator {
     const tvi_system *stepped;
     /* [tvi_system_parameters][width] The values of the parameters of each member. */
     double *parameters;
-    const tvi_block *blocks; /* the memory in which the stepper evaluates its tapes */
+    const tvi_tape_block *blocks; /* the memory in which the stepper evaluates its tapes */
     /* The memory in which tapes are evaluated for a single member. It has the parameters of one member at a time. */
-    const tvi_block *one_lane_blocks;
+    const tvi_tape_block *one_lane_blocks;
     /* [tvi_system_parameters] The values of the parameters in one_lane_blocks. */
     double *one_lane_parameters;
     tvi_options options; /* the user's options, completed by default values */

@@ -71,7 +71,7 @@ static void clear_member_history(tvi_integrator *it, int member)
     double *arrays[ARRAYS];
     int component_counts[ARRAYS];
     if (it->width == 1) {
-        tvi_arena_copy_history(it->history, NULL, it->history_bytes);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, NULL, it->history_bytes);
         return;
     }
     list_state_arrays(it, arrays, component_counts);

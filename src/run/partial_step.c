@@ -62,10 +62,11 @@ static void set_partial_step_history(tvi_partial_step *partial_step, double offs
                          partial_step->full_step_number == it->stats.steps && partial_step->state_offset != it->h &&
                          partial_step->state_offset != 0 &&
                          fabs(offset - partial_step->state_offset) < PARTIAL_STEP_NEAR * fabs(it->h);
-    tvi_arena_copy_history(partial_step->partial_step_integrator->history, it->history_before, state);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(partial_step->partial_step_integrator->history, it->history_before,
+                                                state);
     if (!is_near)
-        tvi_arena_copy_history(partial_step->partial_step_integrator->history + state, it->history + state,
-                               it->history_bytes - state);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(partial_step->partial_step_integrator->history + state,
+                                                    it->history + state, it->history_bytes - state);
 }
 
 tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double offset)

@@ -54,7 +54,7 @@ tvi_status tvi_saved_write(const tvi_saved_identity *identity, const tvi_saved_p
     memcpy(at, identity, sizeof *identity);
     at += sizeof *identity;
     for (int i = 0; i < pieces->piece_count; at += pieces->piece[i++].bytes)
-        tvi_arena_copy_history(at, pieces->piece[i].data, pieces->piece[i].bytes);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(at, pieces->piece[i].data, pieces->piece[i].bytes);
     tvi_saved_add_checksum(buffer, bytes);
     return TVI_OK;
 }
@@ -98,8 +98,8 @@ const char *tvi_saved_piece_address(const tvi_saved_pieces *pieces, int index, c
 
 void tvi_saved_load_piece(const tvi_saved_pieces *pieces, int index, const void *buffer)
 {
-    tvi_arena_copy_history(pieces->piece[index].data, tvi_saved_piece_address(pieces, index, buffer),
-                           pieces->piece[index].bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(
+        pieces->piece[index].data, tvi_saved_piece_address(pieces, index, buffer), pieces->piece[index].bytes);
 }
 
 bool tvi_saved_stats_are_valid(const void *bytes)

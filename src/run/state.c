@@ -44,10 +44,10 @@ static tvi_status load_history(tvi_integrator *it, const tvi_saved_pieces *piece
 {
     char *own = malloc(it->history_bytes + 1);
     if (!own) return jet_explain_out_of_memory(TVI_ENOMEM);
-    tvi_arena_copy_history(own, it->history, it->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(own, it->history, it->history_bytes);
     tvi_saved_load_piece(pieces, HISTORY, buffer);
     const bool is_sound = tvi_loaded_history_is_valid(it);
-    if (!is_sound) tvi_arena_copy_history(it->history, own, it->history_bytes);
+    if (!is_sound) tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, own, it->history_bytes);
     free(own);
     return is_sound ? TVI_OK : jet_refuse(TVI_EINVAL, "the state is damaged");
 }

@@ -188,7 +188,7 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
     it->has_dense_output = false;
     it->h = h;
     for (int member = 0; member < width; member++) it->is_stepped[member] = it->status[member] == TVI_OK;
-    tvi_arena_copy_history(it->history_before, it->history, it->copied_history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history_before, it->history, it->copied_history_bytes);
     compute_increments(it, width, tolerance);
     check_new_states(it, width, it->stats.expansions != expansions);
     add_increments(it, width);
@@ -197,7 +197,8 @@ JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, dou
         it->is_state_from_step[member] = true;
         made++;
     }
-    if (made == 0) tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
+    if (made == 0)
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, it->history_before, it->copied_history_bytes);
     it->stats.steps += made;
     it->has_dense_output = made > 0;
     it->covered_time = it->increments.dq[it->system->n * width];
@@ -265,7 +266,7 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 
 void tvi_integrator_undo_step(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy_history(it->history, it->history_before, it->copied_history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, it->history_before, it->copied_history_bytes);
     it->has_dense_output = false;
     it->stats.steps--;
     tvi_integrator_copy_state(it, t, q, p);

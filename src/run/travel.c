@@ -113,7 +113,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
 {
     const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
     double *const values = (double *)(scratch + it->history_bytes);
-    tvi_arena_copy_history(scratch, it->history, it->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(scratch, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, state_text->parameter_values, bytes);
     tvi_integrator_copy_parameters_to_tapes(it);
@@ -123,7 +123,7 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
         tvi_event_stop_clear(it->stop, it->system->n);
         return TVI_OK;
     }
-    tvi_arena_copy_history(it->history, scratch, it->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, scratch, it->history_bytes);
     memcpy(it->parameters, values, bytes);
     tvi_integrator_copy_parameters_to_tapes(it);
     return status;

@@ -132,7 +132,7 @@ static void *create_energy_work(tvi_energy_work *work, const tvi_system *system,
     void *memory = tvi_arena_obtain_memory(&arena);
     if (!memory) return NULL;
     tvi_energy_allocate(work, &arena, system, 1);
-    tvi_system_prepare_blocks(system, arena.first_block, parameters);
+    tvi_system_prepare_blocks(system, arena.first_tape_block, parameters);
     return memory;
 }
 

@@ -107,18 +107,18 @@ static double estimate_correction_roundoff(tvi_legendre *legendre, const double 
 }
 
 /* Tells whether the correction that was just computed is the last one. */
-static bool is_last_correction(tvi_legendre *legendre, const double x[], const double y[], tvi_passes *passes)
+static bool is_last_correction(tvi_legendre *legendre, const double x[], const double y[], tvi_convergence_test *passes)
 {
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
-    const tvi_passes_rule rule = {.correction_goal = DBL_EPSILON * size,
-                                  .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
-                                  .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
-                                  .stall_comparison_lag = 1};
+    const tvi_stopping_rule rule = {.correction_goal = DBL_EPSILON * size,
+                                    .max_trusted_contraction_ratio = PASSES_MAX_CONTRACTION,
+                                    .stall_contraction_ratio = TVI_STALL_WITHOUT_DECREASE,
+                                    .stall_comparison_lag = 1};
     const double largest = tvi_largest_magnitude(legendre->system->n, legendre->correction, 1);
-    const tvi_passes_verdict verdict = tvi_passes_add_and_judge(passes, &rule, largest);
+    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
     return largest <= LEGENDRE_STALLED_CORRECTION * size ||
-           tvi_passes_have_reached_roundoff(passes, estimate_correction_roundoff(legendre, y));
+           tvi_convergence_test_is_at_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
@@ -131,9 +131,9 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     /* `scale` is the larger of |y| and |f(x)| at the start. `reuse_limit` is the largest residual for which the last
      * Jacobian matrix is used again; it is negative if there is no matrix. */
     double scale = tvi_largest_magnitude(n, y, 1), reuse_limit = -1;
-    tvi_passes passes;
+    tvi_convergence_test passes;
     bool was_singular = false;
-    tvi_passes_begin(&passes, 0);
+    tvi_convergence_test_begin_iteration(&passes, 0);
     tvi_status status = tvi_legendre_evaluate(legendre, t, q, x, legendre->transform_of_x);
     if (status == TVI_OK) scale = fmax(scale, tvi_largest_magnitude(n, legendre->transform_of_x, 1));
     for (int step = 0; step < LEGENDRE_MAX_ITERATIONS && status == TVI_OK; step++) {
@@ -187,7 +187,7 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
     *memory = tvi_arena_obtain_memory(&arena);
     if (!*memory) return TVI_ENOMEM;
     tvi_legendre_allocate(legendre, &arena, system);
-    tvi_system_prepare_blocks(system, arena.first_block, parameters);
+    tvi_system_prepare_blocks(system, arena.first_tape_block, parameters);
     return TVI_OK;
 }
 

@@ -32,7 +32,7 @@ int tvi_system_parameters(const tvi_system *system)
     return own > of_steps ? own : of_steps;
 }
 
-void tvi_system_prepare_blocks(const tvi_system *system, const tvi_block *blocks, const double parameters[])
+void tvi_system_prepare_blocks(const tvi_system *system, const tvi_tape_block *blocks, const double parameters[])
 {
     tvi_blocks_set_constants(blocks);
     if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), 1, parameters);

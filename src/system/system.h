@@ -91,7 +91,7 @@ TVI_NODISCARD tvi_status tvi_system_create_lift(tvi_system **out, const tvi_syst
 
 /* Sets the constants and parameters of the blocks of the system's tapes. parameters NULL stands for the values in the
  * recording. */
-void tvi_system_prepare_blocks(const tvi_system *system, const tvi_block *blocks, const double parameters[]);
+void tvi_system_prepare_blocks(const tvi_system *system, const tvi_tape_block *blocks, const double parameters[]);
 /* Reads the recorded values of all parameters. Elements of `value` that belong to no recorded parameter
  * stay as they are. */
 void tvi_system_read_recorded_parameters(const tvi_system *system, double value[]);

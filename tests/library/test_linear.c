@@ -26,9 +26,9 @@ static open_factor open_of_size(int n)
     open_factor x = {0};
     tvi_arena arena = {0};
     tvi_factor_allocate(&x.factor, &arena, n, 1);
-    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_outside_history);
+    arena.memory = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.bytes_not_kept_between_steps);
     ck_assert_ptr_nonnull(x.memory);
-    arena.bytes_outside_history = 0;
+    arena.bytes_not_kept_between_steps = 0;
     tvi_factor_allocate(&x.factor, &arena, n, 1);
     return x;
 }
@@ -321,7 +321,7 @@ START_TEST(plain_factors_solve)
     memcpy(x.factor.lu, A, (size_t)(n * n) * sizeof *A);
     memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
     long long is_safe = -1;
-    linear_unpivoted_factor(n, has_units ? 0 : n, 1, &x.factor, &is_safe);
+    linear_unpivoted_factor_in_place(n, has_units ? 0 : n, 1, &x.factor, &is_safe);
     ck_assert(is_safe);
     ck_assert(linear_unpivoted_invert(n, inverse));
     for (int transposed = 0; transposed < 2; transposed++) {
@@ -368,7 +368,7 @@ START_TEST(plain_factors_refuse_what_needs_exchanges)
     memcpy(x.factor.lu, pivots[_i].A, sizeof A);
     memcpy(A, pivots[_i].A, sizeof A);
     long long is_safe = -1;
-    linear_unpivoted_factor(2, pivots[_i].in_units, 1, &x.factor, &is_safe);
+    linear_unpivoted_factor_in_place(2, pivots[_i].in_units, 1, &x.factor, &is_safe);
     ck_assert_msg((is_safe != 0) == pivots[_i].is_safe, "%s", pivots[_i].name);
     if (pivots[_i].in_units == 0)
         ck_assert_msg(linear_unpivoted_invert(2, A) == pivots[_i].is_safe, "the inverse: %s", pivots[_i].name);

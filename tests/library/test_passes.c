@@ -9,7 +9,7 @@ enum { MOST = 8 };
 
 typedef struct {
     const char *name;
-    tvi_passes_rule rule;
+    tvi_stopping_rule rule;
     double known;    /* the part that passes leave, of an earlier iteration */
     double measured; /* the roundoff */
     double sizes[MOST];
@@ -94,13 +94,13 @@ START_TEST(each_number)
 {
     static const char letters[] = {[TVI_PASSES_GO_ON] = '.', [TVI_PASSES_MAY_END] = 'E', [TVI_PASSES_STUCK] = 'S'};
     const passes_case *c = &cases[_i];
-    tvi_passes passes;
+    tvi_convergence_test passes;
     char verdicts[MOST + 1] = "";
     memset(&passes, 0xff, sizeof passes);
-    tvi_passes_begin(&passes, c->known);
+    tvi_convergence_test_begin_iteration(&passes, c->known);
     passes.roundoff = c->measured;
     for (size_t i = 0; i < strlen(c->verdicts); i++)
-        verdicts[i] = letters[tvi_passes_add_and_judge(&passes, &c->rule, c->sizes[i])];
+        verdicts[i] = letters[tvi_convergence_test_add_pass(&passes, &c->rule, c->sizes[i])];
     ck_assert_msg(strcmp(verdicts, c->verdicts) == 0, "%s: %s, not %s", c->name, verdicts, c->verdicts);
 }
 END_TEST
@@ -108,10 +108,11 @@ END_TEST
 /* A tolerance is a goal for the correction itself, and passes are as many as are asked for. */
 START_TEST(the_options)
 {
-    const tvi_passes_rule rule = {.max_passes = 10, .correction_goal = 1, .max_trusted_contraction_ratio = 2};
-    const tvi_passes_rule plain = tvi_passes_rule_with_options(&rule, &(tvi_options){0}, 0),
-                          less = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20}, 0.5),
-                          exact = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20, .passes = 3}, 0);
+    const tvi_stopping_rule rule = {.max_passes = 10, .correction_goal = 1, .max_trusted_contraction_ratio = 2};
+    const tvi_stopping_rule plain = tvi_passes_rule_with_options(&rule, &(tvi_options){0}, 0),
+                            less = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20}, 0.5),
+                            exact =
+                                tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20, .passes = 3}, 0);
     ck_assert(plain.max_passes == 10 && plain.exact_passes == 0 && plain.correction_goal == 1 &&
               plain.max_trusted_contraction_ratio == 2);
     ck_assert(less.max_passes == 20 && less.exact_passes == 0 && less.correction_goal == 0.5 &&
@@ -123,14 +124,14 @@ END_TEST
 /* Corrections that were stuck are roundoff if it is measured to be as large, and from then on. */
 START_TEST(measured_later)
 {
-    const tvi_passes_rule rule = {HALVES};
-    tvi_passes passes;
-    tvi_passes_begin(&passes, 0);
-    ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
-    ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
-    ck_assert(!tvi_passes_have_reached_roundoff(&passes, 1e-10));
-    ck_assert(tvi_passes_add_and_judge(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
-    ck_assert(tvi_passes_have_reached_roundoff(&passes, 1e-10));
+    const tvi_stopping_rule rule = {HALVES};
+    tvi_convergence_test passes;
+    tvi_convergence_test_begin_iteration(&passes, 0);
+    ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
+    ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
+    ck_assert(!tvi_convergence_test_is_at_roundoff(&passes, 1e-10));
+    ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
+    ck_assert(tvi_convergence_test_is_at_roundoff(&passes, 1e-10));
 }
 END_TEST
 

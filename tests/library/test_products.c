@@ -38,7 +38,7 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     x.memory = tvi_arena_obtain_memory(&arena);
     ck_assert_ptr_nonnull(x.memory);
     lay_out(&x, &arena, system, jacobians);
-    tvi_blocks_set_constants(arena.first_block);
+    tvi_blocks_set_constants(arena.first_tape_block);
     tvi_curve_fill_constant_tables(&x.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];
