@@ -1,5 +1,5 @@
-/* code.h - Declares tvi_code, the structure by which the library finds the data and functions of generated code.
- * Generated code contains this text, and defines one such structure. */
+/* code.h - Declares tvi_generated_code_table, the structure by which the library finds the data and functions of
+ * generated code. Generated code contains this text, and defines one such structure. */
 #ifndef TVI_SRC_COMPILED_CODE_H
 #define TVI_SRC_COMPILED_CODE_H
 
@@ -14,7 +14,7 @@ struct galerkin_code;
 struct tvi_curve_code;
 
 /* The data and functions of generated code. */
-typedef struct tvi_code {
+typedef struct tvi_generated_code_table {
     /* Hashes of the library's texts, of the system and of the options for which the code was made. */
     uint64_t library_text_hash, system_hash, options_hash;
     jet_isa isa; /* The instruction set for which the code was compiled. */
@@ -23,12 +23,13 @@ typedef struct tvi_code {
     const jet_sweeps *sweeps[TVI_CODE_TAPES];
     /* The generated loops of the Galerkin curve; NULL: those of the library run. */
     const struct galerkin_code *galerkin;
-    const struct tvi_curve_code *curve; /* The generated functions of a Taylor curve; NULL: those of the library run. */
-} tvi_code;
+    /* The generated functions of a Taylor curve; NULL: those of the library run. */
+    const struct tvi_curve_code *taylor_curve;
+} tvi_generated_code_table;
 
 /* Generated code that can be attached to integrators. */
 struct tvi_compiled {
-    const tvi_code *code;
+    const tvi_generated_code_table *code;
     /* The loaded shared library. NULL: the code is part of the program, and its users are not counted. */
     void *library;
     int users;

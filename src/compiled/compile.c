@@ -148,17 +148,18 @@ uint64_t tvi_compiled_hash_library_text(void)
     return hash;
 }
 
-/* Writes the definition of the structure tvi_code (code.h) without its end: the caller adds the pointer to the
- * loops. */
-static void emit_code_structure(jet_text *text, const jet_emission_request *const tapes[],
-                                const tvi_system *stepped_system, const tvi_options *resolved_options)
+/* Writes the definition of the structure tvi_generated_code_table (code.h) without its end: the caller adds the pointer
+ * to the loops. */
+static void emit_code_table_initialiser(jet_text *text, const jet_emission_request *const tapes[],
+                                        const tvi_system *stepped_system, const tvi_options *resolved_options)
 {
-    jet_text_append(text,
-                    "static const tvi_code tvi_generated_code = {\n    .library_text_hash = UINT64_C(%" PRIu64
-                    "),\n    .system_hash = UINT64_C(%" PRIu64 "),\n    .options_hash = UINT64_C(%" PRIu64
-                    "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
-                    tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
-                    tvi_options_fingerprint(resolved_options));
+    jet_text_append(
+        text,
+        "static const tvi_generated_code_table tvi_generated_code = {\n    .library_text_hash = UINT64_C(%" PRIu64
+        "),\n    .system_hash = UINT64_C(%" PRIu64 "),\n    .options_hash = UINT64_C(%" PRIu64
+        "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
+        tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
+        tvi_options_fingerprint(resolved_options));
     for (int i = 0; i < TVI_CODE_TAPES; i++) {
         if (tapes[i]->name_prefix) jet_text_append(text, "&%s_sweeps, ", tapes[i]->name_prefix);
         else jet_text_append(text, "0, ");
@@ -184,7 +185,7 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
     for (int i = 0; i < TVI_CODE_TAPES; i++)
         if (requests[i]->name_prefix) jet_emit_tape(text, tapes[i], requests[i]);
     if (uses.emit_loops) uses.emit_loops(text, stepped_system, resolved_options);
-    emit_code_structure(text, requests, stepped_system, resolved_options);
+    emit_code_table_initialiser(text, requests, stepped_system, resolved_options);
     if (uses.emit_loops) jet_text_append(text, "    .%s = &tvi_loops,\n", uses.loops_pointer_name);
     jet_text_append(text, "};\n");
     jet_text_append(text,

@@ -147,7 +147,7 @@ static bool has_valid_seal(const char *path, const compilation_key *key)
 }
 
 /* Tells whether the file of a shared library is complete. The linker writes its table of sections last. */
-static bool is_library_complete(const char *data, size_t byte_count)
+static bool is_shared_library_file_untruncated(const char *data, size_t byte_count)
 {
 #ifdef __ELF__
     ElfW(Ehdr) head;
@@ -166,7 +166,7 @@ static bool append_seal(const char *path, const compilation_key *key)
 {
     size_t byte_count = 0;
     char *data = tvi_file_restrict_to_user(path) ? tvi_file_read(path, &byte_count) : NULL;
-    const bool serves = data && is_library_complete(data, byte_count);
+    const bool serves = data && is_shared_library_file_untruncated(data, byte_count);
     const cache_seal s = compute_seal(key, data, serves ? byte_count : 0);
     free(data);
     return serves && tvi_file_write(path, true, &s, sizeof s);

@@ -20,7 +20,7 @@
 /* Returns the system's generated code if it was made for this highest order, otherwise NULL. */
 static const tvi_curve_code *find_generated_code(const tvi_system *system, int highest_order)
 {
-    const tvi_curve_code *code = system->code ? system->code->curve : NULL;
+    const tvi_curve_code *code = system->code ? system->code->taylor_curve : NULL;
     return code && code->highest_order == highest_order ? code : NULL;
 }
 

@@ -40,7 +40,7 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
                                           .value_lane_counts = {1},
                                           .top_order = highest_order,
                                           .needs_series_sweep = !is_whole},
-                               .loops_pointer_name = "curve",
+                               .loops_pointer_name = "taylor_curve",
                                .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.needs_adjoint_sweep = jacobians == TVI_JACOBIAN_PRODUCTS;

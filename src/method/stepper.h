@@ -34,8 +34,8 @@ typedef struct {
     /* Requests for the code of four tapes: the series of the field, its values, the gradient of r.H_p for a vector r
      * (Hamiltonian), and the second derivatives. */
     jet_emission_request series, values, r_dot_Hp, hessian;
-    /* The name of the pointer in tvi_code (compiled/code.h) to the generated loops of the method. NULL: the method has
-     * no generated loops. */
+    /* The name of the pointer in tvi_generated_code_table (compiled/code.h) to the generated loops of the method. NULL:
+     * the method has no generated loops. */
     const char *loops_pointer_name;
     /* Writes the definition of the method's generated loops, which has the name tvi_loops, after the sweeps of the
      * tapes. NULL: the method has no generated loops. */
