@@ -281,8 +281,8 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
     tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_curve_start(&w->legendre, w->system, attempt->h, origin->t, origin->q,
-                                                         origin->p, w->velocity_guess, w->start_curve_z);
+    tvi_status status = tvi_legendre_compute_initial_coefficients(
+        &w->legendre, w->system, attempt->h, origin->t, origin->q, origin->p, w->velocity_guess, w->start_curve_z);
     if (status != TVI_OK) return status;
     status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->start_curve_z + n, n * sizeof(double));

@@ -35,8 +35,9 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
 {
     work *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_curve_start(&w->legendre, w->closure.system, attempt->tau, origin->t,
-                                                         origin->q, origin->p, w->velocity_guess, w->predicted_state);
+    tvi_status status =
+        tvi_legendre_compute_initial_coefficients(&w->legendre, w->closure.system, attempt->tau, origin->t, origin->q,
+                                                  origin->p, w->velocity_guess, w->predicted_state);
     if (status != TVI_OK || w->closure.span.start_s == 0) return status;
     status = expand_curve(attempt, w->predicted_state, origin->t + origin->t_low);
     step_compute_state_at_centre(w, w->predicted_state);

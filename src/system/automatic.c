@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 /* The matrices [n][n] of the linear motion near a state, as jets: H_pp, A = H_pq, and W. record_second_derivatives sets
- * W to H_qq, and subtract_gyroscopic_part_from_W makes it H_qq - A^T H_pp^-1 A. */
+ * W to H_qq, and subtract_A_T_H_pp_inverse_A_from_H_qq makes it H_qq - A^T H_pp^-1 A. */
 typedef struct {
     int n;
     jet *H_pp, *A, *W;
@@ -54,7 +54,7 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 
 /* Replaces coordinate i by q_i - factor q_j. With the matrix E of this transformation, A becomes E A E^-1, and W
  * becomes E^-T W E^-1. */
-static void subtract_coordinate_multiple(const linearised_motion *motion, int i, int j, jet factor)
+static void transform_A_and_W_to_q_i_minus_factor_q_j(const linearised_motion *motion, int i, int j, jet factor)
 {
     const int n = motion->n;
     const jet negative_factor = jet_neg(factor);
@@ -75,14 +75,14 @@ static void diagonalise_H_pp(const linearised_motion *motion)
             if (is_constant_zero(row[j])) continue;
             const jet l = jet_div(row[j], motion->H_pp[j * n + j]), negative_l = jet_neg(l);
             for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->H_pp[k * n + j]);
-            subtract_coordinate_multiple(motion, i, j, l);
+            transform_A_and_W_to_q_i_minus_factor_q_j(motion, i, j, l);
         }
 }
 
 /* Subtracts A^T H_pp^-1 A from W = H_qq for H_pp = diag(d), except for the terms A_ii^2 / d_i of the diagonal.
- * record_stiffness_term adds these terms without a division. A system with one degree of freedom then needs no division
- * at all. */
-static void subtract_gyroscopic_part_from_W(const linearised_motion *motion)
+ * record_stiffness_squared_trace_term adds these terms without a division. A system with one degree of freedom then
+ * needs no division at all. */
+static void subtract_A_T_H_pp_inverse_A_from_H_qq(const linearised_motion *motion)
 {
     const int n = motion->n;
     for (int k = 0; k < n; k++)
@@ -97,7 +97,7 @@ static void subtract_gyroscopic_part_from_W(const linearised_motion *motion)
 }
 
 /* Records the term d_i d_j W_ij^2 of tr D^2. */
-static jet record_stiffness_term(const linearised_motion *motion, int i, int j)
+static jet record_stiffness_squared_trace_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet d = motion->H_pp[i * n + i], W = motion->W[i * n + j];
@@ -106,7 +106,7 @@ static jet record_stiffness_term(const linearised_motion *motion, int i, int j)
 }
 
 /* Records the term d_i d_j Omega_ij^2 of -tr C^2. */
-static jet record_gyroscopic_term(const linearised_motion *motion, int i, int j)
+static jet record_gyroscopic_squared_trace_term(const linearised_motion *motion, int i, int j)
 {
     const int n = motion->n;
     const jet A = motion->A[i * n + j], B = motion->A[j * n + i], d = motion->H_pp[i * n + i],
@@ -126,13 +126,14 @@ static jet record_sum_over_symmetric_terms(const linearised_motion *motion,
 }
 
 /* Records tr D^2 + (tr C^2)^2 / 4, which is g^-4 if H_pp is regular. */
-static jet record_trace_sum_for_regular_H_pp(const linearised_motion *motion, jet scratch[])
+static jet record_frequency_power_sum_for_regular_H_pp(const linearised_motion *motion, jet scratch[])
 {
     diagonalise_H_pp(motion);
-    subtract_gyroscopic_part_from_W(motion);
-    const jet square = record_sum_over_symmetric_terms(motion, record_stiffness_term, scratch);
-    return jet_add(square,
-                   jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_gyroscopic_term, scratch))));
+    subtract_A_T_H_pp_inverse_A_from_H_qq(motion);
+    const jet square = record_sum_over_symmetric_terms(motion, record_stiffness_squared_trace_term, scratch);
+    return jet_add(
+        square,
+        jet_mul(0.25, jet_sqr(record_sum_over_symmetric_terms(motion, record_gyroscopic_squared_trace_term, scratch))));
 }
 
 /* ---- H_pp is singular everywhere --------------------------------------------------------------------------------- */
@@ -160,7 +161,7 @@ static jet record_trace_J_hessian_power_4_term(const linearised_motion *motion, 
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-jet tvi_record_automatic_scale(const tvi_system *base, jet H)
+jet tvi_record_automatic_time_scale(const tvi_system *base, jet H)
 {
     const size_t n = (size_t)base->n;
     jet_graph *graph;
@@ -172,7 +173,7 @@ jet tvi_record_automatic_scale(const tvi_system *base, jet H)
     jet *scratch = jets + 3 * n * n, *gradient = scratch + n * n, *row = gradient + 2 * n + 1;
     if (!graph) sum = jet_const(0); /* H depends on no input, and its derivatives are 0. */
     else if (record_second_derivatives(graph, H, &motion, gradient, row))
-        sum = base->is_regular ? record_trace_sum_for_regular_H_pp(&motion, scratch)
+        sum = base->is_regular ? record_frequency_power_sum_for_regular_H_pp(&motion, scratch)
                                : record_sum_over_symmetric_terms(&motion, record_trace_J_hessian_power_4_term, scratch);
     free(jets);
     return jet_pow(sum, -0.25);

@@ -131,8 +131,8 @@ tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_ev
 {
     const size_t slots = (size_t)event->series->slot_count;
     expansion->series_block = malloc((EVENT_LINE_DEGREE + 1) * slots * sizeof *expansion->series_block);
-    expansion->tangents = calloc(slots * SAMPLES, sizeof *expansion->tangents);
-    if (!expansion->series_block || !expansion->tangents) return TVI_ENOMEM;
+    expansion->first_order_slot_changes = calloc(slots * SAMPLES, sizeof *expansion->first_order_slot_changes);
+    if (!expansion->series_block || !expansion->first_order_slot_changes) return TVI_ENOMEM;
     jet_tape_reset_block_and_set_constants(event->series, expansion->series_block, EVENT_LINE_DEGREE + 1, 1);
     return TVI_OK;
 }
@@ -140,11 +140,12 @@ tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_ev
 void tvi_event_expansion_close(tvi_event_expansion *expansion)
 {
     free(expansion->series_block);
-    free(expansion->tangents);
+    free(expansion->first_order_slot_changes);
 }
 
 /* Computes the values of all slots of the event's series at the state x. */
-static tvi_status compute_series_values(const tvi_event *event, const tvi_event_expansion *expansion, const double x[])
+static tvi_status compute_order_0_of_event_expansion(const tvi_event *event, const tvi_event_expansion *expansion,
+                                                     const double x[])
 {
     memcpy(expansion->series_block, x, (2 * (size_t)event->n + 1) * sizeof *x);
     return jet_sweep_series(event->series, expansion->series_block, 0, 1)
@@ -160,11 +161,13 @@ static double sum_first_order_magnitudes(const tvi_event *event, const tvi_event
     const int inputs = 2 * event->n + 1;
     double sum = 0;
     for (int first = 0; first < inputs; first += SAMPLES) {
-        memset(expansion->tangents, 0, (size_t)inputs * SAMPLES * sizeof *expansion->tangents);
+        memset(expansion->first_order_slot_changes, 0,
+               (size_t)inputs * SAMPLES * sizeof *expansion->first_order_slot_changes);
         for (int i = first; i < first + SAMPLES && i < inputs; i++)
-            expansion->tangents[i * SAMPLES + i - first] = input_sizes[i];
-        jet_sweep_tangents(event->series, expansion->series_block, expansion->tangents, 0, SAMPLES);
-        for (int s = 0; s < SAMPLES; s++) sum += fabs(expansion->tangents[event->series->output_slot[0] * SAMPLES + s]);
+            expansion->first_order_slot_changes[i * SAMPLES + i - first] = input_sizes[i];
+        jet_sweep_tangents(event->series, expansion->series_block, expansion->first_order_slot_changes, 0, SAMPLES);
+        for (int s = 0; s < SAMPLES; s++)
+            sum += fabs(expansion->first_order_slot_changes[event->series->output_slot[0] * SAMPLES + s]);
     }
     return sum;
 }
@@ -172,13 +175,15 @@ static double sum_first_order_magnitudes(const tvi_event *event, const tvi_event
 tvi_status tvi_event_estimate_roundoff(const tvi_event *event, const tvi_event_expansion *expansion, const double x[],
                                        const double input_sizes[], double *roundoff)
 {
-    const tvi_status status = compute_series_values(event, expansion, x);
+    const tvi_status status = compute_order_0_of_event_expansion(event, expansion, x);
     if (status != TVI_OK) return status;
     const double of_inputs = DBL_EPSILON * sum_first_order_magnitudes(event, expansion, input_sizes);
-    memset(expansion->tangents, 0, (2 * (size_t)event->n + 1) * SAMPLES * sizeof *expansion->tangents);
-    tvi_roundoff_sweep_tape(event->series, 0, NULL, expansion->series_block, expansion->tangents);
-    *roundoff =
-        of_inputs + tvi_largest_magnitude(SAMPLES, expansion->tangents + event->series->output_slot[0] * SAMPLES, 1);
+    memset(expansion->first_order_slot_changes, 0,
+           (2 * (size_t)event->n + 1) * SAMPLES * sizeof *expansion->first_order_slot_changes);
+    tvi_roundoff_sweep_tape(event->series, 0, NULL, expansion->series_block, expansion->first_order_slot_changes);
+    *roundoff = of_inputs +
+                tvi_largest_magnitude(SAMPLES,
+                                      expansion->first_order_slot_changes + event->series->output_slot[0] * SAMPLES, 1);
     return TVI_OK;
 }
 
@@ -188,7 +193,7 @@ tvi_status tvi_event_compute_change(const tvi_event *event, const tvi_event_expa
 {
     const jet_tape *tape = event->series;
     const size_t inputs = 2 * (size_t)event->n + 1, slots = (size_t)tape->slot_count;
-    const tvi_status status = compute_series_values(event, expansion, x);
+    const tvi_status status = compute_order_0_of_event_expansion(event, expansion, x);
     double last = 0;
     if (status != TVI_OK) return status;
     *change = 0;

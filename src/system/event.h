@@ -41,7 +41,7 @@ typedef struct {
     double *series_block; /* [orders][slots] The Taylor coefficients of all slots of event->series. */
     /* [slots][TVI_ROUNDOFF_SAMPLES] The first-order changes of all slots. Each column belongs to one change of the
      * inputs (q, p, t). */
-    double *tangents;
+    double *first_order_slot_changes;
 } tvi_event_expansion;
 /* Allocates the memory. Returns TVI_ENOMEM if memory is lacking; the caller closes the expansion in this case, too. */
 TVI_NODISCARD tvi_status tvi_event_expansion_open(tvi_event_expansion *expansion, const tvi_event *event);

@@ -48,8 +48,9 @@ tvi_status tvi_hessian_record(tvi_system *system, jet **jets)
     return jet_graph_check_outputs(system->graph, rows + system->hessian_entry_count, *jets);
 }
 
-/* Records a row of g f'' + g' f'^T + f' g'^T, and the component g f' + f g' of the field in the same row. The row and
- * the component are recorded one after the other, since they share operations. */
+/* Records a row of g f'' + g' f'^T + f' g'^T, which is the row of K'' at f = 0, since the term f g'' vanishes there,
+ * and the component g f' + f g' of the field in the same row, which must hold also near f = 0. The row and the
+ * component are recorded one after the other, since they share operations. */
 static tvi_status record_second_derivatives_row(tvi_system *system, int row, const jet factor[2],
                                                 const jet gradient_g[], const jet gradient_f[], jet **jets)
 {

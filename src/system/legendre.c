@@ -153,17 +153,18 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
-tvi_status tvi_legendre_compute_curve_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
-                                            const double q[], const double p[], double velocity[], double z[])
+tvi_status tvi_legendre_compute_initial_coefficients(tvi_legendre *legendre, const tvi_system *system, double time_unit,
+                                                     double t, const double q[], const double p[], double velocity[],
+                                                     double initial_coefficients[])
 {
     const int n = system->n;
-    double *z_v = z + n;
-    memcpy(z, q, (size_t)n * sizeof *z);
+    double *second_half = initial_coefficients + n;
+    memcpy(initial_coefficients, q, (size_t)n * sizeof *initial_coefficients);
     switch (system->form) {
     case TVI_SEPARABLE:
-        for (int i = 0; i < n; i++) z_v[i] = tau / system->mass[i] * p[i];
+        for (int i = 0; i < n; i++) second_half[i] = time_unit / system->mass[i] * p[i];
         return TVI_OK;
-    case TVI_HAMILTONIAN: memcpy(z_v, p, (size_t)n * sizeof *z_v); return TVI_OK;
+    case TVI_HAMILTONIAN: memcpy(second_half, p, (size_t)n * sizeof *second_half); return TVI_OK;
     default: break;
     }
     const bool is_at_rest = tvi_largest_magnitude(n, velocity, 1) == 0;
@@ -173,7 +174,7 @@ tvi_status tvi_legendre_compute_curve_start(tvi_legendre *legendre, const tvi_sy
         status = tvi_legendre_solve(legendre, t, q, p, velocity);
     }
     for (int i = 0; i < n; i++) {
-        z_v[i] = tau * velocity[i];
+        second_half[i] = time_unit * velocity[i];
         if (status != TVI_OK) velocity[i] = 0; /* The next solution must not start from this velocity. */
     }
     return status;

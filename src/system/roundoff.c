@@ -13,7 +13,7 @@ void tvi_roundoff_allocate(tvi_roundoff_estimator *roundoff, tvi_arena *arena, c
     const size_t slots = (size_t)system->field_series->slot_count;
     roundoff->output_roundoff = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_output_count(system));
     roundoff->field_block = tvi_arena_allocate_block(arena, system->field_series, 1, 1, 0);
-    roundoff->tangents = tvi_arena_allocate_doubles(arena, slots * SAMPLES);
+    roundoff->propagated_roundoff_of_slots = tvi_arena_allocate_doubles(arena, slots * SAMPLES);
 }
 
 double tvi_roundoff_sign_randomly(tvi_roundoff_estimator *roundoff, double size)
@@ -50,23 +50,26 @@ static double compute_roundoff_scale(const jet_tape *tape, const jet_run_of_oper
     return sum;
 }
 
-/* Adds DBL_EPSILON times `size` to the tangents dx of a slot with the value x, with a sign for each sample. The signs
- * are bits of a hash of the value's digits. Therefore they depend neither on units nor on the order of slots, and equal
- * values have equal errors. */
-static void add_roundoff_unit(const double *x, double *dx, int slot, double size)
+/* Adds DBL_EPSILON times roundoff_scale to the tangents of a slot, with a sign for each sample. The signs are bits of a
+ * hash of the value's digits. Therefore they depend neither on units nor on the order of slots, and equal values have
+ * equal errors. */
+static void add_roundoff_of_random_sign_to_slot(const double *slot_values, double *slot_tangents, int slot,
+                                                double roundoff_scale)
 {
     int exponent;
-    const double digits = frexp(fabs(x[slot]), &exponent);
+    const double digits = frexp(fabs(slot_values[slot]), &exponent);
     const uint64_t bits = jet_continue_hash(JET_HASH_OF_NOTHING, &digits, sizeof digits);
-    for (int s = 0; s < SAMPLES && size > 0; s++)
-        dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
+    for (int s = 0; s < SAMPLES && roundoff_scale > 0; s++)
+        slot_tangents[slot * SAMPLES + s] +=
+            bits >> (63 - s) & 1 ? DBL_EPSILON * roundoff_scale : -DBL_EPSILON * roundoff_scale;
 }
 
 void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double input_sizes[], const double *x,
                              double *dx)
 {
     memset(dx, 0, (size_t)input_count * SAMPLES * sizeof *dx);
-    for (int i = 0; i < input_count; i++) add_roundoff_unit(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
+    for (int i = 0; i < input_count; i++)
+        add_roundoff_of_random_sign_to_slot(x, dx, i, input_sizes ? input_sizes[i] : fabs(x[i]));
     for (int r = 0; r < tape->run_count; r++) {
         jet_tape one_run = *tape;
         /* The interpreter sweeps the single run of this tape, since generated code sweeps only whole tapes. */
@@ -75,7 +78,8 @@ void tvi_roundoff_sweep_tape(const jet_tape *tape, int input_count, const double
         one_run.run_count = 1;
         jet_sweep_tangents(&one_run, x, dx, 0, SAMPLES);
         for (int i = 0; i < one_run.runs->operation_count; i++)
-            add_roundoff_unit(x, dx, one_run.runs->z + i, compute_roundoff_scale(tape, one_run.runs, i, x));
+            add_roundoff_of_random_sign_to_slot(x, dx, one_run.runs->z + i,
+                                                compute_roundoff_scale(tape, one_run.runs, i, x));
     }
 }
 
@@ -90,11 +94,13 @@ int tvi_roundoff_estimate_field(tvi_roundoff_estimator *roundoff, const tvi_syst
         for (int i = 0; i < system->input_count + system->uses_time; i++)
             roundoff->field_block[i] = inputs[i * lanes + point];
         if (!jet_sweep_values(tape, roundoff->field_block, 1)) continue;
-        tvi_roundoff_sweep_tape(tape, system->input_count, NULL, roundoff->field_block, roundoff->tangents);
+        tvi_roundoff_sweep_tape(tape, system->input_count, NULL, roundoff->field_block,
+                                roundoff->propagated_roundoff_of_slots);
         for (int i = 0; i < outputs; i++)
             roundoff->output_roundoff[i] =
                 fmax(roundoff->output_roundoff[i],
-                     tvi_largest_magnitude(SAMPLES, roundoff->tangents + tape->output_slot[i] * SAMPLES, 1));
+                     tvi_largest_magnitude(SAMPLES,
+                                           roundoff->propagated_roundoff_of_slots + tape->output_slot[i] * SAMPLES, 1));
     }
     return point_count * (1 + SAMPLES);
 }

@@ -12,7 +12,7 @@ typedef struct {
     double *field_block;     /* The values of all slots of field_series at one point. */
     /* [slots][TVI_ROUNDOFF_SAMPLES] The changes of all slots by rounding errors, for each random choice of their
      * signs. */
-    double *tangents;
+    double *propagated_roundoff_of_slots;
     /* The state of a pseudo-random sequence. Each estimate restarts the sequence, so that no step depends on earlier
      * steps. */
     unsigned random_state;

@@ -7,18 +7,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The user's statement of a system. Exactly one of `force`, `potential`, `lagrangian`, `hamiltonian`, `factors` and
- * `base` is set. */
+/* The user's statement of a system. Exactly one of the first five functions and `base` is set. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
     tvi_lagrangian_fn *lagrangian;
     tvi_hamiltonian_fn *hamiltonian;
-    tvi_factors_fn *factors;
+    tvi_factors_fn *hamiltonian_factors;
     const double *mass;
     void *ctx;
     const tvi_system *base;          /* The system whose lift is created (tvi_system_create_lift). */
-    bool has_conjugate_lift_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
+    bool has_canonical_lift_momenta; /* The momenta of the lift are to be conjugate to its coordinates. */
     tvi_drive_fn *drive;             /* The forces of a driven Hamiltonian or Lagrangian; NULL: there are none. */
     void *drive_ctx;
 } system_statement;
@@ -28,10 +27,10 @@ typedef struct {
     tvi_system *system;
     /* Inputs of the graph: coordinates; velocities or momenta; directions r for the gradient of r.H_p; time. */
     jet *q, *v, *r, t;
-    jet user_function;         /* The user's V, L or H. */
-    jet *field;                /* [2n] The field, which belongs to the system. */
-    jet *gradient_of_r_dot_Hp; /* [2n] The gradient of r.H_p. */
-    jet *field_and_hessian;    /* [2n + hessian_entry_count] The field, and then the second derivatives. */
+    jet user_function;               /* The user's V, L or H. */
+    jet *field;                      /* [2n] The field, which belongs to the system. */
+    jet *direction_dot_H_p_gradient; /* [2n] The gradient of r.H_p. */
+    jet *field_and_hessian;          /* [2n + hessian_entry_count] The field, and then the second derivatives. */
 } system_recording;
 
 static tvi_status check_masses(int n, const double mass[])
@@ -54,8 +53,8 @@ static const char *user_function_name(const system_statement *statement)
 /* Opens a recording with the inputs q, v or p, t, r, in this order. A force or a potential has neither v nor r. */
 static tvi_status begin_recording(system_recording *recording, int n, const system_statement *statement)
 {
-    const bool general =
-        statement->lagrangian || statement->hamiltonian || statement->factors || statement->has_conjugate_lift_momenta;
+    const bool general = statement->lagrangian || statement->hamiltonian || statement->hamiltonian_factors ||
+                         statement->has_canonical_lift_momenta;
     const size_t count = (size_t)n;
     tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -66,8 +65,8 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     recording->q = malloc(3 * count * sizeof *recording->q);
     recording->field = system->field = malloc(2 * count * sizeof *recording->field);
-    recording->gradient_of_r_dot_Hp = malloc(2 * count * sizeof *recording->gradient_of_r_dot_Hp);
-    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->gradient_of_r_dot_Hp)
+    recording->direction_dot_H_p_gradient = malloc(2 * count * sizeof *recording->direction_dot_H_p_gradient);
+    if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->direction_dot_H_p_gradient)
         return TVI_ENOMEM;
     jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
     recording->v = recording->q + n;
@@ -162,25 +161,26 @@ static tvi_status record_lagrangian(system_recording *recording, const system_st
 }
 
 /* Records the gradient of r.H_p. */
-static tvi_status record_gradient_of_r_dot_Hp(system_recording *recording)
+static tvi_status record_direction_dot_H_p_gradient(system_recording *recording)
 {
     tvi_system *system = recording->system;
     const int n = system->n;
     jet along = jet_dot(recording->r, recording->field + n, n);
-    const tvi_status status = record_full_gradient(recording, &along, recording->gradient_of_r_dot_Hp);
-    return status == TVI_OK ? jet_graph_check_outputs(system->graph, 2 * n, recording->gradient_of_r_dot_Hp) : status;
+    const tvi_status status = record_full_gradient(recording, &along, recording->direction_dot_H_p_gradient);
+    return status == TVI_OK ? jet_graph_check_outputs(system->graph, 2 * n, recording->direction_dot_H_p_gradient)
+                            : status;
 }
 
 static tvi_status record_factored_hamiltonian(system_recording *recording, const system_statement *statement)
 {
     tvi_system *system = recording->system;
     jet factor[2];
-    statement->factors(recording->q, recording->v, recording->t, statement->ctx, factor);
+    statement->hamiltonian_factors(recording->q, recording->v, recording->t, statement->ctx, factor);
     recording->user_function = jet_mul(factor[0], factor[1]);
     system->form = TVI_HAMILTONIAN;
     tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
     if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->field_and_hessian);
-    return status == TVI_OK ? record_gradient_of_r_dot_Hp(recording) : status;
+    return status == TVI_OK ? record_direction_dot_H_p_gradient(recording) : status;
 }
 
 /* Records the field (H_q, H_p). The system is separable if H_p = M^-1 p and H_q does not depend on p; then F = -H_q
@@ -199,7 +199,7 @@ static tvi_status record_hamiltonian(system_recording *recording, const system_s
     for (int i = 0; i < n && system->has_masses; i++) system->mass[i] = 1 / system->mass[i];
     if (separable) return record_force(recording);
     system->form = TVI_HAMILTONIAN;
-    return record_gradient_of_r_dot_Hp(recording);
+    return record_direction_dot_H_p_gradient(recording);
 }
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
@@ -243,19 +243,19 @@ static void set_lift_field(system_recording *recording, const tvi_system *base, 
 }
 
 /* Records the lift's own parameters, the components of the tangent vector that belong to the base's parameters. */
-static void record_lift_parameters(const system_recording *recording, int parameter_count, jet parameter_direction[])
+static void record_lift_parameter_directions(const system_recording *recording, int parameter_count, jet direction[])
 {
     for (int i = 0; i < parameter_count; i++)
-        parameter_direction[i] = jet_graph_record_parameter(recording->system->graph, parameter_count + i, 0);
+        direction[i] = jet_graph_record_parameter(recording->system->graph, parameter_count + i, 0);
 }
 
-static tvi_status record_lift(system_recording *recording, const system_statement *statement)
+static tvi_status record_field_of_tangent_lift(system_recording *recording, const system_statement *statement)
 {
     const tvi_system *base = statement->base;
     tvi_system *system = recording->system;
     const int parameters = jet_graph_parameter_count(base->graph);
     system->is_regular = base->is_regular;
-    system->has_masses = !statement->has_conjugate_lift_momenta;
+    system->has_masses = !statement->has_canonical_lift_momenta;
     if (!system->has_masses) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_input_count(base->graph), outputs = (size_t)base->input_count;
@@ -264,7 +264,7 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
     jet *parameter_direction = rate + outputs;
     set_lift_inputs(recording, base, input, direction);
-    record_lift_parameters(recording, parameters, parameter_direction);
+    record_lift_parameter_directions(recording, parameters, parameter_direction);
     bool lifted = jet_record_forward_derivatives(base->graph, system->graph, input, direction, parameter_direction,
                                                  base->input_count, base->field, value, rate);
     if (lifted) set_lift_field(recording, base, value, rate);
@@ -276,7 +276,7 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
     if (!lifted) return TVI_ENOMEM;
     if (base->form == TVI_HAMILTONIAN && jet_graph_check_outputs(system->graph, 1, &recording->user_function) != TVI_OK)
         return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN  ? record_gradient_of_r_dot_Hp(recording)
+    return system->form == TVI_HAMILTONIAN  ? record_direction_dot_H_p_gradient(recording)
            : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &recording->field_and_hessian)
                                             : TVI_OK;
 }
@@ -284,9 +284,9 @@ static tvi_status record_lift(system_recording *recording, const system_statemen
 static tvi_status record_statement(system_recording *recording, const system_statement *statement)
 {
     recording->system->energy_sign = 1;
-    if (statement->base) return record_lift(recording, statement);
+    if (statement->base) return record_field_of_tangent_lift(recording, statement);
     if (statement->lagrangian) return record_lagrangian(recording, statement);
-    if (statement->factors) return record_factored_hamiltonian(recording, statement);
+    if (statement->hamiltonian_factors) return record_factored_hamiltonian(recording, statement);
     if (statement->hamiltonian) return record_hamiltonian(recording, statement);
     if (statement->potential) return record_potential(recording, statement);
     statement->force(recording->q, recording->t, recording->field, statement->ctx);
@@ -304,12 +304,12 @@ static tvi_status create_tapes(system_recording *recording, const system_stateme
     system->field_series = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_SERIES);
     system->field_values = jet_tape_create(system->graph, outputs, outputs, recording->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
-    if (tvi_system_find_subsystems(system, statement->factors != NULL) != TVI_OK) return TVI_ENOMEM;
+    if (tvi_system_find_subsystems(system, statement->hamiltonian_factors != NULL) != TVI_OK) return TVI_ENOMEM;
     system->has_tail_shares_without_momenta = system->has_masses;
     system->uses_time = system->field_series->input_count > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->r_dot_Hp_values =
-            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->gradient_of_r_dot_Hp, JET_TAPE_VALUES);
+            jet_tape_create(system->graph, 3 * n + 1, 2 * n, recording->direction_dot_H_p_gradient, JET_TAPE_VALUES);
         if (!system->r_dot_Hp_values) return TVI_ENOMEM;
     }
     if (tvi_hessian_create_tape(system, recording->field_and_hessian) != TVI_OK) return TVI_ENOMEM;
@@ -331,7 +331,7 @@ static tvi_status record_system_and_tapes(tvi_system **out, int n, const system_
     if (status == TVI_OK) status = create_tapes(&recording, statement);
     if (status == TVI_OK && !statement->base) status = tvi_legendre_test_regularity(recording.system);
     free(recording.q);
-    free(recording.gradient_of_r_dot_Hp);
+    free(recording.direction_dot_H_p_gradient);
     free(recording.field_and_hessian);
     if (status == TVI_OK) *out = recording.system;
     else tvi_system_free(recording.system);
@@ -345,7 +345,7 @@ static tvi_status create_system_from_statement(tvi_system **out, int n, const sy
     *out = NULL;
     if (n < 1 || n > TVI_MAX_DIMENSION) return jet_refuse(TVI_EINVAL, "n = %d is not 1 .. %d", n, TVI_MAX_DIMENSION);
     if (!statement->force && !statement->potential && !statement->lagrangian && !statement->hamiltonian &&
-        !statement->factors)
+        !statement->hamiltonian_factors)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
     const tvi_status status = check_masses(n, statement->mass);
     return status == TVI_OK ? record_system_and_tapes(out, n, statement) : status;
@@ -355,7 +355,7 @@ tvi_status tvi_system_create_lift(tvi_system **out, const tvi_system *system, tv
 {
     const bool is_paired = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
     return record_system_and_tapes(out, 2 * system->n,
-                                   &(system_statement){.base = system, .has_conjugate_lift_momenta = is_paired});
+                                   &(system_statement){.base = system, .has_canonical_lift_momenta = is_paired});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
@@ -373,9 +373,9 @@ tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lag
     return create_system_from_statement(out, n, &(system_statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
-tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
+tvi_status tvi_system_create_from_hamiltonian_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
-    return create_system_from_statement(out, n, &(system_statement){.factors = factors, .ctx = ctx});
+    return create_system_from_statement(out, n, &(system_statement){.hamiltonian_factors = factors, .ctx = ctx});
 }
 
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)

@@ -79,7 +79,8 @@ struct tvi_system {
 /* Creates a system with the Hamiltonian g f for solutions with f = 0. The function `factors` records factor = {g, f}.
  * The system has second derivatives if they are cheap (tvi_hessian_record_of_product). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
-TVI_NODISCARD tvi_status tvi_system_create_from_factors(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
+TVI_NODISCARD tvi_status tvi_system_create_from_hamiltonian_factors(tvi_system **out, int n, tvi_factors_fn *factors,
+                                                                    void *ctx);
 
 /* Creates the lift of a system, which moves a state (q, p) together with a tangent vector (dq, dp). It has 2n
  * degrees of freedom, and the Hamiltonian H_q.dq + H_p.dp or the Lagrangian L_q.dq + L_v.dv (docs/method.md, section
@@ -104,7 +105,7 @@ jet tvi_record_user_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 /* Records the automatic time scale g from H, in the graph of the rescaled Hamiltonian K, whose inputs are q, t, p and e
  * = -H (automatic.c). If g has no value at any state, the result is a jet that holds the error, and the recording of K
  * fails. */
-jet tvi_record_automatic_scale(const tvi_system *base, jet H);
+jet tvi_record_automatic_time_scale(const tvi_system *base, jet H);
 
 /* Records the second derivatives of the system's L or H, which are the derivatives of its field, in its open graph.
  * *jets [2n + hessian_entry_count] becomes the field, followed by the second derivatives. The caller frees *jets,
