@@ -52,13 +52,15 @@ static double record_step_and_choose_next_size(tvi_orbit_scout *scout, const tvi
                                                bool is_last_step)
 {
     const double scale = estimate_resolving_step_size(orbit, h);
-    scout->abscissas[scout->step_count + 1] = scout->abscissas[scout->step_count] + h;
+    scout->state_abscissas_in_time_or_s[scout->step_count + 1] =
+        scout->state_abscissas_in_time_or_s[scout->step_count] + h;
     scout->orbit_resolving_step_size_estimate[scout->step_count] =
         is_last_step && scout->step_count > 0 ? scout->orbit_resolving_step_size_estimate[scout->step_count - 1]
                                               : scale;
     if (fabs(scout->orbit_resolving_step_size_estimate[scout->step_count]) <
-        SCOUT_HARDER_FACTOR * fabs(scout->orbit_resolving_step_size_estimate[scout->hardest_step_index]))
-        scout->hardest_step_index = scout->step_count;
+        SCOUT_HARDER_FACTOR *
+            fabs(scout->orbit_resolving_step_size_estimate[scout->smallest_resolving_step_size_index]))
+        scout->smallest_resolving_step_size_index = scout->step_count;
     scout->step_count++;
     update_largest_q_and_p(scout, orbit);
     return tvi_number_nearer_to_zero(scale, SCOUT_MAX_GROWTH * h);
@@ -96,7 +98,8 @@ static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_inte
     tvi_integrated_orbit_set_state(orbit, n, scout->states);
     for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
         scout->tried_step_count++;
-        scout->last_status = tvi_step(orbit->integrator, scout->abscissas[1] / 2, &orbit->t, orbit->q, orbit->p);
+        scout->last_status =
+            tvi_step(orbit->integrator, scout->state_abscissas_in_time_or_s[1] / 2, &orbit->t, orbit->q, orbit->p);
     }
     for (int i = 0; i < 2 * n; i++) {
         const double x = i < n ? orbit->q[i] : orbit->p[i - n];
@@ -131,18 +134,19 @@ static bool is_energy_conserved_by_first_step(tvi_orbit_scout *scout, tvi_integr
  * step did not conserve the energy. */
 static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double next_step_size)
 {
-    return scout->step_count == 1 && (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->abscissas[1]) ||
-                                      !is_energy_conserved_by_first_step(scout, orbit));
+    return scout->step_count == 1 &&
+           (fabs(next_step_size) < SCOUT_FIRST_FAILED_FACTOR * fabs(scout->state_abscissas_in_time_or_s[1]) ||
+            !is_energy_conserved_by_first_step(scout, orbit));
 }
 
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
 static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     tvi_integrated_orbit_set_state(orbit, scout->n, scout->states);
-    scout->step_count = scout->hardest_step_index = 0;
+    scout->step_count = scout->smallest_resolving_step_size_index = 0;
     scout->largest_q = scout->largest_p = 0;
     update_largest_q_and_p(scout, orbit);
-    return SCOUT_FIRST_FAILED_FACTOR * scout->abscissas[1];
+    return SCOUT_FIRST_FAILED_FACTOR * scout->state_abscissas_in_time_or_s[1];
 }
 
 tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit, double duration)
@@ -150,29 +154,31 @@ tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_integrated_orbit 
     const double start = orbit->t, end = start + duration;
     double h = duration;
     update_largest_q_and_p(scout, orbit);
-    while (scout->tried_step_count < SCOUT_MAX_STEPS && scout->explored_duration_part < 1 &&
-           !scout->is_degree_too_low_for_tail && scout->last_status != TVI_ENOMEM) {
+    while (scout->tried_step_count < SCOUT_MAX_STEPS && scout->explored_fraction_of_duration < 1 &&
+           !scout->is_degree_too_low_for_error_estimate_by_tail && scout->last_status != TVI_ENOMEM) {
         h = try_step_and_choose_next_size(scout, orbit, h, end - orbit->t);
         if (is_first_step_too_large(scout, orbit, h)) h = restart_with_shorter_step(scout, orbit);
-        scout->explored_duration_part = fmin((orbit->t - start) / duration, 1);
-        scout->is_degree_too_low_for_tail = scout->step_count == 1 && orbit->integrator->options.degree <= 2;
+        scout->explored_fraction_of_duration = fmin((orbit->t - start) / duration, 1);
+        scout->is_degree_too_low_for_error_estimate_by_tail =
+            scout->step_count == 1 && orbit->integrator->options.degree <= 2;
     }
     store_current_state(scout, orbit);
     return scout->step_count > 0 && scout->last_status != TVI_ENOMEM ? TVI_OK : scout->last_status;
 }
 
-double tvi_scout_error_weighted_length(const tvi_orbit_scout *scout, double from_abscissa, double to_abscissa)
+double tvi_scout_integrate_relative_error_density(const tvi_orbit_scout *scout, double from_abscissa,
+                                                  double to_abscissa)
 {
-    const double end = scout->abscissas[scout->step_count],
-                 hardest = scout->orbit_resolving_step_size_estimate[scout->hardest_step_index];
+    const double end = scout->state_abscissas_in_time_or_s[scout->step_count],
+                 hardest = scout->orbit_resolving_step_size_estimate[scout->smallest_resolving_step_size_index];
     double sum = 0, all = 0;
     for (int k = 0; k < scout->step_count; k++) {
         const double weight =
             fmax(pow(hardest / scout->orbit_resolving_step_size_estimate[k], SCOUT_ERROR_POWER), SCOUT_MIN_WEIGHT);
-        const double way = fmin(fabs(to_abscissa), fabs(scout->abscissas[k + 1])) -
-                           fmax(fabs(from_abscissa), fabs(scout->abscissas[k]));
+        const double way = fmin(fabs(to_abscissa), fabs(scout->state_abscissas_in_time_or_s[k + 1])) -
+                           fmax(fabs(from_abscissa), fabs(scout->state_abscissas_in_time_or_s[k]));
         sum += fmax(way, 0) * weight;
-        all += fabs(scout->abscissas[k + 1] - scout->abscissas[k]) * weight;
+        all += fabs(scout->state_abscissas_in_time_or_s[k + 1] - scout->state_abscissas_in_time_or_s[k]) * weight;
     }
     return sum + fmax(fabs(to_abscissa) - fabs(end), 0) * all / fabs(end);
 }

@@ -25,15 +25,16 @@ typedef struct {
     double *states;
     long tried_step_count; /* the number of tried steps, including those that failed or were undone */
     int step_count;        /* the number of steps that succeeded; step k leads from state k to state k + 1 */
-    double abscissas[SCOUT_MAX_STEPS + 1]; /* the abscissas of the states */
+    double state_abscissas_in_time_or_s[SCOUT_MAX_STEPS + 1]; /* the abscissas of the states */
     /* At each step, the estimated size of a step that resolves the orbit there: its tail would be
      * SCOUT_RESOLVING_TAIL. */
     double orbit_resolving_step_size_estimate[SCOUT_MAX_STEPS];
-    int hardest_step_index;        /* index of the step with the least orbit_resolving_step_size_estimate */
-    double explored_duration_part; /* the part of the duration of the run that the scout has covered, 0 to 1 */
+    /* The index of the hardest step, the one with the least orbit_resolving_step_size_estimate. */
+    int smallest_resolving_step_size_index;
+    double explored_fraction_of_duration; /* the part of the duration of the run that the scout has covered, 0 to 1 */
     /* True if the degree of the curve of the method is at most 2. The tails of such curves are no estimate of an
      * error, so only one step is made. */
-    bool is_degree_too_low_for_tail;
+    bool is_degree_too_low_for_error_estimate_by_tail;
     double largest_q, largest_p; /* the largest |q_i| and the largest |p_i| along the orbit */
     tvi_status last_status;      /* the status of the last step */
 } tvi_orbit_scout;
@@ -49,6 +50,7 @@ TVI_NODISCARD tvi_status tvi_scout_explore_orbit(tvi_orbit_scout *scout, tvi_int
 
 /* Returns the distance between two abscissas, in which each step of the scout is weighted by the error that a run makes
  * there. The weight of the hardest step is 1, and that of every other step at most 1. */
-double tvi_scout_error_weighted_length(const tvi_orbit_scout *scout, double from_abscissa, double to_abscissa);
+double tvi_scout_integrate_relative_error_density(const tvi_orbit_scout *scout, double from_abscissa,
+                                                  double to_abscissa);
 
 #endif

@@ -26,7 +26,7 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     doubling->full_step_orbit.p = doubling->full_step_orbit.q + n;
     doubling->half_step_orbit.q = doubling->full_step_orbit.q + state,
     doubling->half_step_orbit.p = doubling->half_step_orbit.q + n;
-    doubling->scout_states = doubling->half_step_orbit.q + state;
+    doubling->memory_of_scout_states = doubling->half_step_orbit.q + state;
     if (!doubling->is_rescaled) return TVI_OK;
     return jet_explain_out_of_memory(
         tvi_state_rates_open(&doubling->rates_evaluator, system, doubling->full_step_orbit.integrator->parameters));
@@ -82,23 +82,25 @@ tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h)
  * times the difference of the states is d = a - b - lag rate_a, with the time derivative rate_a of a. Both d and rate_a
  * are divided by the largest component of b so far, separately for coordinates and momenta. */
 typedef struct {
-    double largest_difference;    /* the largest component of |a - b| at equal times, relative to that of |b| */
-    double difference_dot_rate;   /* the scalar product d.rate_a */
-    double rate_squared;          /* the scalar product rate_a.rate_a */
-    double largest_relative_rate; /* the largest component of |rate_a| */
+    double largest_difference;  /* the largest component of |a - b| at equal times, relative to that of |b| */
+    double difference_dot_rate; /* the scalar product d.rate_a */
+    double rate_squared;        /* the scalar product rate_a.rate_a */
+    double largest_time_derivative_over_state_size; /* the largest component of |rate_a| */
 } orbit_difference;
 
 /* Updates the measures by the n components of q or of p; *largest_component is the largest |b_i| so far. */
-static void accumulate_difference(int n, const double state_a[], const double state_b[], double lag,
-                                  const double rate_a[], double *largest_component, orbit_difference *out)
+static void update_lag_corrected_orbit_difference(int n, const double state_a[], const double state_b[], double lag,
+                                                  const double rate_a[], double *largest_component,
+                                                  orbit_difference *measures)
 {
     for (int i = 0; i < n; i++) *largest_component = fmax(*largest_component, fabs(state_b[i]));
     const double unit = *largest_component > 0 ? *largest_component : 1;
     for (int i = 0; i < n; i++) {
         const double d = (state_a[i] - state_b[i] - lag * rate_a[i]) / unit, r = rate_a[i] / unit;
-        out->largest_difference = fmax(out->largest_difference, fabs(d));
-        out->largest_relative_rate = fmax(out->largest_relative_rate, fabs(r));
-        out->difference_dot_rate += d * r, out->rate_squared += r * r;
+        measures->largest_difference = fmax(measures->largest_difference, fabs(d));
+        measures->largest_time_derivative_over_state_size =
+            fmax(measures->largest_time_derivative_over_state_size, fabs(r));
+        measures->difference_dot_rate += d * r, measures->rate_squared += r * r;
     }
 }
 
@@ -110,27 +112,31 @@ double tvi_step_doubling_measure_orbit_distance(tvi_step_doubling *doubling)
     const tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
     const double lag = a->t - b->t;
     orbit_difference d = {0};
-    accumulate_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->largest_q, &d);
-    accumulate_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n, &doubling->largest_p, &d);
+    update_lag_corrected_orbit_difference(doubling->n, a->q, b->q, lag, doubling->rates_output, &doubling->largest_q,
+                                          &d);
+    update_lag_corrected_orbit_difference(doubling->n, a->p, b->p, lag, doubling->rates_output + doubling->n,
+                                          &doubling->largest_p, &d);
     doubling->orbit_distance = d.largest_difference;
-    doubling->largest_relative_rate = fmax(doubling->largest_relative_rate, d.largest_relative_rate);
-    const bool is_fast = d.largest_relative_rate > DOUBLING_MIN_SPEED * doubling->largest_relative_rate;
-    return is_fast ? fmax(d.largest_difference,
-                          fabs(d.difference_dot_rate / d.rate_squared) * doubling->largest_relative_rate)
+    doubling->largest_time_derivative_over_state_size =
+        fmax(doubling->largest_time_derivative_over_state_size, d.largest_time_derivative_over_state_size);
+    const bool is_fast = d.largest_time_derivative_over_state_size >
+                         DOUBLING_MIN_SPEED * doubling->largest_time_derivative_over_state_size;
+    return is_fast ? fmax(d.largest_difference, fabs(d.difference_dot_rate / d.rate_squared) *
+                                                    doubling->largest_time_derivative_over_state_size)
                    : d.largest_difference;
 }
 
-tvi_status tvi_step_doubling_measure_shift_effect(tvi_step_doubling *doubling, const double *state, double h,
-                                                  double time_shift, double *distance)
+tvi_status tvi_step_doubling_measure_time_shift_distance(tvi_step_doubling *doubling, const double *state, double h,
+                                                         double time_shift, double *step_end_distance)
 {
     tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
-    *distance = 0;
+    *step_end_distance = 0;
     tvi_step_doubling_set_state(doubling, state);
     b->t += time_shift;
     if (make_step_of_orbit(doubling, a, h) == TVI_OK && make_step_of_orbit(doubling, b, h) == TVI_OK &&
         compute_rates_of_full_step_orbit(doubling) == TVI_OK) {
         b->t -= time_shift;
-        *distance = tvi_step_doubling_measure_orbit_distance(doubling);
+        *step_end_distance = tvi_step_doubling_measure_orbit_distance(doubling);
     }
     return doubling->has_exhausted_memory ? TVI_ENOMEM : TVI_OK;
 }
@@ -139,7 +145,7 @@ tvi_status tvi_step_doubling_measure_shift_effect(tvi_step_doubling *doubling, c
 
 /* Sets half_step_orbit to the given state, displaced by DOUBLING_START_DISTANCE in the direction of the present
  * difference of the two orbits. */
-static void place_companion_orbit(tvi_step_doubling *doubling, const double *state)
+static void start_perturbed_orbit_near_state(tvi_step_doubling *doubling, const double *state)
 {
     const size_t n = (size_t)doubling->n;
     tvi_integrated_orbit *b = &doubling->half_step_orbit;
@@ -156,10 +162,10 @@ static void place_companion_orbit(tvi_step_doubling *doubling, const double *sta
 /* Integrates the companion beside the scout's orbit, from state number first_state_index of the scout on. Sets
  * distances[k] to the distance of both orbits at state k, and returns the index of the last state that the companion
  * has reached. */
-static int integrate_companion_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_state_index,
+static int integrate_perturbed_orbit(tvi_step_doubling *doubling, const tvi_orbit_scout *scout, int first_state_index,
                                      double distances[])
 {
-    place_companion_orbit(doubling, tvi_scout_state(scout, first_state_index));
+    start_perturbed_orbit_near_state(doubling, tvi_scout_state(scout, first_state_index));
     for (int k = first_state_index; true; k++) {
         tvi_integrated_orbit_set_state(&doubling->full_step_orbit, doubling->n, tvi_scout_state(scout, k));
         if (compute_rates_of_full_step_orbit(doubling) != TVI_OK) return k - 1;
@@ -169,44 +175,50 @@ static int integrate_companion_orbit(tvi_step_doubling *doubling, const tvi_orbi
          * e anew from its own start, as each step of the scout does. */
         if (doubling->is_rescaled) tvi_integrator_reset(doubling->half_step_orbit.integrator);
         if (k == scout->step_count || make_step_of_orbit(doubling, &doubling->half_step_orbit,
-                                                         scout->abscissas[k + 1] - scout->abscissas[k]) != TVI_OK)
+                                                         scout->state_abscissas_in_time_or_s[k + 1] -
+                                                             scout->state_abscissas_in_time_or_s[k]) != TVI_OK)
             return k;
     }
 }
 
 /* Returns the largest distance in the second half of the way between two states of the scout, divided by the largest
  * distance in the first half. */
-static double distance_ratio_of_second_to_first_half(const tvi_orbit_scout *scout, int first_state_index,
-                                                     int last_state_index, const double distances[])
+static double compute_perturbation_growth_between_halves(const tvi_orbit_scout *scout, int first_state_index,
+                                                         int last_state_index, const double perturbed_orbit_distances[])
 {
-    const double middle = (scout->abscissas[first_state_index] + scout->abscissas[last_state_index]) / 2;
+    const double middle = (scout->state_abscissas_in_time_or_s[first_state_index] +
+                           scout->state_abscissas_in_time_or_s[last_state_index]) /
+                          2;
     double most[] = {0, 0};
     for (int k = first_state_index; k <= last_state_index; k++) {
-        const bool is_later = fabs(scout->abscissas[k]) > fabs(middle);
-        most[is_later] = fmax(most[is_later], distances[k]);
+        const bool is_later = fabs(scout->state_abscissas_in_time_or_s[k]) > fabs(middle);
+        most[is_later] = fmax(most[is_later], perturbed_orbit_distances[k]);
     }
     return most[1] / most[0];
 }
 
-double tvi_explored_to_trial_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
-                                         double start_abscissa, double end_abscissa, double *companion_growth_ratio)
+double tvi_compute_explored_over_trial_error_ratio(tvi_step_doubling *doubling, const tvi_orbit_scout *scout,
+                                                   double trial_start_abscissa, double trial_end_abscissa,
+                                                   double *perturbation_ratio_of_later_to_earlier_half)
 {
     int first = 0;
     double distances[SCOUT_MAX_STEPS + 1], sum = 0;
-    while (scout->abscissas[first] != start_abscissa) first++;
+    while (scout->state_abscissas_in_time_or_s[first] != trial_start_abscissa) first++;
     do first++;
-    while (first < scout->step_count &&
-           fabs(scout->abscissas[first + 1] - end_abscissa) < fabs(scout->abscissas[first] - end_abscissa));
+    while (first < scout->step_count && fabs(scout->state_abscissas_in_time_or_s[first + 1] - trial_end_abscissa) <
+                                            fabs(scout->state_abscissas_in_time_or_s[first] - trial_end_abscissa));
     const int last = first < scout->step_count && doubling->orbit_distance > 0
-                         ? integrate_companion_orbit(doubling, scout, first, distances)
+                         ? integrate_perturbed_orbit(doubling, scout, first, distances)
                          : first;
     if (last <= first) return 0;
     for (int k = 1; k <= last; k++) {
         const int at = k > first ? k : first;
         const double before = at > first ? distances[at - 1] : 0, after = at < last ? distances[at + 1] : 0;
-        sum += tvi_scout_error_weighted_length(scout, scout->abscissas[k - 1], scout->abscissas[k]) * distances[last] /
-               fmax(distances[at], fmax(before, after));
+        sum += tvi_scout_integrate_relative_error_density(scout, scout->state_abscissas_in_time_or_s[k - 1],
+                                                          scout->state_abscissas_in_time_or_s[k]) *
+               distances[last] / fmax(distances[at], fmax(before, after));
     }
-    *companion_growth_ratio = distance_ratio_of_second_to_first_half(scout, first, last, distances);
-    return sum / tvi_scout_error_weighted_length(scout, start_abscissa, end_abscissa);
+    *perturbation_ratio_of_later_to_earlier_half =
+        compute_perturbation_growth_between_halves(scout, first, last, distances);
+    return sum / tvi_scout_integrate_relative_error_density(scout, trial_start_abscissa, trial_end_abscissa);
 }

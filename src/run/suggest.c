@@ -29,13 +29,14 @@
 /* The search for a step size: the trials so far, and what they show. */
 typedef struct {
     tvi_trials trials;
-    int order;           /* the order of the method */
-    double curve_degree; /* the degree of the method's curve, at least 1; a double, since exponents are divided by it */
+    int order; /* the order of the method */
+    /* The degree of the method's curve, at least 1; a double, since exponents are divided by it. */
+    double step_polynomial_degree_as_double;
     double wanted_error, aimed_error; /* the error that the user wants, and the smaller one that trials aim at */
     double longest_allowed_step_size; /* no step size longer than this is tried or suggested */
     /* A step size whose trial had a large error, and this error. No trial of a shorter step has had an error below a
-     * third of large_error. */
-    double step_size_of_large_error, large_error;
+     * third of possible_roundoff_error. */
+    double step_size_of_possible_roundoff_error, possible_roundoff_error;
     double roundoff_error; /* the error that shorter steps do not reduce; 0 if none was found */
     /* The longest step size with which a trial of the whole run had an error that is small enough
      * (SUGGEST_MAX_ERROR), and the shortest one with which a trial had a larger error; 0 if there is none. */
@@ -72,13 +73,15 @@ static double final_step_size_factor(const suggestion_search *search, const tvi_
 static void detect_roundoff_error(suggestion_search *search, const tvi_step_size_trial *trial)
 {
     if (!tvi_trial_error_is_far_above_aim(&search->trials, trial) || trial->estimated_error == INFINITY ||
-        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) > SUGGEST_ROUNDOFF_DOUBT)
+        fmax(trial->largest_orbit_distance_since_power_of_two_step, trial->previous_orbit_distance) >
+            SUGGEST_ROUNDOFF_DOUBT)
         return;
-    if (search->step_size_of_large_error == 0 ||
-        trial->estimated_error < search->large_error / SUGGEST_ROUNDOFF_DECREASE)
-        search->step_size_of_large_error = trial->h, search->large_error = trial->estimated_error;
-    else if (pow(trial->h / search->step_size_of_large_error, search->order) < SUGGEST_EXPECTED_DECREASE)
-        search->roundoff_error = fmin(trial->estimated_error, search->large_error);
+    if (search->step_size_of_possible_roundoff_error == 0 ||
+        trial->estimated_error < search->possible_roundoff_error / SUGGEST_ROUNDOFF_DECREASE)
+        search->step_size_of_possible_roundoff_error = trial->h,
+        search->possible_roundoff_error = trial->estimated_error;
+    else if (pow(trial->h / search->step_size_of_possible_roundoff_error, search->order) < SUGGEST_EXPECTED_DECREASE)
+        search->roundoff_error = fmin(trial->estimated_error, search->possible_roundoff_error);
 }
 
 /* Updates longest_good_step_size, shortest_bad_step_size and longest_allowed_step_size after a trial. */
@@ -127,8 +130,9 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
     const tvi_trials *trials = &search->trials;
     *is_near_aim =
         trial->has_passed_hardest_step && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
-    const bool is_long = trial->has_passed_hardest_step &&
-                         trial->error_share_of_trial >= TRIAL_EQUAL_LENGTH * trials->largest_error_share_of_trial;
+    const bool is_long =
+        trial->has_passed_hardest_step &&
+        trial->fraction_of_run_error_in_trial >= TRIAL_EQUAL_LENGTH * trials->largest_fraction_of_run_error_in_trials;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
 }
@@ -149,37 +153,42 @@ static bool update_suggestion_and_plan_next_trial(suggestion_search *search, con
     else if (!search->is_suggestion_reliable)
         suggestion->h = suggestion->h == 0 ? trial->h : tvi_number_nearer_to_zero(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_suggestion_reliable))
-        suggestion->trial_step_size = trial->h, suggestion->error_share_of_trial = trial->error_share_of_trial,
+        suggestion->trial_step_size = trial->h,
+        suggestion->fraction_of_run_error_in_trial = trial->fraction_of_run_error_in_trial,
         suggestion->estimated_error = trial->estimated_error;
     if (!failed)
-        suggestion->explored_duration_part = fmax(suggestion->explored_duration_part, trial->duration_part_at_end),
-        trials->largest_error_share_of_trial = fmax(trials->largest_error_share_of_trial, trial->error_share_of_trial);
+        suggestion->explored_fraction_of_duration =
+            fmax(suggestion->explored_fraction_of_duration, trial->fraction_of_run_duration_done),
+        trials->largest_fraction_of_run_error_in_trials =
+            fmax(trials->largest_fraction_of_run_error_in_trials, trial->fraction_of_run_error_in_trial);
     detect_roundoff_error(search, trial);
     update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
-    if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high)) trials->reserved_step_count = 0;
+    if (!tvi_trials_have_budget_for_trial_step(trials) && (is_low || is_high))
+        trials->step_count_kept_for_perturbed_orbit = 0;
     *h = tvi_number_nearer_to_zero(trial->h * factor, search->longest_allowed_step_size);
     trials->run_length_in_steps *= trial->h / *h;
     if (search->longest_good_step_size != 0) return may_trial_find_longer_step(search, h);
     const bool is_last = search->roundoff_error > 0 || !(failed || is_low || is_high || trial->is_finished);
     return !is_last && tvi_trials_have_budget_for_trial_step(trials) &&
-           (!search->is_suggestion_reliable || tvi_trials_can_afford_to_pass_hardest_step(trials, *h)) &&
+           (!search->is_suggestion_reliable || tvi_trials_have_budget_to_pass_hardest_step(trials, *h)) &&
            fabs(*h) > DBL_EPSILON * fabs(trials->duration);
 }
 
 /* Corrects the error estimate of the last trial by the growth of errors that the companion measures
  * (step_doubling.h). */
-static void correct_error_by_companion_growth(suggestion_search *search, tvi_step_size_trial *trial,
-                                              tvi_step_suggestion *suggestion)
+static void scale_trial_error_by_perturbation_growth(suggestion_search *search, tvi_step_size_trial *trial,
+                                                     tvi_step_suggestion *suggestion)
 {
     tvi_trials *trials = &search->trials;
-    if (trials->reserved_step_count == 0 || suggestion->trial_step_size != trial->h ||
+    if (trials->step_count_kept_for_perturbed_orbit == 0 || suggestion->trial_step_size != trial->h ||
         trial->estimated_error == INFINITY)
         return;
     double growth;
-    const double trial_distance = trials->step_doubling.orbit_distance, part = trials->scout.explored_duration_part;
-    const double error_ratio = tvi_explored_to_trial_error_ratio(&trials->step_doubling, &trials->scout,
-                                                                 trials->start_abscissa, trial->end_abscissa, &growth);
+    const double trial_distance = trials->step_doubling.orbit_distance,
+                 part = trials->scout.explored_fraction_of_duration;
+    const double error_ratio = tvi_compute_explored_over_trial_error_ratio(
+        &trials->step_doubling, &trials->scout, trials->start_abscissa, trial->end_abscissa, &growth);
     if (error_ratio == 0) return;
     /* `growth` compares the second half of the explored part with its first half; `halves` is the number of further
      * halves in the unexplored rest. */
@@ -197,15 +206,17 @@ static double prepare_trials_and_choose_first_step(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double scale = s->orbit_resolving_step_size_estimate[s->hardest_step_index],
-                 end = s->abscissas[s->step_count];
+    const double scale = s->orbit_resolving_step_size_estimate[s->smallest_resolving_step_size_index],
+                 end = s->state_abscissas_in_time_or_s[s->step_count];
     const double resolved_error =
-        SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->curve_degree);
+        SUGGEST_RESOLVED_ERROR * pow(SCOUT_RESOLVING_TAIL, search->order / search->step_polynomial_degree_as_double);
     trials->step_doubling.tried_step_count = s->tried_step_count;
     trials->step_doubling.largest_q = s->largest_q, trials->step_doubling.largest_p = s->largest_p;
-    trials->run_end_abscissa = end / s->explored_duration_part;
-    trials->run_error_weighted_length = tvi_scout_error_weighted_length(s, 0, end) / s->explored_duration_part;
-    search->longest_allowed_step_size = scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->curve_degree);
+    trials->run_end_abscissa = end / s->explored_fraction_of_duration;
+    trials->run_integral_of_relative_error_density =
+        tvi_scout_integrate_relative_error_density(s, 0, end) / s->explored_fraction_of_duration;
+    search->longest_allowed_step_size =
+        scale * pow(SUGGEST_MAX_TAIL_RATIO, 1 / search->step_polynomial_degree_as_double);
     if (!trials->step_doubling.is_rescaled)
         search->longest_allowed_step_size =
             tvi_number_nearer_to_zero(search->longest_allowed_step_size, trials->duration);
@@ -224,9 +235,11 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
 {
     tvi_trials *trials = &search->trials;
     const tvi_orbit_scout *s = &trials->scout;
-    const double *const state = tvi_scout_state(s, s->hardest_step_index), *const next = state + 2 * s->n + 1;
+    const double *const state = tvi_scout_state(s, s->smallest_resolving_step_size_index);
+    const double *const next = state + 2 * s->n + 1;
     const double dt = fabs(next[2 * s->n] - state[2 * s->n]),
-                 h = s->abscissas[s->hardest_step_index + 1] - s->abscissas[s->hardest_step_index];
+                 h = s->state_abscissas_in_time_or_s[s->smallest_resolving_step_size_index + 1] -
+                     s->state_abscissas_in_time_or_s[s->smallest_resolving_step_size_index];
     const double last = fmax(fabs(trials->start_time), fabs(trials->start_time + trials->duration)),
                  ulp = DBL_EPSILON * last;
     const double often = SUGGEST_TIME_BIAS * sqrt(fmax(fabs(trials->run_end_abscissa / h), 1)),
@@ -235,18 +248,20 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
     if (!trials->step_doubling.full_step_orbit.integrator->system->uses_time ||
         often * ulp < SUGGEST_TIME_DOUBT * search->wanted_error * dt)
         return TVI_OK;
-    const tvi_status status = tvi_step_doubling_measure_shift_effect(&trials->step_doubling, state, h, shift, &apart);
+    const tvi_status status =
+        tvi_step_doubling_measure_time_shift_distance(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
     const double time_roundoff_error = often * apart / shift * ulp / 2;
     if (time_roundoff_error > search->wanted_error)
         return jet_refuse(TVI_EINVAL, "error = %g is below what the roundoff of t = %g makes of such a run, about %.0e",
                           search->wanted_error, last, time_roundoff_error);
     trials->aimed_error = fmax(trials->aimed_error, time_roundoff_error);
-    trials->largest_roundoff_distance = fmax(trials->largest_roundoff_distance, apart / shift * ulp);
+    trials->largest_orbit_distance_due_to_roundoff =
+        fmax(trials->largest_orbit_distance_due_to_roundoff, apart / shift * ulp);
     return TVI_OK;
 }
 
-static double factor_for_spread_of_step_sizes(const suggestion_search *search)
+static double compute_safety_divisor_for_step_size_spread(const suggestion_search *search)
 {
     const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
@@ -262,11 +277,12 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
     const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
                  unknown = search->is_suggestion_reliable ? 1 : SUGGEST_UNKNOWN_FACTOR;
     suggestion->h = tvi_number_nearer_to_zero(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
-                    factor_for_spread_of_step_sizes(search);
+                    compute_safety_divisor_for_step_size_spread(search);
     if (search->longest_good_step_size != 0)
         suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,
-        suggestion->error_share_of_trial = 1, suggestion->estimated_error = search->error_of_longest_good_step_size;
-    if (suggestion->explored_duration_part > 1 - TRIAL_END) suggestion->explored_duration_part = 1;
+        suggestion->fraction_of_run_error_in_trial = 1,
+        suggestion->estimated_error = search->error_of_longest_good_step_size;
+    if (suggestion->explored_fraction_of_duration > 1 - TRIAL_END) suggestion->explored_fraction_of_duration = 1;
 }
 
 static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestion *suggestion)
@@ -279,11 +295,11 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     double h = prepare_trials_and_choose_first_step(search);
     status = measure_time_roundoff(search);
     if (status != TVI_OK) return status;
-    suggestion->explored_duration_part =
-        trials->scout.is_degree_too_low_for_tail ? 0 : trials->scout.explored_duration_part;
+    suggestion->explored_fraction_of_duration =
+        trials->scout.is_degree_too_low_for_error_estimate_by_tail ? 0 : trials->scout.explored_fraction_of_duration;
     do trial = tvi_make_step_size_trial(trials, h);
     while (trial.status != TVI_ENOMEM && update_suggestion_and_plan_next_trial(search, &trial, &h, suggestion));
-    correct_error_by_companion_growth(search, &trial, suggestion);
+    scale_trial_error_by_perturbation_growth(search, &trial, suggestion);
     suggestion->step_count = trials->step_doubling.tried_step_count;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
         return jet_explain_out_of_memory(TVI_ENOMEM);
@@ -305,16 +321,16 @@ static tvi_status open_suggestion_search(suggestion_search *search, const tvi_sy
     if (status != TVI_OK) return status;
     const tvi_options *resolved = &trials->step_doubling.full_step_orbit.integrator->options;
     search->order = resolved->order;
-    search->curve_degree = fmax(1, resolved->degree);
+    search->step_polynomial_degree_as_double = fmax(1, resolved->degree);
     search->aimed_error =
         (trials->step_doubling.is_rescaled ? SUGGEST_AIM_RESCALED : SUGGEST_AIM) * search->wanted_error;
     trials->is_driven = system->is_driven;
     trials->error_growth_exponent =
         trials->step_doubling.is_rescaled ? TRIAL_GROWTH_EXPONENT_RESCALED : TRIAL_GROWTH_EXPONENT;
-    trials->largest_roundoff_distance = SUGGEST_ROUNDOFF;
+    trials->largest_orbit_distance_due_to_roundoff = SUGGEST_ROUNDOFF;
     trials->aimed_error = fmax(search->aimed_error, SUGGEST_ROUNDOFF * pow(TVI_STEPS_OF_TRIAL / TRIALS_PART_OF_RUN,
                                                                            trials->error_growth_exponent));
-    trials->scout = (tvi_orbit_scout){.n = system->n, .states = trials->step_doubling.scout_states};
+    trials->scout = (tvi_orbit_scout){.n = system->n, .states = trials->step_doubling.memory_of_scout_states};
     return TVI_OK;
 }
 
@@ -351,7 +367,7 @@ tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *op
     if (!(wanted_error >= DBL_EPSILON && wanted_error < 1))
         return jet_refuse(TVI_EINVAL, "error = %g is below DBL_EPSILON or not below 1", wanted_error);
     const tvi_status status = tvi_compute_step_suggestion(system, options, t, q, p, duration, wanted_error, &found);
-    if (status == TVI_OK) *h = found.h, *seen = found.explored_duration_part;
+    if (status == TVI_OK) *h = found.h, *seen = found.explored_fraction_of_duration;
     return status;
 }
 

@@ -10,10 +10,10 @@ typedef struct {
     double h;               /* the step size that tvi_suggest_step returns */
     double trial_step_size; /* the step size of the trial on which the suggestion rests */
     /* The share of the run's expected error, 0 to 1, that arises in the part of the orbit in that trial. */
-    double error_share_of_trial;
-    double estimated_error;        /* the error at the end of a run with trial_step_size */
-    double explored_duration_part; /* the part of the run's duration that was explored, 0 to 1 */
-    long step_count;               /* the number of steps of all trials, including those of size h/2 */
+    double fraction_of_run_error_in_trial;
+    double estimated_error;               /* the error at the end of a run with trial_step_size */
+    double explored_fraction_of_duration; /* the part of the run's duration that was explored, 0 to 1 */
+    long step_count;                      /* the number of steps of all trials, including those of size h/2 */
 } tvi_step_suggestion;
 
 /* Computes the suggestion of tvi_suggest_step for a run from the state (t, q, p), with its details. */

@@ -3,10 +3,10 @@
  * Two orbits with steps h and h/2 start at the start of the run, or near its hardest step (scout.h) if the trial could
  * not reach that step from the start. Their distance e, relative to the largest coordinate and the largest momentum, is
  * the error of the first orbit up to a part 2^-order (step_doubling.h). If the trial covers the part x of the run's
- * error (tvi_scout_error_weighted_length), the estimate at the end of the run is e x^-a, where errors grow as t^a with
- * the time t. The error of a symplectic method on a regular orbit grows linearly, a = 1, and that of another method at
- * most quadratically. a = 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a driven system errors
- * may decay; there a is measured, and is at most 5/4.
+ * error (tvi_scout_integrate_relative_error_density), the estimate at the end of the run is e x^-a, where errors grow
+ * as t^a with the time t. The error of a symplectic method on a regular orbit grows linearly, a = 1, and that of
+ * another method at most quadratically. a = 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a
+ * driven system errors may decay; there a is measured, and is at most 5/4.
  *
  * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
 #include "run/trial.h"
@@ -20,16 +20,20 @@ static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial, long step_number, double distance)
 {
     if (step_number > 1 && is_power_of_two(step_number - 1))
-        trial->previous_orbit_distance = trial->recent_orbit_distance, trial->recent_orbit_distance = 0;
-    trial->recent_orbit_distance = fmax(trial->recent_orbit_distance, distance);
+        trial->previous_orbit_distance = trial->largest_orbit_distance_since_power_of_two_step,
+        trial->largest_orbit_distance_since_power_of_two_step = 0;
+    trial->largest_orbit_distance_since_power_of_two_step =
+        fmax(trial->largest_orbit_distance_since_power_of_two_step, distance);
     if (trials->is_driven && step_number >= TRIAL_GROWTH_FIRST_STEP && step_number % TRIAL_GROWTH_INTERVAL == 0 &&
         trial->previous_orbit_distance > 0)
         trials->error_growth_exponent =
-            tvi_clamp(0, log2(trial->recent_orbit_distance / trial->previous_orbit_distance), TRIAL_GROWTH_EXPONENT);
-    trial->estimated_error = distance < TRIAL_MAX_DISTANCE
-                                 ? fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) *
-                                       pow(trial->error_share_of_trial, -trials->error_growth_exponent)
-                                 : INFINITY;
+            tvi_clamp(0, log2(trial->largest_orbit_distance_since_power_of_two_step / trial->previous_orbit_distance),
+                      TRIAL_GROWTH_EXPONENT);
+    trial->estimated_error =
+        distance < TRIAL_MAX_DISTANCE
+            ? fmax(trial->largest_orbit_distance_since_power_of_two_step, trial->previous_orbit_distance) *
+                  pow(trial->fraction_of_run_error_in_trial, -trials->error_growth_exponent)
+            : INFINITY;
 }
 
 /* Returns the abscissa one resolving step size after the start of the hardest step, or that of the end of the run if
@@ -37,8 +41,8 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
 static double abscissa_after_hardest_step(const tvi_trials *trials)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    return tvi_number_nearer_to_zero(s->abscissas[s->hardest_step_index] +
-                                         s->orbit_resolving_step_size_estimate[s->hardest_step_index],
+    return tvi_number_nearer_to_zero(s->state_abscissas_in_time_or_s[s->smallest_resolving_step_size_index] +
+                                         s->orbit_resolving_step_size_estimate[s->smallest_resolving_step_size_index],
                                      trials->run_end_abscissa);
 }
 
@@ -46,13 +50,14 @@ static double abscissa_after_hardest_step(const tvi_trials *trials)
  * the aim although the trial has passed the hardest step. */
 static bool can_trial_be_ended(const tvi_trials *trials, const tvi_step_size_trial *trial, long step_number)
 {
-    const bool is_early =
-        step_number < TRIAL_MIN_STEPS &&
-        fmax(trial->recent_orbit_distance, trial->previous_orbit_distance) < TRIAL_ERROR_BAND * trials->aimed_error;
+    const bool is_early = step_number < TRIAL_MIN_STEPS &&
+                          fmax(trial->largest_orbit_distance_since_power_of_two_step, trial->previous_orbit_distance) <
+                              TRIAL_ERROR_BAND * trials->aimed_error;
     if (trial->estimated_error == INFINITY || (tvi_trial_error_is_far_above_aim(trials, trial) && !is_early))
         return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_step &&
-           is_power_of_two(step_number) && trial->error_share_of_trial > trials->largest_error_share_of_trial;
+           is_power_of_two(step_number) &&
+           trial->fraction_of_run_error_in_trial > trials->largest_fraction_of_run_error_in_trials;
 }
 
 /* Makes step number step_number of the trial, and updates the trial. Returns true if the trial needs further steps. */
@@ -69,14 +74,14 @@ static bool make_step_and_tell_if_trial_goes_on(tvi_trials *trials, tvi_step_siz
     if (trial->status != TVI_OK) return false;
     trials->run_length_in_steps = fabs(trials->run_end_abscissa / trial->h);
     trial->end_abscissa = trials->start_abscissa + (double)step_number * trial->h;
-    trial->duration_part_at_end = (whole->t - trials->start_time) / trials->duration;
-    trial->error_share_of_trial =
-        fmin(tvi_scout_error_weighted_length(&trials->scout, trials->start_abscissa, trial->end_abscissa) /
-                 trials->run_error_weighted_length,
+    trial->fraction_of_run_duration_done = (whole->t - trials->start_time) / trials->duration;
+    trial->fraction_of_run_error_in_trial =
+        fmin(tvi_scout_integrate_relative_error_density(&trials->scout, trials->start_abscissa, trial->end_abscissa) /
+                 trials->run_integral_of_relative_error_density,
              1);
     trial->has_passed_hardest_step = fabs(trial->end_abscissa) >= fabs(abscissa_after_hardest_step(trials));
     update_error_estimate(trials, trial, step_number, tvi_step_doubling_measure_orbit_distance(&trials->step_doubling));
-    const bool is_at_end = trial->duration_part_at_end >= 1 - TRIAL_END;
+    const bool is_at_end = trial->fraction_of_run_duration_done >= 1 - TRIAL_END;
     trial->covers_whole_run = is_at_end && trials->start_abscissa == 0;
     trial->is_finished = is_at_end || can_trial_be_ended(trials, trial, step_number);
     return !trial->is_finished;
@@ -84,11 +89,12 @@ static bool make_step_and_tell_if_trial_goes_on(tvi_trials *trials, tvi_step_siz
 
 /* Lets the trial use the steps that are reserved for the companion, if the trial has covered much less of the run's
  * error than an earlier trial. Returns true if the trial can go on with these steps. */
-static bool can_go_on_with_reserved_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
+static bool can_continue_with_perturbed_orbit_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
-    const bool takes = trials->reserved_step_count > 0 &&
-                       trial->error_share_of_trial < TRIAL_EQUAL_LENGTH * trials->largest_error_share_of_trial;
-    if (takes) trials->reserved_step_count = 0;
+    const bool takes =
+        trials->step_count_kept_for_perturbed_orbit > 0 &&
+        trial->fraction_of_run_error_in_trial < TRIAL_EQUAL_LENGTH * trials->largest_fraction_of_run_error_in_trials;
+    if (takes) trials->step_count_kept_for_perturbed_orbit = 0;
     return takes && tvi_trials_have_budget_for_trial_step(trials);
 }
 
@@ -103,14 +109,14 @@ static void choose_start_of_trial(tvi_trials *trials, double h)
                  steps = (tvi_trials_step_budget(trials) - (double)trials->step_doubling.tried_step_count) /
                          TVI_STEPS_OF_TRIAL;
     const double early = TRIAL_MAX_HARDEST_PART * steps * fabs(h);
-    int first = fabs(end) > early ? s->hardest_step_index : 0;
-    while (first > 0 && fabs(trials->run_end_abscissa - s->abscissas[first]) < steps * fabs(h) &&
-           fabs(end - s->abscissas[first - 1]) <= early)
+    int first = fabs(end) > early ? s->smallest_resolving_step_size_index : 0;
+    while (first > 0 && fabs(trials->run_end_abscissa - s->state_abscissas_in_time_or_s[first]) < steps * fabs(h) &&
+           fabs(end - s->state_abscissas_in_time_or_s[first - 1]) <= early)
         first--;
-    trials->start_abscissa = s->abscissas[first];
+    trials->start_abscissa = s->state_abscissas_in_time_or_s[first];
     trials->start_state = tvi_scout_state(s, first);
-    trials->reserved_step_count =
-        s->explored_duration_part >= TRIAL_COMPANION_MIN_EXPLORED ? s->step_count - first - 1 : 0;
+    trials->step_count_kept_for_perturbed_orbit =
+        s->explored_fraction_of_duration >= TRIAL_COMPANION_MIN_EXPLORED ? s->step_count - first - 1 : 0;
 }
 
 tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
@@ -119,17 +125,18 @@ tvi_step_size_trial tvi_make_step_size_trial(tvi_trials *trials, double h)
     choose_start_of_trial(trials, h);
     tvi_step_doubling_set_state(&trials->step_doubling, trials->start_state);
     for (long step_number = 1;
-         (tvi_trials_have_budget_for_trial_step(trials) || can_go_on_with_reserved_steps(trials, &trial)) &&
+         (tvi_trials_have_budget_for_trial_step(trials) || can_continue_with_perturbed_orbit_steps(trials, &trial)) &&
          make_step_and_tell_if_trial_goes_on(trials, &trial, step_number);
          step_number++)
         continue;
     return trial;
 }
 
-bool tvi_trials_can_afford_to_pass_hardest_step(const tvi_trials *trials, double h)
+bool tvi_trials_have_budget_to_pass_hardest_step(const tvi_trials *trials, double trial_step_size)
 {
     const tvi_orbit_scout *s = &trials->scout;
-    const double way = tvi_number_nearer_to_zero(abscissa_after_hardest_step(trials),
-                                                 s->orbit_resolving_step_size_estimate[s->hardest_step_index]);
-    return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / h)));
+    const double way =
+        tvi_number_nearer_to_zero(abscissa_after_hardest_step(trials),
+                                  s->orbit_resolving_step_size_estimate[s->smallest_resolving_step_size_index]);
+    return tvi_trials_have_budget_for_steps(trials, TVI_STEPS_OF_TRIAL * ceil(fabs(way / trial_step_size)));
 }
