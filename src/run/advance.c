@@ -16,4 +16,5 @@ static void add_increments(int component_count, int width, double *x, double *x_
     tvi_add_increments(component_count, width, x, x_low, dx, dx_low, status);
 }
 
-const tvi_state_update_functions JET_FOR_ISA(tvi_state_update_functions) = {find_overflows, add_increments};
+const tvi_increment_kernels_of_instruction_set JET_FOR_ISA(tvi_increment_kernels_of_instruction_set) = {find_overflows,
+                                                                                                        add_increments};

@@ -41,9 +41,9 @@ typedef struct {
                            double *overflow_flags);
     void (*add_increments)(int component_count, int width, double *x, double *x_low, const double *dx,
                            const double *dx_low, const tvi_status *status);
-} tvi_state_update_functions;
+} tvi_increment_kernels_of_instruction_set;
 
-extern const tvi_state_update_functions tvi_state_update_functions_base, tvi_state_update_functions_avx2,
-    tvi_state_update_functions_avx512;
+extern const tvi_increment_kernels_of_instruction_set tvi_increment_kernels_of_instruction_set_base,
+    tvi_increment_kernels_of_instruction_set_avx2, tvi_increment_kernels_of_instruction_set_avx512;
 
 #endif

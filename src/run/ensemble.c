@@ -107,14 +107,15 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
 
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
-static char *history_of_batch(const tvi_ensemble *ensemble, int batch)
+static char *address_of_stored_step_history_of_batch(const tvi_ensemble *ensemble, int batch)
 {
     return ensemble->batch_histories + (size_t)batch * ensemble->history_bytes;
 }
 
 void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(worker->batch_integrator->history, history_of_batch(ensemble, batch),
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(worker->batch_integrator->history,
+                                                address_of_stored_step_history_of_batch(ensemble, batch),
                                                 ensemble->history_bytes);
     tvi_integrator_load_parameters(worker->batch_integrator,
                                    ensemble->parameters + tvi_first_member_of_batch(ensemble, batch),
@@ -124,8 +125,8 @@ void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ense
 
 void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int batch)
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(history_of_batch(ensemble, batch), worker->batch_integrator->history,
-                                                ensemble->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(address_of_stored_step_history_of_batch(ensemble, batch),
+                                                worker->batch_integrator->history, ensemble->history_bytes);
 }
 
 void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
@@ -265,7 +266,7 @@ static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_piece
     for (int m = 0; m < ensemble->member_count; m++) {
         tvi_status status;
         memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + (size_t)m * sizeof status, sizeof status);
-        if (status != TVI_OK && !tvi_is_failure_of_member(status)) return false;
+        if (status != TVI_OK && !tvi_is_failure_of_one_member_only(status)) return false;
     }
     for (int batch = 0; batch < ensemble->batch_count; batch++) {
         tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, histories + (size_t)batch * ensemble->history_bytes,

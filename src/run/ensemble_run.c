@@ -28,7 +28,7 @@ typedef struct {
 static void set_member_status(const run_between_observer_calls *segment, int member, tvi_status status)
 {
     segment->member_status[member] = status;
-    segment->ensemble->failure_status[member] = tvi_is_failure_of_member(status) ? status : TVI_OK;
+    segment->ensemble->failure_status[member] = tvi_is_failure_of_one_member_only(status) ? status : TVI_OK;
 }
 
 static void run_single_member(const run_between_observer_calls *segment, tvi_ensemble_worker *worker, int member)
@@ -40,7 +40,8 @@ static void run_single_member(const run_between_observer_calls *segment, tvi_ens
     tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
     tvi_worker_load_member(worker, ensemble, member);
     if (ensemble->failure_status[member] != TVI_OK &&
-        tvi_integrator_has_state(worker->single_integrator, segment->t[member], worker->member_q, worker->member_p)) {
+        tvi_integrator_state_equals(worker->single_integrator, segment->t[member], worker->member_q,
+                                    worker->member_p)) {
         segment->member_status[member] = ensemble->failure_status[member];
         return;
     }
@@ -67,7 +68,7 @@ static tvi_status load_member_state(const run_between_observer_calls *segment, t
     const tvi_user_state user_state = {segment->q + member, segment->p + member,
                                        (size_t)segment->ensemble->member_count, segment->t[member]};
     const tvi_status failed = segment->ensemble->failure_status[member];
-    if (failed != TVI_OK && tvi_member_has_state(it, lane, &user_state)) return failed;
+    if (failed != TVI_OK && tvi_member_state_equals(it, lane, &user_state)) return failed;
     return tvi_member_begin_step(it, lane, &user_state);
 }
 

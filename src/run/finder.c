@@ -19,8 +19,8 @@ tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
         .search = search, .state_size = size, .line_origin = calloc((size_t)size * 4, sizeof *finder->line_origin)};
     if (!finder->line_origin) return TVI_ENOMEM;
     finder->line_direction = finder->line_origin + size;
-    finder->chord_midpoint = finder->line_direction + size;
-    finder->scratch_state = finder->chord_midpoint + size;
+    finder->line_direction_chord_midpoint_state = finder->line_direction + size;
+    finder->scratch_state = finder->line_direction_chord_midpoint_state + size;
     return tvi_state_rates_open(&finder->rates_evaluator, it->system, it->parameters);
 }
 
@@ -31,27 +31,30 @@ void tvi_finder_close(tvi_event_finder *finder)
 }
 
 /* Estimates derivatives at theta by difference quotients between two states x on the curve: finder->line_direction
- * becomes dx/dtheta, finder->chord_midpoint the midpoint of the chord between the two states, *slope the derivative
- * dg/dtheta, and *distance_to_zero the distance from theta to the zero of g. */
-static tvi_status estimate_slopes_by_chord(tvi_event_finder *finder, int event_index, double theta, double *slope,
-                                           double *distance_to_zero)
+ * becomes dx/dtheta, finder->line_direction_chord_midpoint_state the midpoint of the chord between the two states,
+ * *dg_dtheta the derivative dg/dtheta, and *theta_distance_to_zero the distance from theta to the zero of g. */
+static tvi_status estimate_curve_and_g_slopes_by_chord(tvi_event_finder *finder, int event_index, double theta,
+                                                       double *dg_dtheta, double *theta_distance_to_zero)
 {
     const double a = fmax(theta - EVENT_CHORD, 0), b = fmin(theta + EVENT_CHORD, 1);
     double ga = 0, gb = 0;
     tvi_status status = tvi_search_compute_curve_state(finder->search, a, finder->line_direction);
     if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->line_direction, &ga);
-    if (status == TVI_OK) status = tvi_search_compute_curve_state(finder->search, b, finder->chord_midpoint);
-    if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->chord_midpoint, &gb);
-    *slope = (gb - ga) / (b - a);
-    *distance_to_zero = -(ga + gb) / (2 * *slope);
+    if (status == TVI_OK)
+        status = tvi_search_compute_curve_state(finder->search, b, finder->line_direction_chord_midpoint_state);
+    if (status == TVI_OK)
+        status =
+            tvi_search_evaluate_event(finder->search, event_index, finder->line_direction_chord_midpoint_state, &gb);
+    *dg_dtheta = (gb - ga) / (b - a);
+    *theta_distance_to_zero = -(ga + gb) / (2 * *dg_dtheta);
     for (int i = 0; i < finder->state_size; i++) {
-        const double low = finder->line_direction[i], high = finder->chord_midpoint[i];
+        const double low = finder->line_direction[i], high = finder->line_direction_chord_midpoint_state[i];
         finder->line_direction[i] = (high - low) / (b - a);
-        finder->chord_midpoint[i] = (low + high) / 2;
+        finder->line_direction_chord_midpoint_state[i] = (low + high) / 2;
     }
     /* If both ends a and b of the chord are inside the step, 0 < a and b < 1, the slope is a central difference, whose
      * error is proportional to EVENT_CHORD^2. Otherwise it is one-sided, with an error proportional to EVENT_CHORD. */
-    finder->is_chord_inside_step = a > 0 && b < 1;
+    finder->are_line_direction_chord_ends_inside_step = a > 0 && b < 1;
     return status;
 }
 
@@ -64,32 +67,33 @@ static bool is_theta_guess_inside_bracket(const tvi_event_root *root)
 
 /* Tells whether a correction of theta is short, in itself and in relation to the distance of the corrected theta from
  * the ends of the root's bracket. */
-static bool is_theta_correction_short(const tvi_event_root *root, double theta, double correction)
+static bool is_theta_correction_small_against_bracket(const tvi_event_root *root, double theta, double correction)
 {
     return fabs(correction) <=
            fmin(EVENT_SHORT_CORRECTION, EVENT_SHORT_CORRECTION_PART * fmin(theta + correction - root->bracket.left,
                                                                            root->bracket.right - (theta + correction)));
 }
 
-/* Returns the largest difference between finder->chord_midpoint, which represents the curve, and finder->line_origin in
- * the component_count components from first_component on, divided by the largest of these components. */
-static double relative_distance_of_line_origin_to_curve(const tvi_event_finder *finder, int first_component,
-                                                        int component_count)
+/* Returns the largest difference between finder->line_direction_chord_midpoint_state, which represents the curve, and
+ * finder->line_origin in the component_count components from first_component on, divided by the largest of these
+ * components. */
+static double step_curve_error_relative_to_state_size(const tvi_event_finder *finder, int first_component,
+                                                      int component_count)
 {
     double apart = 0, size = 0;
     for (int i = first_component; i < first_component + component_count; i++) {
-        apart = fmax(apart, fabs(finder->line_origin[i] - finder->chord_midpoint[i]));
+        apart = fmax(apart, fabs(finder->line_origin[i] - finder->line_direction_chord_midpoint_state[i]));
         size = fmax(size, fabs(finder->line_origin[i]));
     }
     return tvi_ratio_or_zero(apart, size);
 }
 
-/* Returns the difference between the time t of finder->line_origin and the time of finder->chord_midpoint, which
- * represents the curve, divided by |t| + |dt/dtheta|. */
-static double relative_time_from_line_origin_to_curve(const tvi_event_finder *finder)
+/* Returns the difference between the time t of finder->line_origin and the time of
+ * finder->line_direction_chord_midpoint_state, which represents the curve, divided by |t| + |dt/dtheta|. */
+static double step_curve_time_error_relative_to_time_size(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
-    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->chord_midpoint[t]),
+    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->line_direction_chord_midpoint_state[t]),
                              fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
@@ -197,18 +201,19 @@ static tvi_status set_event_state_by_partial_step(tvi_event_finder *finder, tvi_
 
 /* Computes the state at theta by a partial step, and begins a line there. finder->accurate_distance becomes the
  * distance over which an error of the line's slope stays below roundoff. */
-static tvi_status start_line_at(tvi_event_finder *finder, double theta)
+static tvi_status compute_line_origin_and_accuracy_at_theta(tvi_event_finder *finder, double theta)
 {
     const int n = finder->search->integrator->system->n;
     const tvi_status status =
         tvi_partial_step_compute_state(finder->search->partial_step, theta * finder->search->integrator->h);
     if (status != TVI_OK) return status;
     set_line_origin_to_partial_step_state(finder, theta);
-    const double apart = fmax(fmax(relative_distance_of_line_origin_to_curve(finder, 0, n),
-                                   relative_distance_of_line_origin_to_curve(finder, n, n)),
-                              relative_time_from_line_origin_to_curve(finder));
-    finder->accurate_distance =
-        finder->is_chord_inside_step ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart) : 0;
+    const double apart = fmax(fmax(step_curve_error_relative_to_state_size(finder, 0, n),
+                                   step_curve_error_relative_to_state_size(finder, n, n)),
+                              step_curve_time_error_relative_to_time_size(finder));
+    finder->accurate_distance = finder->are_line_direction_chord_ends_inside_step
+                                    ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart)
+                                    : 0;
     return TVI_OK;
 }
 
@@ -216,7 +221,7 @@ static tvi_status evaluate_event_after_partial_step(void *ctx, double theta, dou
 {
     const finder_event_context *context = ctx;
     tvi_event_finder *finder = context->finder;
-    const tvi_status status = start_line_at(finder, theta);
+    const tvi_status status = compute_line_origin_and_accuracy_at_theta(finder, theta);
     return status == TVI_OK ? tvi_search_evaluate_event(finder->search, context->event_index, finder->line_origin, g)
                             : status;
 }
@@ -232,7 +237,7 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
     bool has_root;
     tvi_status status =
         move_bracket_to_root(root, &bracket, lower_limit, 1, tvi_sample_theta[0], 1, function, &context, &has_root);
-    root->is_only_on_curve = status == TVI_OK && !has_root;
+    root->is_absent_from_accurate_solution = status == TVI_OK && !has_root;
     if (!has_root) return status;
     status = tvi_narrow_bracket(&bracket, least_width, function, &context);
     return status == TVI_OK ? set_event_state_by_partial_step(finder, root, bracket.right, state) : status;
@@ -240,18 +245,18 @@ static tvi_status find_event_by_partial_steps(tvi_event_finder *finder, tvi_even
 
 /* Finds the root on the curve first, and then on straight lines with the slope of the curve. Each line begins at the
  * theta of the root on the line before. The iteration ends when two successive roots are near each other. */
-static tvi_status find_event_on_lines_with_curve_slope(tvi_event_finder *finder, tvi_event_root *root, double state[])
+static tvi_status find_event_by_iterated_tangent_lines(tvi_event_finder *finder, tvi_event_root *root, double state[])
 {
     double theta = root->theta_guess, g = 0, slope, distance = 0, distance_to_zero = 0;
     tvi_status status = TVI_OK;
     if (is_theta_guess_inside_bracket(root))
-        status = estimate_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
+        status = estimate_curve_and_g_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
     if (status == TVI_OK && is_theta_guess_inside_bracket(root) &&
-        is_theta_correction_short(root, theta, distance_to_zero))
+        is_theta_correction_small_against_bracket(root, theta, distance_to_zero))
         theta += distance_to_zero;
     else if (status == TVI_OK) status = tvi_search_find_curve_root(finder->search, root, &theta);
     for (int k = 0; k < EVENT_MAX_LINES && status == TVI_OK; k++) {
-        status = estimate_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
+        status = estimate_curve_and_g_slopes_by_chord(finder, root->event_index, theta, &slope, &distance_to_zero);
         if (status == TVI_OK)
             status = evaluate_event_after_partial_step(&(finder_event_context){finder, root->event_index}, theta, &g);
         if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &distance);
@@ -303,8 +308,8 @@ static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_e
     const double tail = fmax(finder->search->integrator->stats.tail,
                              finder->search->partial_step->partial_step_integrator->stats.tail),
                  error = tail * tail;
-    if (status != TVI_OK ||
-        !(fabs(distance) * error <= DBL_EPSILON / 8 && is_theta_correction_short(root, root->theta_guess, distance)))
+    if (status != TVI_OK || !(fabs(distance) * error <= DBL_EPSILON / 8 &&
+                              is_theta_correction_small_against_bracket(root, root->theta_guess, distance)))
         return status;
     if (fabs(distance) > EVENT_LINE_MAX_LENGTH) {
         compute_state_on_line(finder, distance / 2, finder->scratch_state);
@@ -331,14 +336,14 @@ static bool is_line_along_rates_accurate(const tvi_event_finder *finder)
 
 /* Computes (g(theta) - g(0)) / theta, for a step that begins on the event, where g(0) = 0. This quotient is nearly
  * linear in theta if theta is small. */
-static tvi_status compute_g_change_per_theta(void *ctx, double theta, double *g)
+static tvi_status compute_g_change_from_step_start_over_theta(void *ctx, double theta, double *g_change_over_theta)
 {
     const finder_event_context *context = ctx;
     double g_change = 0;
     bool known;
     const tvi_status status =
         tvi_compute_g_change_from_step_start(context->finder->search, context->event_index, theta, &g_change, &known);
-    *g = g_change / theta;
+    *g_change_over_theta = g_change / theta;
     return status;
 }
 
@@ -349,12 +354,12 @@ tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root,
     if (root->is_next_zero_after_zero_at_step_start) {
         const double first = finder->search->watched_events[root->event_index].theta_after_leaving_zero;
         const tvi_sign_bracket bracket = {.left = first, .right = fmax(root->bracket.right, first)};
-        return find_event_by_partial_steps(finder, root, compute_g_change_per_theta, bracket, first,
+        return find_event_by_partial_steps(finder, root, compute_g_change_from_step_start_over_theta, bracket, first,
                                            DBL_EPSILON / 4 * first, state);
     }
     if (root->bracket.right == 1 && root->bracket.g_right == 0)
         return set_event_state_by_partial_step(finder, root, 1, state);
     if (is_theta_guess_inside_bracket(root) && is_line_along_rates_accurate(finder))
         status = find_event_on_line_along_rates(finder, root, state, &is_accurate);
-    return is_accurate || status != TVI_OK ? status : find_event_on_lines_with_curve_slope(finder, root, state);
+    return is_accurate || status != TVI_OK ? status : find_event_by_iterated_tangent_lines(finder, root, state);
 }

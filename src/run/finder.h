@@ -16,18 +16,19 @@ typedef struct {
     /* The slope of the line, dx/dtheta of the solution, and the distance in theta from line_origin_theta up to which
      * the line is accurate to roundoff. */
     double *line_direction, accurate_distance;
-    double *chord_midpoint;    /* the midpoint of the chord of the curve whose slope is line_direction */
-    bool is_chord_inside_step; /* true if both ends of this chord lie inside the step */
-    bool has_root_on_line;     /* true if the event function changes its sign on the current line */
-    double *scratch_state;     /* scratch memory for one state */
+    /* The midpoint of the chord of the curve whose slope is line_direction. */
+    double *line_direction_chord_midpoint_state;
+    bool are_line_direction_chord_ends_inside_step; /* true if both ends of this chord lie inside the step */
+    bool has_root_on_line; /* true if the event function changes its sign on the current line */
+    double *scratch_state; /* scratch memory for one state */
 } tvi_event_finder;
 
 /* Allocates the memory of a finder for the events of a search. */
 TVI_NODISCARD tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search);
 void tvi_finder_close(tvi_event_finder *finder);
 
-/* Computes root->theta and state [2n + 1] of an event in the last step, to roundoff. If g changes its sign
- * only on the less accurate curve, since it nearly touches 0 there, root->is_only_on_curve is set instead. */
+/* Computes root->theta and state [2n + 1] of an event in the last step, to roundoff. If g changes its sign only on the
+ * less accurate curve, since it nearly touches 0 there, root->is_absent_from_accurate_solution is set instead. */
 TVI_NODISCARD tvi_status tvi_finder_find_event(tvi_event_finder *finder, tvi_event_root *root, double state[]);
 
 /* Tells whether the value g has the sign that the event function has just after the root, or is 0. */

@@ -38,7 +38,7 @@ static bool has_energy_change_bound(const tvi_integrator *it)
  * A constant added to H is added to the level, too. If H is not even in p, as in a magnetic field, H(q, 0) is not the
  * least energy at q; the level is then 0, and the scale of the energy is |H| at the start of the run. */
 
-/* limit_of_energy_with_zero_p_for_large_q computes H(c q, 0) for the factors c = 2^k with these exponents k. At the
+/* limit_of_zero_momentum_energy_for_large_q computes H(c q, 0) for the factors c = 2^k with these exponents k. At the
  * last two factors the forces between bodies that attract each other are negligible. If H(c q, 0) has a limit, its
  * values at these two factors therefore differ little. */
 static const int FAR_Q_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60, 90};
@@ -46,11 +46,12 @@ static const int FAR_Q_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60,
 /* The straight lines from the coordinates at the start of a step on which the lowest H(q, 0) is searched. FORWARD and
  * BACK follow the increment of q in the step and its opposite; DOWNHILL moves each coordinate by the size of its
  * increment in the direction of its force. */
-typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } level_search_line;
+typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } minimum_energy_search_line;
 
 /* Returns one component of the line's direction, for the step's increments dq and dp of this component.
  * time_direction has the sign of the step. */
-static double line_direction_component(level_search_line line, double dq, double dp, double time_direction)
+static double search_line_direction_component(minimum_energy_search_line line, double dq, double dp,
+                                              double time_direction)
 {
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);
 }
@@ -64,25 +65,25 @@ static double member_energy_or_nonfinite(tvi_integrator *it, int member, const d
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
-/* Returns H(start_q_factor q + distance d, 0), where q are the coordinates at the start of the member's step, and d is
- * the direction of the line. */
-static double energy_with_zero_p_on_line(tvi_integrator *it, int member, double start_q_factor, double distance,
-                                         level_search_line line)
+/* Returns H(factor_of_step_start_q q + distance d, 0), where q are the coordinates at the start of the member's step,
+ * and d is the direction of the line. */
+static double zero_momentum_energy_on_search_line(tvi_integrator *it, int member, double factor_of_step_start_q,
+                                                  double distance, minimum_energy_search_line line)
 {
     const int width = it->width, end = it->system->n * width;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
     for (int k = member; k < end; k += width) {
-        it->end.q[k] =
-            start_q_factor * it->state.q[k] + distance * line_direction_component(line, dq[k], dp[k], dq[end + member]);
+        it->end.q[k] = factor_of_step_start_q * it->state.q[k] +
+                       distance * search_line_direction_component(line, dq[k], dp[k], dq[end + member]);
         it->end.p[k] = 0;
     }
     it->end.q[end + member] = it->state.q[end + member];
     return member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
 }
 
-static double energy_with_zero_p_at_step_start(tvi_integrator *it, int member)
+static double zero_momentum_energy_at_step_start(tvi_integrator *it, int member)
 {
-    return energy_with_zero_p_on_line(it, member, 1, 0, FORWARD);
+    return zero_momentum_energy_on_search_line(it, member, 1, 0, FORWARD);
 }
 
 /* Tells whether H(q, -p) and H(q, p) agree at the end of the step, up to the relative difference
@@ -107,14 +108,14 @@ static bool is_energy_even_in_p(tvi_integrator *it, int member)
  * if the value before it differs from it by at most the part GUARD_LEVEL_MAX_DIFFERENCE of |energy_at_start - limit|.
  * The result is also NAN if H(c q, 0) is not monotonic in c up to roundoff_of_energy: a pole then lies on the way, and
  * the limit is no measure of the motion before the pole. */
-static double limit_of_energy_with_zero_p_for_large_q(tvi_integrator *it, int member, double energy_at_start,
-                                                      double roundoff_of_energy)
+static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, int member, double energy_at_start,
+                                                        double roundoff_of_energy)
 {
-    double last = energy_with_zero_p_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
+    double last = zero_momentum_energy_on_search_line(it, member, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
     for (size_t k = 0; k < sizeof FAR_Q_EXPONENTS / sizeof *FAR_Q_EXPONENTS; k++) {
         const double factor = ldexp(1, FAR_Q_EXPONENTS[k]),
-                     next = energy_with_zero_p_on_line(it, member, factor, factor, FORWARD);
+                     next = zero_momentum_energy_on_search_line(it, member, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff_of_energy;
         falls = falls && difference <= roundoff_of_energy;
@@ -126,25 +127,26 @@ static double limit_of_energy_with_zero_p_for_large_q(tvi_integrator *it, int me
 
 /* Returns the lowest H(q, 0) along the line, from its start, where H(q, 0) is energy_at_start, to the point from which
  * H(q, 0) rises. */
-static double lowest_energy_with_zero_p_on_line(tvi_integrator *it, int member, level_search_line line,
-                                                double energy_at_start, double roundoff)
+static double lowest_zero_momentum_energy_on_search_line(tvi_integrator *it, int member,
+                                                         minimum_energy_search_line line, double energy_at_start,
+                                                         double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
          distance *= GUARD_LEVEL_RATIO) {
-        const double next = energy_with_zero_p_on_line(it, member, 1, distance, line);
+        const double next = zero_momentum_energy_on_search_line(it, member, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
     }
     return lowest;
 }
 
-static double lowest_energy_with_zero_p_on_all_lines(tvi_integrator *it, int member, double roundoff)
+static double lowest_zero_momentum_energy_of_all_search_lines(tvi_integrator *it, int member, double roundoff)
 {
-    const double here = energy_with_zero_p_at_step_start(it, member);
+    const double here = zero_momentum_energy_at_step_start(it, member);
     double lowest = here;
-    for (level_search_line line = 0; line < LINE_COUNT; line++)
-        lowest = fmin(lowest, lowest_energy_with_zero_p_on_line(it, member, line, here, roundoff));
+    for (minimum_energy_search_line line = 0; line < LINE_COUNT; line++)
+        lowest = fmin(lowest, lowest_zero_momentum_energy_on_search_line(it, member, line, here, roundoff));
     return lowest;
 }
 
@@ -157,30 +159,31 @@ static double energy_magnitude_at_run_start(tvi_integrator *it, int member)
 
 /* Sets zero_level_of_energy and energy_scale of the member (tvi_reference_energy) from the state at the start of its
  * step. The energy of this state is H, with the roundoff `roundoff`. */
-static void set_zero_level_and_energy_scale(tvi_integrator *it, int member, double H, double roundoff)
+static void set_member_energy_zero_level_and_scale(tvi_integrator *it, int member, double H, double roundoff)
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
-    const double limit = limit_of_energy_with_zero_p_for_large_q(it, member, H, roundoff);
+    const double limit = limit_of_zero_momentum_energy_for_large_q(it, member, H, roundoff);
     const bool is_even_in_p = is_energy_even_in_p(it, member), has_limit = is_even_in_p && !isnan(limit);
-    reference->zero_level_of_energy = has_limit      ? limit
-                                      : is_even_in_p ? lowest_energy_with_zero_p_on_all_lines(it, member, roundoff)
-                                                     : 0;
+    reference->zero_level_of_energy = has_limit ? limit
+                                      : is_even_in_p
+                                          ? lowest_zero_momentum_energy_of_all_search_lines(it, member, roundoff)
+                                          : 0;
     reference->energy_scale =
         is_even_in_p ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it, member);
-    reference->was_zero_level_searched = true;
+    reference->has_tried_to_find_zero_level_of_energy = true;
     reference->has_energy_scale = reference->energy_scale > roundoff && isfinite(reference->energy_scale);
-    reference->can_zero_level_be_lowered = reference->has_energy_scale && is_even_in_p && !has_limit;
+    reference->is_zero_level_of_energy_only_upper_bound = reference->has_energy_scale && is_even_in_p && !has_limit;
     if (!reference->has_energy_scale)
         reference->zero_level_of_energy = reference->energy_scale = 0; /* H at the start of the run may be NAN */
 }
 
 /* Lowers the zero level to H(q, 0) at the start of the member's step, if H(q, 0) is lower. A level that is the limit
  * for large q is kept. */
-static void lower_zero_level_of_energy(tvi_integrator *it, int member)
+static void decrease_energy_zero_level_to_step_start_value(tvi_integrator *it, int member)
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
-    if (!reference->can_zero_level_be_lowered) return;
-    const double fall = reference->zero_level_of_energy - energy_with_zero_p_at_step_start(it, member);
+    if (!reference->is_zero_level_of_energy_only_upper_bound) return;
+    const double fall = reference->zero_level_of_energy - zero_momentum_energy_at_step_start(it, member);
     if (!(fall > 0) || !isfinite(fall)) return;
     reference->zero_level_of_energy -= fall;
     reference->energy_scale += fall;
@@ -204,7 +207,7 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
 /* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| / h
  * times the mean of |p| at both ends of the step. q0 and q1 are the coordinates at the ends, and h is the time between
  * them. */
-static double mean_p_dot_velocity(const tvi_integrator *it, int member)
+static double step_mean_of_p_dot_velocity(const tvi_integrator *it, int member)
 {
     const int width = it->width, end = it->system->n * width;
     const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
@@ -244,16 +247,19 @@ static bool does_energy_change_too_much(tvi_integrator *it, int member, double e
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
-    const double p_dot_velocity = mean_p_dot_velocity(it, member), roundoff = energy_roundoff(it, member, before),
+    const double p_dot_velocity = step_mean_of_p_dot_velocity(it, member),
+                 roundoff = energy_roundoff(it, member, before),
                  change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + member] : 0,
                  change = fabs(energy_after - before + change_of_e);
-    const bool needs_scale = change > roundoff || (has_energy_change_bound(it) && !reference->was_zero_level_searched);
-    if (!reference->has_energy_scale && needs_scale) set_zero_level_and_energy_scale(it, member, before, roundoff);
+    const bool needs_scale =
+        change > roundoff || (has_energy_change_bound(it) && !reference->has_tried_to_find_zero_level_of_energy);
+    if (!reference->has_energy_scale && needs_scale)
+        set_member_energy_zero_level_and_scale(it, member, before, roundoff);
     if (change <= roundoff) return false;
     if (!reference->has_energy_scale && p_dot_velocity == 0) return false;
     if (change <= GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
         return false;
-    lower_zero_level_of_energy(it, member);
+    decrease_energy_zero_level_to_step_start_value(it, member);
     return change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
@@ -292,7 +298,7 @@ static void set_energy_change_bounds(tvi_integrator *it)
 
 /* Tells whether the tail is an estimate of an error. A polynomial of the forces with a single coefficient, as at a
  * single node, has the tail 0, which is no estimate. */
-static bool is_tail_an_error_estimate(const tvi_integrator *it, bool step_used_series)
+static bool has_step_enough_terms_for_tail_estimate(const tvi_integrator *it, bool step_used_series)
 {
     return it->options.degree > (step_used_series ? 2 : 1);
 }
@@ -302,23 +308,24 @@ static bool may_skip_energy_check(const tvi_integrator *it, int member, bool ste
 {
     if (has_energy_change_bound(it))
         return it->energy_change_bound[member] <= GUARD_MAX_ENERGY_CHANGE * it->reference_energy[member].energy_scale;
-    if (!is_tail_an_error_estimate(it, step_used_series)) return false;
+    if (!has_step_enough_terms_for_tail_estimate(it, step_used_series)) return false;
     if (step_used_series)
         return it->tail[member] <= GUARD_UNCHECKED_MAX_SERIES_TAIL &&
                it->pass_counts[member] <= GUARD_UNCHECKED_MAX_SERIES_PASSES;
     return it->tail[member] <= GUARD_UNCHECKED_MAX_TAIL && it->pass_counts[member] <= GUARD_UNCHECKED_MAX_PASSES;
 }
 
-tvi_limits_without_energy_check tvi_guard_limits_without_energy_check(const tvi_integrator *it)
+tvi_limits_without_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
     if (most < 0) return (tvi_limits_without_energy_check){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
-    const double max_tail = is_tail_an_error_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_MAX_TAIL) : -1;
+    const double max_tail =
+        has_step_enough_terms_for_tail_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_MAX_TAIL) : -1;
     return (tvi_limits_without_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
 }
 
 /* Tells whether the tail is at most max_tail of the options, or the user has switched off this check (max_tail < 0). */
-static bool is_tail_within_limit(const tvi_integrator *it, double tail)
+static bool does_max_tail_option_allow_tail(const tvi_integrator *it, double tail)
 {
     const double most = it->options.max_tail;
     return most < 0 || !(tail > most);
@@ -337,7 +344,7 @@ JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_
         it->needs_energy[member] = false;
         if (it->status[member] != TVI_OK) continue;
         if (tail > *largest) *largest = tail;
-        if (!is_tail_within_limit(it, tail)) {
+        if (!does_max_tail_option_allow_tail(it, tail)) {
             it->status[member] = jet_refuse(
                 TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
                 it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");

@@ -9,9 +9,9 @@
 
 /* Returns the address in history_before, the copy of the history, that corresponds to an address in the history
  * itself. */
-static void *address_in_history_before(const tvi_integrator *it, const void *in_history)
+static void *map_address_to_history_copy_before_step(const tvi_integrator *it, const void *address_in_history)
 {
-    return it->history_before + ((const char *)in_history - it->history);
+    return it->history_before + ((const char *)address_in_history - it->history);
 }
 
 /* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) for members with this number of
@@ -100,10 +100,11 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
     laid.stats.bytes = tvi_arena_total_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *state = &laid.state;
-    laid.start =
-        (tvi_run_state){address_in_history_before(&laid, state->q), address_in_history_before(&laid, state->q_low),
-                        address_in_history_before(&laid, state->p), address_in_history_before(&laid, state->p_low)};
-    laid.was_state_from_step = address_in_history_before(&laid, laid.is_state_from_step);
+    laid.start = (tvi_run_state){map_address_to_history_copy_before_step(&laid, state->q),
+                                 map_address_to_history_copy_before_step(&laid, state->q_low),
+                                 map_address_to_history_copy_before_step(&laid, state->p),
+                                 map_address_to_history_copy_before_step(&laid, state->p_low)};
+    laid.was_state_from_step = map_address_to_history_copy_before_step(&laid, laid.is_state_from_step);
     *integrator = laid;
     return integrator;
 }

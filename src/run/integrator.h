@@ -16,11 +16,13 @@ typedef struct {
     double zero_level_of_energy; /* the guard measures energies from this value of H, as H - zero_level_of_energy */
     /* |H - zero_level_of_energy| when this level was set, plus all amounts by which the level was lowered. */
     double energy_scale;
-    double H;                       /* the member's energy at its current state */
-    long was_zero_level_searched;   /* true if guard.c has tried to find zero_level_of_energy and energy_scale */
-    long has_energy_scale;          /* true if zero_level_of_energy and energy_scale are set; otherwise both are 0 */
-    long can_zero_level_be_lowered; /* true if zero_level_of_energy is an upper estimate, which guard.c may lower */
-    long is_H_known;                /* true if H is the energy at the member's current state; false if H is unset */
+    double H; /* the member's energy at its current state */
+    /* True if guard.c has tried to find zero_level_of_energy and energy_scale. */
+    long has_tried_to_find_zero_level_of_energy;
+    long has_energy_scale; /* true if zero_level_of_energy and energy_scale are set; otherwise both are 0 */
+    /* True if zero_level_of_energy is an upper estimate, which guard.c may lower. */
+    long is_zero_level_of_energy_only_upper_bound;
+    long is_H_known; /* true if H is the energy at the member's current state; false if H is unset */
 } tvi_reference_energy;
 
 /* The memory for tangent vectors, which is allocated when they are first used (tangent.c). */
@@ -130,7 +132,7 @@ TVI_NODISCARD tvi_status tvi_member_begin_step(tvi_integrator *integrator, int m
                                                const tvi_user_state *user_state);
 /* Tells whether the member's current state equals the given one, bit for bit. A failed step does not change the current
  * state. */
-bool tvi_member_has_state(const tvi_integrator *integrator, int member, const tvi_user_state *user_state);
+bool tvi_member_state_equals(const tvi_integrator *integrator, int member, const tvi_user_state *user_state);
 /* Copies the member's current state to the user's arrays. */
 void tvi_member_copy_state(const tvi_integrator *integrator, int member, double *t, double q[], double p[],
                            size_t stride);
@@ -140,22 +142,22 @@ void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, cons
                                          int member_from);
 /* Copies the parameters of the member to one_lane_parameters and one_lane_blocks, with which tapes are evaluated for a
  * single member. */
-void tvi_member_load_one_lane_parameters(tvi_integrator *integrator, int member);
+void tvi_member_copy_parameters_to_one_lane_blocks(tvi_integrator *integrator, int member);
 /* Computes the member's energy at q and p, arrays of all members with the shapes of a tvi_run_state. */
 TVI_NODISCARD tvi_status tvi_member_compute_energy(tvi_integrator *integrator, int member, const double *q,
                                                    const double *p, double *H);
 
-/* The three functions below do for an integrator of one member what tvi_member_begin_step, tvi_member_has_state and
+/* The three functions below do for an integrator of one member what tvi_member_begin_step, tvi_member_state_equals and
  * tvi_member_copy_state do for a member. */
 TVI_NODISCARD static inline tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, double t, const double q[],
                                                                  const double p[])
 {
     return tvi_member_begin_step(integrator, 0, &(tvi_user_state){q, p, 1, t});
 }
-static inline bool tvi_integrator_has_state(const tvi_integrator *integrator, double t, const double q[],
-                                            const double p[])
+static inline bool tvi_integrator_state_equals(const tvi_integrator *integrator, double t, const double q[],
+                                               const double p[])
 {
-    return tvi_member_has_state(integrator, 0, &(tvi_user_state){q, p, 1, t});
+    return tvi_member_state_equals(integrator, 0, &(tvi_user_state){q, p, 1, t});
 }
 static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, double *t, double q[], double p[])
 {
@@ -188,7 +190,7 @@ TVI_NODISCARD tvi_status tvi_integrator_allocate_tangents(tvi_integrator *integr
 
 /* Tells whether the status is a failure that concerns one member alone, such as TVI_ENOCONV. All other failures concern
  * the whole run or the arguments of a call. */
-static inline bool tvi_is_failure_of_member(tvi_status status)
+static inline bool tvi_is_failure_of_one_member_only(tvi_status status)
 {
     return status == TVI_ENONFINITE || status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR ||
            status == TVI_ETOOLARGE;

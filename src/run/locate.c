@@ -24,7 +24,7 @@ struct tvi_locator {
 
 static double *state_of_root(const tvi_locator *locator, const tvi_event_root *root)
 {
-    return locator->root_states + (size_t)root->found_index * (size_t)locator->state_size;
+    return locator->root_states + (size_t)root->index_in_order_found * (size_t)locator->state_size;
 }
 
 /* Tells whether root a comes before root b. Roots that are near each other are compared by their computed times, and at
@@ -83,7 +83,8 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++) {
         tvi_event_root *root = &locator->search.roots[i];
         status = tvi_finder_find_event(&locator->finder, root, state_of_root(locator, root));
-        if (!root->is_only_on_curve && !is_duplicate_root(locator, count, root)) locator->search.roots[count++] = *root;
+        if (!root->is_absent_from_accurate_solution && !is_duplicate_root(locator, count, root))
+            locator->search.roots[count++] = *root;
     }
     locator->search.root_count = count;
     sort_roots_by_time(locator);
@@ -134,8 +135,8 @@ static tvi_status find_whether_root_is_at_stop(tvi_locator *locator, const tvi_e
 /* Sets *is_at_stop: true if the event crosses 0 at `state`, where the run stops, in the direction that the user has not
  * asked for. The search has skipped such crossings, so this function only tests whether |g| is at most its roundoff at
  * `state`. */
-static tvi_status find_whether_unwanted_crossing_is_at_stop(tvi_locator *locator, int event_index, const double state[],
-                                                            bool *is_at_stop)
+static tvi_status find_whether_skipped_direction_root_is_at_stop(tvi_locator *locator, int event_index,
+                                                                 const double state[], bool *is_at_stop)
 {
     const tvi_watched_event *w = &locator->search.watched_events[event_index];
     double g = 0, roundoff = 0;
@@ -162,14 +163,15 @@ static void find_neighbouring_roots(const tvi_locator *locator, int event_index,
 }
 
 /* Tells whether the event may cross 0 at the stop, at theta and the time t, in the direction that the user has not
- * asked for. Returns false if the stop is at the end of the step up to roundoff. Returns false also if `later`, the
+ * asked for. Returns false if the stop is at the end of the step up to roundoff. Returns false also if later_root, the
  * event's next root, lies within one sample interval after the stop: g is small then because of that root. */
-static bool may_have_unwanted_crossing_at_stop(const tvi_locator *locator, int event_index, const tvi_event_root *later,
-                                               double theta, double t)
+static bool may_have_skipped_direction_root_at_stop(const tvi_locator *locator, int event_index,
+                                                    const tvi_event_root *later_root, double theta, double t)
 {
     const double resolved = EVENT_SAME_STOP * fabs(t / locator->search.integrator->covered_time);
     return tvi_event_skips_a_direction(locator->search.watched_events[event_index].event) &&
-           theta < 1 - fmax(EVENT_NEAR_STOP, resolved) && !(later && later->theta - theta <= tvi_sample_theta[0]);
+           theta < 1 - fmax(EVENT_NEAR_STOP, resolved) &&
+           !(later_root && later_root->theta - theta <= tvi_sample_theta[0]);
 }
 
 /* Sets *is_at_stop: true if the event lies at `state`, where the run stops because of root number stop_root_index. The
@@ -190,8 +192,8 @@ static tvi_status find_whether_event_is_at_stop(tvi_locator *locator, int event_
     *is_at_stop = was_reported || has_later;
     *unreported = has_later ? later : NULL;
     if (status == TVI_OK && !*is_at_stop &&
-        may_have_unwanted_crossing_at_stop(locator, event_index, later, theta, state[locator->state_size - 1]))
-        status = find_whether_unwanted_crossing_is_at_stop(locator, event_index, state, is_at_stop);
+        may_have_skipped_direction_root_at_stop(locator, event_index, later, theta, state[locator->state_size - 1]))
+        status = find_whether_skipped_direction_root_is_at_stop(locator, event_index, state, is_at_stop);
     return status;
 }
 
@@ -265,13 +267,13 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.has_event_again_before_time_moves) {
+    if (locator->search.repeats_stopping_event_at_unchanged_time) {
         tvi_integrator_undo_step(locator->search.integrator, t, q, p);
         tvi_columns_restore_step_start(locator->search.integrator, columns);
     }
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.has_event_again_before_time_moves)
+    if (status != TVI_ESTOPPED && !locator->search.repeats_stopping_event_at_unchanged_time)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }

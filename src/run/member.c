@@ -26,7 +26,7 @@ JET_INLINE uint64_t find_differing_bits(int component_count, const double *user_
     return any;
 }
 
-bool tvi_member_has_state(const tvi_integrator *it, int member, const tvi_user_state *user_state)
+bool tvi_member_state_equals(const tvi_integrator *it, int member, const tvi_user_state *user_state)
 {
     const int n = it->system->n;
     const size_t stride = user_state->stride, width = (size_t)it->width;
@@ -103,7 +103,7 @@ void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, cons
 
 /* ---- The start of a run ------------------------------------------------------------------------------------------ */
 
-void tvi_member_load_one_lane_parameters(tvi_integrator *it, int member)
+void tvi_member_copy_parameters_to_one_lane_blocks(tvi_integrator *it, int member)
 {
     const int count = tvi_system_parameters(it->system);
     tvi_gather_member(count, it->width, it->parameters, member, it->one_lane_parameters);
@@ -116,7 +116,7 @@ tvi_status tvi_member_compute_energy(tvi_integrator *it, int member, const doubl
     const tvi_run_state *alone = &it->member_state;
     tvi_gather_member(n + 1, it->width, q, member, alone->q);
     tvi_gather_member(n, it->width, p, member, alone->p);
-    if (it->width > 1) tvi_member_load_one_lane_parameters(it, member);
+    if (it->width > 1) tvi_member_copy_parameters_to_one_lane_blocks(it, member);
     return tvi_energy_compute(&it->member_energy_work, alone->q[n], alone->q, alone->p, H);
 }
 
@@ -163,7 +163,7 @@ tvi_status tvi_member_begin_step(tvi_integrator *it, int member, const tvi_user_
 {
     const int n = it->system->n;
     if (it->is_in_observer) return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not step it");
-    if (it->is_state_from_step[member] && tvi_member_has_state(it, member, user_state)) return TVI_OK;
+    if (it->is_state_from_step[member] && tvi_member_state_equals(it, member, user_state)) return TVI_OK;
     const tvi_status status = refuse_state_not_finite(it, user_state);
     if (status != TVI_OK) return status;
     clear_member_history(it, member);

@@ -11,7 +11,7 @@ static tvi_status refuse_null_integrator(void) { return jet_refuse(TVI_EINVAL, "
 void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *it)
 {
     tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->width, it->parameters);
-    tvi_member_load_one_lane_parameters(it, 0);
+    tvi_member_copy_parameters_to_one_lane_blocks(it, 0);
 }
 
 void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], size_t stride, int count)

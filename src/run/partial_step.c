@@ -10,13 +10,12 @@
 #include <string.h>
 
 tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
-                                 bool uses_corrector_history_of_full_step_end)
+                                 bool predicts_from_history_after_full_step)
 {
     const size_t n = (size_t)full_step_integrator->system->n, wide = 2 * (n + 1) + 1;
-    *partial_step =
-        (tvi_partial_step){.full_step_integrator = full_step_integrator,
-                           .uses_corrector_history_of_full_step_end = uses_corrector_history_of_full_step_end,
-                           .copied_parameter_version = full_step_integrator->parameter_version};
+    *partial_step = (tvi_partial_step){.full_step_integrator = full_step_integrator,
+                                       .predicts_from_history_after_full_step = predicts_from_history_after_full_step,
+                                       .copied_parameter_version = full_step_integrator->parameter_version};
     partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
     if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
     partial_step->p = partial_step->q + n;
@@ -51,17 +50,18 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
 
 /* Sets the history from which the partial step starts: the low-order parts of the state, and the numbers from which the
  * corrector predicts. The low-order parts are those at the start of the full step. The numbers of the corrector are
- * those at the start of the full step, too; with uses_corrector_history_of_full_step_end they are those at the end of
+ * those at the start of the full step, too; with predicts_from_history_after_full_step they are those at the end of
  * the full step, or those of the partial step before if it ended near `offset`. */
-static void set_partial_step_history(tvi_partial_step *partial_step, double offset)
+static void copy_history_to_partial_step_integrator(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t state =
-        partial_step->uses_corrector_history_of_full_step_end ? it->state_bytes : it->copied_history_bytes;
-    const bool is_near = partial_step->uses_corrector_history_of_full_step_end &&
-                         partial_step->full_step_number == it->stats.steps && partial_step->state_offset != it->h &&
-                         partial_step->state_offset != 0 &&
-                         fabs(offset - partial_step->state_offset) < PARTIAL_STEP_NEAR * fabs(it->h);
+        partial_step->predicts_from_history_after_full_step ? it->state_bytes : it->copied_history_bytes;
+    const bool is_near =
+        partial_step->predicts_from_history_after_full_step && partial_step->full_step_number == it->stats.steps &&
+        partial_step->partial_step_size_to_stored_state != it->h &&
+        partial_step->partial_step_size_to_stored_state != 0 &&
+        fabs(offset - partial_step->partial_step_size_to_stored_state) < PARTIAL_STEP_NEAR * fabs(it->h);
     tvi_arena_copy_or_clear_with_sanitizer_gaps(partial_step->partial_step_integrator->history, it->history_before,
                                                 state);
     if (!is_near)
@@ -74,20 +74,21 @@ tvi_status tvi_partial_step_compute_state(tvi_partial_step *partial_step, double
     const tvi_integrator *it = partial_step->full_step_integrator;
     const size_t bytes = (size_t)it->system->n * sizeof *partial_step->q;
     const bool is_end = offset == it->h;
-    if (partial_step->full_step_number == it->stats.steps && partial_step->state_offset == offset) return TVI_OK;
+    if (partial_step->full_step_number == it->stats.steps && partial_step->partial_step_size_to_stored_state == offset)
+        return TVI_OK;
     const tvi_run_state *state = is_end ? &it->state : &it->start;
     partial_step->t = state->q[it->system->n];
     memcpy(partial_step->q, state->q, bytes);
     memcpy(partial_step->p, state->p, bytes);
     if (!is_end && offset != 0) {
-        set_partial_step_history(partial_step, offset);
+        copy_history_to_partial_step_integrator(partial_step, offset);
         partial_step->full_step_number = 0;
         const tvi_status status =
             tvi_step(partial_step->partial_step_integrator, offset, &partial_step->t, partial_step->q, partial_step->p);
         if (status != TVI_OK) return status;
     }
     partial_step->full_step_number = it->stats.steps;
-    partial_step->state_offset = offset;
+    partial_step->partial_step_size_to_stored_state = offset;
     return TVI_OK;
 }
 

@@ -16,18 +16,19 @@ typedef struct {
     tvi_integrator *partial_step_integrator;
     /* If true, the corrector of a partial step begins with what it had learned by the end of the full step, and not
      * with what it knew at the start of that step. This saves passes, but changes the roundoff of the results. */
-    bool uses_corrector_history_of_full_step_end;
+    bool predicts_from_history_after_full_step;
     double t, *q, *p;                    /* the state (t, q[n], p[n]) that was computed last */
     tvi_rates_evaluator rates_evaluator; /* evaluates dq/ds and dp/ds of a rescaled system; unused otherwise */
     double *rates_input, *rates_output;  /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
     long copied_parameter_version; /* full_step_integrator->parameter_version when the parameters were last copied */
     long full_step_number;         /* the number of the full step that the state lies in; 0 if there is no state */
-    double state_offset;           /* the distance, 0 to h, of the state (t, q, p) from the start of the full step */
+    /* The distance, 0 to h, of the state (t, q, p) from the start of the full step. */
+    double partial_step_size_to_stored_state;
 } tvi_partial_step;
 
 /* Creates the integrator for the partial steps, and allocates the memory. */
 TVI_NODISCARD tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator *full_step_integrator,
-                                               bool uses_corrector_history_of_full_step_end);
+                                               bool predicts_from_history_after_full_step);
 void tvi_partial_step_close(tvi_partial_step *partial_step);
 
 /* Copies the parameters of the last full step to the integrator of the partial steps, if they have changed since the

@@ -63,7 +63,8 @@ static tvi_status shorten_step_to_end_time(tvi_integrator *it, double t_end, dou
     const tvi_status opened = tvi_partial_step_open(&partial_step, it, false);
     tvi_status status = opened == TVI_OK ? tvi_partial_step_compute_state_at_time(&partial_step, t_end) : opened;
     tvi_integrator_undo_step(it, t, q, p);
-    if (status == TVI_OK && partial_step.state_offset != 0) status = tvi_step(it, partial_step.state_offset, t, q, p);
+    if (status == TVI_OK && partial_step.partial_step_size_to_stored_state != 0)
+        status = tvi_step(it, partial_step.partial_step_size_to_stored_state, t, q, p);
     if (opened == TVI_OK) tvi_partial_step_close(&partial_step);
     return status;
 }

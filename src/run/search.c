@@ -85,7 +85,7 @@ static tvi_event_root *add_root(tvi_event_search *search, int event_index, int g
     if (!tvi_event_reports_sign_change(search->watched_events[event_index].event, g_sign_after)) return NULL;
     tvi_event_root *added = &search->roots[search->root_count];
     *added = (tvi_event_root){.event_index = event_index,
-                              .found_index = search->root_count,
+                              .index_in_order_found = search->root_count,
                               .g_sign_after = g_sign_after,
                               .bracket = {left.theta, left.g, right.theta, right.g},
                               .is_next_zero_after_zero_at_step_start =
@@ -147,13 +147,13 @@ static bool is_local_minimum_of_abs_g(const double g[])
 }
 
 /* Tells whether |g| falls at the start of the step, or rises there with less than EVENT_FLAT_SLOPE times its mean slope
- * between the first two samples. abs_g_increase is the increase of |g| between these samples. The slope at the start is
- * that of the polynomial through five samples. With stride = -1 the samples are read backwards from the end of the
- * step. */
-static bool is_abs_g_falling_or_flat_at_boundary(const double g[], int stride, double abs_g_increase)
+ * between the first two samples. abs_g_increase_to_next_sample is the increase of |g| between these samples. The slope
+ * at the start is that of the polynomial through five samples. With stride = -1 the samples are read backwards from the
+ * end of the step. */
+static bool does_abs_g_fall_or_stay_flat_into_step(const double g[], int stride, double abs_g_increase_to_next_sample)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
-    return (g[0] > 0 ? slope : -slope) <= 12 * EVENT_FLAT_SLOPE * abs_g_increase;
+    return (g[0] > 0 ? slope : -slope) <= 12 * EVENT_FLAT_SLOPE * abs_g_increase_to_next_sample;
 }
 
 /* Returns the largest |g[j + 1] - g[j]| of neighbouring samples. */
@@ -186,7 +186,7 @@ static bool may_have_dip_at_boundary(const double g[], int stride)
      * sample before the end. */
     const bool rises = stride > 0 ? abs_g_increase >= 0 : abs_g_increase > 0;
     return have_same_nonzero_sign(g[0], g[stride]) && rises &&
-           (is_abs_g_falling_or_flat_at_boundary(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
+           (does_abs_g_fall_or_stay_flat_into_step(g, stride, abs_g_increase) || has_kink_at_boundary(g, stride));
 }
 
 /* Tells whether g certainly has no root in the step: all samples are finite and have one sign, and |g| has no dip. Most
@@ -314,7 +314,7 @@ static tvi_status sample_all_events(tvi_event_search *search)
         if (w->g_samples[0] == 0) status = tvi_find_sign_leaving_zero_at_step_start(search, event_index);
         w->was_reported_at_stop = false;
     }
-    search->next_step_start_kind =
+    search->source_of_next_step_start_state =
         TVI_FROM_ANY; /* The next step may start from any state, since an observer may change it. */
     search->last_searched_step_number = step;
     return status;

@@ -11,15 +11,16 @@
 /* A root of an event function g: a point of a step where g reaches 0 or changes its sign. */
 typedef struct {
     int event_index;          /* index of the event among those of the run */
-    int found_index;          /* number of the root in the order in which the search found them, from 0 */
+    int index_in_order_found; /* number of the root in the order in which the search found them, from 0 */
     int g_sign_after;         /* the sign of g just after the root: +1 or -1 */
     tvi_sign_bracket bracket; /* an interval of theta that contains the root; at `right` g has g_sign_after or is 0 */
     double theta_guess;       /* an estimate of the root's theta; NAN if there is none */
     /* True if g = 0 at the start of the step, and this root is the next zero of g. Between both zeros g has the sign of
      * bracket.g_left. */
     bool is_next_zero_after_zero_at_step_start;
-    bool is_only_on_curve; /* true if only the curve has the root; the more accurate partial steps (finder.c) lack it */
-    double theta;          /* the theta of the root to roundoff, which finder.c sets */
+    /* True if only the curve has the root; the more accurate partial steps (finder.c) lack it. */
+    bool is_absent_from_accurate_solution;
+    double theta; /* the theta of the root to roundoff, which finder.c sets */
 } tvi_event_root;
 
 /* An event function that a search watches, and its values in the current step. */
@@ -39,7 +40,7 @@ typedef struct {
 
 /* The kinds of state from which a run starts: the end of the integrator's last step (TVI_FROM_LAST_STEP), the state
  * of its last stop with any momentum p (TVI_FROM_STOP), or any other state (TVI_FROM_ANY). */
-typedef enum { TVI_FROM_LAST_STEP, TVI_FROM_STOP, TVI_FROM_ANY } tvi_run_start_kind;
+typedef enum { TVI_FROM_LAST_STEP, TVI_FROM_STOP, TVI_FROM_ANY } tvi_start_state_source;
 
 /* A search for roots of event functions on the curve of the integrator's last step. */
 typedef struct {
@@ -48,11 +49,11 @@ typedef struct {
     int event_count;
     tvi_watched_event *watched_events; /* [event_count] the events of the run */
     /* The kind of state from which the next step to be searched starts. */
-    tvi_run_start_kind next_step_start_kind;
+    tvi_start_state_source source_of_next_step_start_state;
     bool is_momentum_changed_at_stop; /* true if the run begins at its last stop with another momentum p */
     /* True if an event that stopped the run comes again before the time changes by more than its roundoff, as for a
      * ball at rest on the floor. */
-    bool has_event_again_before_time_moves;
+    bool repeats_stopping_event_at_unchanged_time;
     long last_searched_step_number; /* the number of the last step that was searched; 0 if there is none */
     jet_tape *joint_tape;           /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated at TVI_SAMPLES states at once. It begins with the tape's inputs, the
@@ -74,7 +75,7 @@ void tvi_search_close(tvi_event_search *search);
 void tvi_search_set_parameters(tvi_event_search *search);
 
 /* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if
- * search->has_event_again_before_time_moves becomes true. */
+ * search->repeats_stopping_event_at_unchanged_time becomes true. */
 TVI_NODISCARD tvi_status tvi_search_last_step_for_roots(tvi_event_search *search);
 /* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);
@@ -89,8 +90,8 @@ TVI_NODISCARD tvi_status tvi_search_find_curve_root(tvi_event_search *search, co
 /* ---- The start of a step (start.c) ------------------------------------------------------------------------------- */
 
 /* Tells which kind of state the run begins with. It must be called before the first step changes the integrator. */
-tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *integrator, double t, const double q[],
-                                          const double p[]);
+tvi_start_state_source tvi_find_whether_run_continues_step_or_stop(const tvi_integrator *integrator, double t,
+                                                                   const double q[], const double p[]);
 
 /* Tells whether the event was reported at the given stop of a run. */
 bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event);

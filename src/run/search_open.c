@@ -57,7 +57,8 @@ tvi_status tvi_search_open(tvi_event_search *search, tvi_partial_step *partial_s
     *search = (tvi_event_search){.integrator = it,
                                  .partial_step = partial_step,
                                  .event_count = count,
-                                 .next_step_start_kind = tvi_classify_run_start(it, t, state[0], state[1])};
+                                 .source_of_next_step_start_state =
+                                     tvi_find_whether_run_continues_step_or_stop(it, t, state[0], state[1])};
     search->watched_events = calloc(some, sizeof *search->watched_events);
     search->roots = calloc(some * MOST_ROOTS, sizeof *search->roots);
     search->scratch_state = calloc(2 * size, sizeof *search->scratch_state);

@@ -20,11 +20,12 @@ static bool are_bitwise_equal(int n, const double a[], const double b[])
     return memcmp(a, b, (size_t)n * sizeof *a) == 0;
 }
 
-tvi_run_start_kind tvi_classify_run_start(const tvi_integrator *it, double t, const double q[], const double p[])
+tvi_start_state_source tvi_find_whether_run_continues_step_or_stop(const tvi_integrator *it, double t, const double q[],
+                                                                   const double p[])
 {
     const int n = it->system->n;
     const double *stop = it->stop->state;
-    if (*it->is_state_from_step && tvi_integrator_has_state(it, t, q, p)) return TVI_FROM_LAST_STEP;
+    if (*it->is_state_from_step && tvi_integrator_state_equals(it, t, q, p)) return TVI_FROM_LAST_STEP;
     const bool is_stop = it->stop->is_set && are_bitwise_equal(n, q, stop) && are_bitwise_equal(1, &t, &stop[2 * n]);
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
@@ -46,8 +47,8 @@ bool tvi_stop_has_event(const tvi_event_stop *stop, const tvi_event *event)
 }
 
 /* Computes g at the q and t of the given state with the momentum p of the last stop. */
-static tvi_status evaluate_event_with_stop_momentum(tvi_event_search *search, int event_index, const double state[],
-                                                    double *g)
+static tvi_status evaluate_event_with_p_replaced_by_stop_p(tvi_event_search *search, int event_index,
+                                                           const double state[], double *g)
 {
     const size_t n = (size_t)search->integrator->system->n;
     memcpy(search->scratch_increment, state, (2 * n + 1) * sizeof *state);
@@ -57,19 +58,21 @@ static tvi_status evaluate_event_with_stop_momentum(tvi_event_search *search, in
 
 /* Sets g_samples[0] = 0 if the state at the start of the run lies on the event: the event was reported at the stop from
  * which the run goes on, or |g| is at most its roundoff. */
-static tvi_status set_g_to_zero_if_on_event(tvi_event_search *search, int event_index, const double state[])
+static tvi_status set_start_g_to_zero_if_within_roundoff(tvi_event_search *search, int event_index,
+                                                         const double state[])
 {
     tvi_watched_event *w = &search->watched_events[event_index];
     double before = 0, here = 0, roundoff;
     tvi_status status;
-    w->was_reported_at_stop =
-        search->next_step_start_kind == TVI_FROM_STOP && tvi_stop_has_event(search->integrator->stop, w->event);
+    w->was_reported_at_stop = search->source_of_next_step_start_state == TVI_FROM_STOP &&
+                              tvi_stop_has_event(search->integrator->stop, w->event);
     if (w->was_reported_at_stop) w->g_samples[0] = 0;
-    if (w->g_samples[0] == 0 || search->next_step_start_kind == TVI_FROM_LAST_STEP) return TVI_OK;
+    if (w->g_samples[0] == 0 || search->source_of_next_step_start_state == TVI_FROM_LAST_STEP) return TVI_OK;
     /* If only p was changed at the stop and g is unchanged, the state does not lie on the event, since the event was
      * not reported at the stop. */
-    if (search->next_step_start_kind == TVI_FROM_STOP && search->integrator->stop->event_count < TVI_STOP_EVENTS) {
-        status = evaluate_event_with_stop_momentum(search, event_index, state, &before);
+    if (search->source_of_next_step_start_state == TVI_FROM_STOP &&
+        search->integrator->stop->event_count < TVI_STOP_EVENTS) {
+        status = evaluate_event_with_p_replaced_by_stop_p(search, event_index, state, &before);
         if (status == TVI_OK) status = tvi_search_evaluate_event(search, event_index, state, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
     }
@@ -86,7 +89,7 @@ tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search)
     double *state = search->scratch_state;
     copy_step_start_state(search, state);
     search->is_momentum_changed_at_stop =
-        search->next_step_start_kind == TVI_FROM_STOP &&
+        search->source_of_next_step_start_state == TVI_FROM_STOP &&
         !are_bitwise_equal(inputs / 2, state + inputs / 2, search->integrator->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) search->joint_tape_block[i * TVI_SAMPLES + k] = state[i];
@@ -96,7 +99,7 @@ tvi_status tvi_evaluate_events_at_step_start(tvi_event_search *search)
         *first = g[(size_t)search->joint_tape->output_slot[event_index] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
         if (!inside || !isfinite(*first)) status = tvi_search_evaluate_event(search, event_index, state, first);
-        if (status == TVI_OK) status = set_g_to_zero_if_on_event(search, event_index, state);
+        if (status == TVI_OK) status = set_start_g_to_zero_if_within_roundoff(search, event_index, state);
         if (status != TVI_OK) return status;
     }
     return TVI_OK;
@@ -180,10 +183,10 @@ tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, in
     if (status != TVI_OK) return status;
     double theta = theta_where_time_changes_by_roundoff(search, at_first);
     status = find_sign_of_g_change(search, event_index, theta, &sign);
-    search->has_event_again_before_time_moves = status == TVI_OK && w->was_reported_at_stop &&
-                                                search->is_momentum_changed_at_stop && first * sign < 0 &&
-                                                tvi_event_reports_sign_change(w->event, sign);
-    if (search->has_event_again_before_time_moves)
+    search->repeats_stopping_event_at_unchanged_time = status == TVI_OK && w->was_reported_at_stop &&
+                                                       search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                                       tvi_event_reports_sign_change(w->event, sign);
+    if (search->repeats_stopping_event_at_unchanged_time)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * EVENT_RETURN_THETA_GROWTH < tvi_sample_theta[0])

@@ -192,7 +192,7 @@ static void read_or_write_rows(text_stream *stream, const char *label, int rows,
 }
 
 /* Tells whether the next word of the input is "e". */
-static bool is_next_word_e(const text_stream *stream)
+static bool is_next_word_energy_offset_label(const text_stream *stream)
 {
     text_stream ahead = *stream;
     char word[LONGEST_WORD + 1];
@@ -216,7 +216,7 @@ static void read_or_write_state(text_stream *stream, tvi_state_text *state_text)
     read_or_write_rows(stream, "t", 1, 2, state_text->state_values);
     read_or_write_rows(stream, "q", n, 2, state_text->state_values + 2);
     read_or_write_rows(stream, "p", n, 2, state_text->state_values + 2 * (n + 1));
-    if (stream->input) state_text->has_energy_offset = is_next_word_e(stream);
+    if (stream->input) state_text->has_energy_offset = is_next_word_energy_offset_label(stream);
     read_or_write_rows(stream, "e", state_text->has_energy_offset, 2, state_text->state_values + 2 * (2 * n + 1));
     read_or_write_expected_word(stream, '\n', "end", DAMAGED);
     (void)write_digits(word, stream->hash, 16, 16);

@@ -11,11 +11,11 @@
 #include <math.h>
 #include <string.h>
 
-static const tvi_state_update_functions *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_state_update_functions_base,
+static const tvi_increment_kernels_of_instruction_set *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_increment_kernels_of_instruction_set_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_state_update_functions_avx2,
-    [jet_isa_avx512] = &tvi_state_update_functions_avx512,
+    [jet_isa_avx2] = &tvi_increment_kernels_of_instruction_set_avx2,
+    [jet_isa_avx512] = &tvi_increment_kernels_of_instruction_set_avx512,
 #endif
 };
 
@@ -78,7 +78,7 @@ static bool is_field_finite_at_start(tvi_integrator *it, int member)
     const jet_tape *tape = system->field_values;
     const int n = system->n;
     const double t = it->state.q[n * it->width + member];
-    tvi_member_load_one_lane_parameters(it, member);
+    tvi_member_copy_parameters_to_one_lane_blocks(it, member);
     tvi_gather_member(n, it->width, it->state.q, member, it->field_block);
     for (int i = n; i < system->input_count; i++) it->field_block[i] = 0;
     if (system->form == TVI_HAMILTONIAN) tvi_gather_member(n, it->width, it->state.p, member, it->field_block + n);
@@ -140,7 +140,7 @@ JET_INLINE void find_overflows(tvi_integrator *it, int width)
         tvi_find_overflows(rows + 1, 1, state->q, state->q_low, increments->dq, it->overflow_flags);
         tvi_find_overflows(rows, 1, state->p, state->p_low, increments->dp, it->overflow_flags);
     } else {
-        const tvi_state_update_functions *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        const tvi_increment_kernels_of_instruction_set *loops = loops_of[it->stepped->field_values->sweeps->isa];
         loops->find_overflows(rows + 1, width, state->q, state->q_low, increments->dq, it->overflow_flags);
         loops->find_overflows(rows, width, state->p, state->p_low, increments->dp, it->overflow_flags);
     }
@@ -172,7 +172,7 @@ JET_INLINE void add_increments(tvi_integrator *it, int width)
         tvi_add_increments(rows + 1, 1, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
         tvi_add_increments(rows, 1, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
     } else if (width > 1) {
-        const tvi_state_update_functions *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        const tvi_increment_kernels_of_instruction_set *loops = loops_of[it->stepped->field_values->sweeps->isa];
         loops->add_increments(rows + 1, width, state->q, state->q_low, increments->dq, increments->dq_low, it->status);
         loops->add_increments(rows, width, state->p, state->p_low, increments->dp, increments->dp_low, it->status);
     }
@@ -220,7 +220,7 @@ void tvi_make_steps_of_batch(tvi_integrator *it, long most_steps, double h)
 static long make_steps_without_energy_check(tvi_integrator *it, long most_steps, double h, double t_end)
 {
     if (!it->stepper->run || most_steps < 1 || it->reference_energy->is_H_known) return 0;
-    const tvi_limits_without_energy_check limits = tvi_guard_limits_without_energy_check(it);
+    const tvi_limits_without_energy_check limits = tvi_max_tail_and_passes_without_energy_check(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
     const tvi_run_request run = {h,     most_steps,    limits, tvi_is_rescaled(it) ? it->system->n : -1,
                                  t_end, it->increments};

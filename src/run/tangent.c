@@ -174,8 +174,8 @@ static void set_state_and_scaled_tangent(const tvi_integrator *it, const differe
 }
 
 /* Computes column <- M column, where M is the Jacobian matrix of the step in its own variable, the time or the s of a
- * rescaled system. In a rescaled system a call of project_column_to_orbit_time must follow. */
-static tvi_status multiply_column_by_unprojected_jacobian(const tvi_integrator *it, const differentiated_step *step)
+ * rescaled system. In a rescaled system a call of project_column_to_fixed_time must follow. */
+static tvi_status multiply_column_by_jacobian_at_fixed_s(const tvi_integrator *it, const differentiated_step *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -215,7 +215,7 @@ static tvi_status compute_rescaled_hamiltonian_gradient(const tvi_integrator *it
 /* Sets the component of the column that belongs to e, the constant of K = g (H + e) of a rescaled system. A
  * neighbouring orbit at the same time has an e of its own, since K = 0 on each orbit: dK = 0 and K_e = g give de =
  * -(K_q dq + K_p dp) / g. */
-static tvi_status set_energy_offset_component(const tvi_integrator *it, const differentiated_step *step)
+static tvi_status set_tangent_energy_offset_to_keep_K_zero(const tvi_integrator *it, const differentiated_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->lifted_system->energy;
@@ -234,7 +234,7 @@ static tvi_status set_energy_offset_component(const tvi_integrator *it, const di
 
 /* Projects the column to the time of the orbit. After a step in s a neighbouring orbit is at another time. It is moved
  * back along the flow by the difference dt of the times: dq - dt K_p / g, dp + dt K_q / g. */
-static tvi_status project_column_to_orbit_time(const tvi_integrator *it, const differentiated_step *step)
+static tvi_status project_column_to_fixed_time(const tvi_integrator *it, const differentiated_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
@@ -272,9 +272,9 @@ static tvi_status multiply_column_by_jacobian(const tvi_integrator *it, const di
     const int n = it->system->n;
     const bool rescaled = tangent->field_block != NULL;
     const double *dq = tangent->column, *dp = dq + tangent->n;
-    tvi_status status = rescaled ? set_energy_offset_component(it, step) : TVI_OK;
-    if (status == TVI_OK) status = multiply_column_by_unprojected_jacobian(it, step);
-    if (status == TVI_OK && rescaled) status = project_column_to_orbit_time(it, step);
+    tvi_status status = rescaled ? set_tangent_energy_offset_to_keep_K_zero(it, step) : TVI_OK;
+    if (status == TVI_OK) status = multiply_column_by_jacobian_at_fixed_s(it, step);
+    if (status == TVI_OK && rescaled) status = project_column_to_fixed_time(it, step);
     for (int row = 0; row < n; row++) {
         product[(size_t)row * row_stride] = dq[row];
         product[(size_t)(n + row) * row_stride] = dp[row];

@@ -23,7 +23,7 @@ static bool does_last_step_end_at_state(const tvi_integrator *it, double h, doub
                                         const double p[])
 {
     return *it->is_state_from_step && it->has_dense_output && (h > 0) == (it->h > 0) &&
-           tvi_integrator_has_state(it, t, q, p);
+           tvi_integrator_state_equals(it, t, q, p);
 }
 
 tvi_status tvi_times_check(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
@@ -60,7 +60,7 @@ static tvi_status report_state_at_next_time_in_step(tvi_times_progress *times_pr
         &times_progress->partial_step, times_progress->run->plan->times[times_progress->next_time_index]);
     if (status == TVI_OK && times_progress->run->observers.at_time)
         status = tvi_columns_propagate_to_offset(times_progress->integrator, &times_progress->run->columns,
-                                                 partial_step->state_offset,
+                                                 partial_step->partial_step_size_to_stored_state,
                                                  partial_step->partial_step_integrator->parameters);
     if (status == TVI_OK) report_state_at_next_time(times_progress, partial_step->q, partial_step->p);
     return status;

@@ -34,7 +34,7 @@ static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it
         state_text->state_values[2 * (1 + n + i)] = user_state->p[(size_t)i * user_state->stride];
     }
     state_text->state_values[0] = user_state->t;
-    if (!it->is_state_from_step[member] || !tvi_member_has_state(it, member, user_state)) return;
+    if (!it->is_state_from_step[member] || !tvi_member_state_equals(it, member, user_state)) return;
     state_text->has_energy_offset = tvi_is_rescaled(it);
     for (int k = 0; k <= 2 * n + state_text->has_energy_offset; k++) {
         const size_t at = index_in_member_arrays(it, member, k);
