@@ -172,8 +172,9 @@ static void write_source_text(jet_text *text, const tvi_system *stepped_system, 
                               const char *function_name)
 {
     const tvi_tapes_of_steps uses = tvi_choose_stepper(resolved_options)->list_tapes(stepped_system, resolved_options);
-    const jet_emission_request *const requests[TVI_CODE_TAPES] = {&uses.series, &uses.values, &uses.r_dot_Hp,
-                                                                  &uses.hessian};
+    const jet_emission_request *const requests[TVI_CODE_TAPES] = {&uses.series_tape_emission, &uses.value_tape_emission,
+                                                                  &uses.r_dot_Hp_tape_emission,
+                                                                  &uses.hessian_tape_emission};
     const jet_tape *const tapes[TVI_CODE_TAPES] = {stepped_system->field_series, stepped_system->field_values,
                                                    stepped_system->r_dot_Hp_values, stepped_system->hessian_values};
     jet_text_append(text,

@@ -23,7 +23,6 @@ static int choose_lane_count(int node_count)
     return node_count <= lanes ? lanes : MAX_LANES;
 }
 
-/* Returns the index of the kernel table for this number of lanes. */
 static int find_kernel_table_index(int lanes)
 {
     int index = 0;
@@ -326,7 +325,8 @@ static tvi_status make_single_step(void *work, double h, const tvi_step_origin *
                                    const tvi_increments *increments, tvi_stats *stats)
 {
     galerkin_stepper *stepper = work;
-    const tvi_run_request run = {.h = h, .max_steps = 1, .index_of_time_in_q = -1, .increments = *increments};
+    const tvi_run_request run = {
+        .h = h, .max_steps = 1, .index_of_time_in_q = -1, .last_step_increments_out = *increments};
     const bool iterates = stepper->passes_rule.max_passes > 0;
     galerkin_steps_outcome outcome = {.step_count = 0};
     if (stepper->generated_code)
@@ -374,11 +374,12 @@ static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_op
 {
     const int lanes = choose_lane_count(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_tapes_of_steps used = {.values = {.name_prefix = "tvi_values", .value_lane_counts = {lanes, of_batch}},
-                               .loops_pointer_name = "galerkin",
-                               .emit_loops = emit_generated_steps};
+    tvi_tapes_of_steps used = {
+        .value_tape_emission = {.name_prefix = "tvi_values", .value_lane_counts = {lanes, of_batch}},
+        .loops_pointer_name = "galerkin",
+        .emit_loops = emit_generated_steps};
     if (system->hessian_values)
-        used.hessian = (jet_emission_request){.name_prefix = "tvi_hessian", .value_lane_counts = {lanes}};
+        used.hessian_tape_emission = (jet_emission_request){.name_prefix = "tvi_hessian", .value_lane_counts = {lanes}};
     return used;
 }
 

@@ -204,19 +204,21 @@ JET_INLINE bool galerkin_are_sums_finite(int count, const double *x, const doubl
 }
 
 /* Adds the increments of a step to the state. Returns false, and adds nothing, in three cases: the energy has to be
- * checked first, because the tail or the number of passes exceeds run->limits_without_energy_check; the step does not
- * end before run->t_end; or the sums are not finite. */
+ * checked first, because the tail or the number of passes exceeds run->limits_for_skipping_energy_check; the step does
+ * not end before run->t_end; or the sums are not finite. */
 JET_INLINE bool galerkin_try_adding_step_to_state(int n, const tvi_run_request *run, const tvi_run_state *state,
                                                   double tail, int pass_count)
 {
-    if (!(tail <= run->limits_without_energy_check.max_tail &&
-          pass_count <= run->limits_without_energy_check.max_passes))
+    if (!(tail <= run->limits_for_skipping_energy_check.max_tail &&
+          pass_count <= run->limits_for_skipping_energy_check.max_passes))
         return false;
     if (!tvi_step_ends_before_t_end(run, state->q)) return false;
-    if (!galerkin_are_sums_finite(n + 1, state->q, run->increments.dq)) return false;
-    if (!galerkin_are_sums_finite(n, state->p, run->increments.dp)) return false;
-    (void)tvi_add_all_compensated(n + 1, state->q, state->q_low, run->increments.dq, run->increments.dq_low);
-    (void)tvi_add_all_compensated(n, state->p, state->p_low, run->increments.dp, run->increments.dp_low);
+    if (!galerkin_are_sums_finite(n + 1, state->q, run->last_step_increments_out.dq)) return false;
+    if (!galerkin_are_sums_finite(n, state->p, run->last_step_increments_out.dp)) return false;
+    (void)tvi_add_all_compensated_and_find_nonfinite(n + 1, state->q, state->q_low, run->last_step_increments_out.dq,
+                                                     run->last_step_increments_out.dq_low);
+    (void)tvi_add_all_compensated_and_find_nonfinite(n, state->p, state->p_low, run->last_step_increments_out.dp,
+                                                     run->last_step_increments_out.dp_low);
     return true;
 }
 
@@ -244,7 +246,8 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
         GALERKIN_KERNEL(step_data->kernels, set_sizes, nodes, n);
         galerkin_make_passes_of_member(step_data, nodes, pass_functions, &iteration, &movement);
         outcome->status = iteration.status;
-        if (iteration.status == TVI_OK) galerkin_compute_increments(step_data, nodes, origin, &run->increments, &tail);
+        if (iteration.status == TVI_OK)
+            galerkin_compute_increments(step_data, nodes, origin, &run->last_step_increments_out, &tail);
         if (iteration.status != TVI_OK ||
             (state && !galerkin_try_adding_step_to_state(n, run, state, tail, iteration.pass_count))) {
             outcome->pass_count_of_failed_step = iteration.pass_count;

@@ -83,7 +83,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     return workspace;
 }
 
-static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_scaled_span span)
+static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_step_span_in_scaled_time span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_scaled_time, k);
@@ -102,8 +102,8 @@ static void prepare_stepper(void *workspace)
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     tvi_newton_set_pass_rules(&w->newton, w->options, true);
-    set_end_curve_tables(w, &w->start_curve, (tvi_scaled_span){0, 1, 1});
-    set_end_curve_tables(w, &w->end_curve, (tvi_scaled_span){-1, 0, 1});
+    set_end_curve_tables(w, &w->start_curve, (tvi_step_span_in_scaled_time){0, 1, 1});
+    set_end_curve_tables(w, &w->end_curve, (tvi_step_span_in_scaled_time){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
         ones[k] = 1;
         slopes[k] = k;
@@ -395,5 +395,5 @@ const tvi_descriptor tvi_type1_both_ends = {
     .needs_conjugate_momenta = true,
     .stepper = &stepper,
     .predictor = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1}},
+    .curve = {.step_span_in_scaled_time = {0, 1, 1}},
 };

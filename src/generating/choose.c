@@ -20,7 +20,7 @@ const tvi_curve_isa_functions *tvi_choose_curve_isa_functions(const jet_tape *ta
 bool tvi_has_quick_step(const tvi_system *system, const tvi_options *options)
 {
     const tvi_action action = tvi_create_unallocated_action(system, options, 1);
-    return tvi_find_method(options)->curve.correct_ends == tvi_correct_ends_by_mean &&
+    return tvi_find_method(options)->curve.correct_ends_by_generating_function == tvi_correct_ends_by_mean &&
            options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action) &&
            2 * system->n <= LINEAR_OWN_MAX_ROWS && tvi_curve_choose_jacobian_method(system) == TVI_JACOBIAN_MATRICES;
 }

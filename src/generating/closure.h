@@ -55,7 +55,7 @@ extern const tvi_closure_solver tvi_solver_by_matrices;
 typedef struct tvi_closure {
     const tvi_system *system;
     int n;
-    tvi_scaled_span span; /* the ends of the step in scaled time */
+    tvi_step_span_in_scaled_time span; /* the ends of the step in scaled time */
     tvi_curve curve;
     /* The weights of the coefficients Q_k whose sums are q- (at the start), q+ (at the end), q+ - q-, and (end_s q- -
      * start_s q+)/(end_s - start_s), with the ends of the span in scaled time. The last sum has no term in Q_1; it is
@@ -70,7 +70,8 @@ typedef struct tvi_closure {
     double *momentum_term_abs_sum;
     tvi_combination momentum_abs_weights;
     tvi_correct_ends_fn *correct_ends; /* computes the corrections by the equations of the generating function */
-    const tvi_end_correction_factors *end_factors; /* the factors by which the solution (x, y) enters the corrections */
+    /* the factors by which the solution (x, y) enters the corrections */
+    const tvi_curve_end_correction_factors *end_factors;
     /* [highest_order + 1][n] The derivatives of the discrete action, in defect form, by the coefficients Q_k of the
      * position and U_k of the scaled momentum: D_z = sum_k (dQ_k/dz)^T (those by Q_k) + (dU_k/dz)^T (those by U_k). */
     double *action_gradient_by_coefficients_Q, *action_gradient_by_coefficients_U;
@@ -103,7 +104,7 @@ TVI_NODISCARD tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const t
  */
 static inline void closure_set_end_corrections(const tvi_closure *closure)
 {
-    const tvi_end_correction_factors *factors = closure->end_factors;
+    const tvi_curve_end_correction_factors *factors = closure->end_factors;
     const int width = curve_width(&closure->curve);
     double *restrict start_correction_q = closure->start_correction_q, *restrict increment_correction_q =
                                                                            closure->increment_correction_q;
@@ -114,10 +115,12 @@ static inline void closure_set_end_corrections(const tvi_closure *closure)
             const double x = closure->gradient_then_solution[at],
                          y = closure->gradient_then_solution[curve_vector_length(&closure->curve) + at],
                          of_q = closure->curve.kappa[i] * y;
-            start_correction_q[at] = factors->start_q_factor * of_q;
-            increment_correction_q[at] = factors->increment_q_factor * of_q;
-            start_correction_p[at] = factors->start_p_factor[0] * x + factors->start_p_factor[1] * y;
-            increment_correction_p[at] = factors->increment_p_factor[0] * x + factors->increment_p_factor[1] * y;
+            start_correction_q[at] = factors->start_q_correction_factor * of_q;
+            increment_correction_q[at] = factors->increment_q_correction_factor * of_q;
+            start_correction_p[at] =
+                factors->start_p_correction_factor[0] * x + factors->start_p_correction_factor[1] * y;
+            increment_correction_p[at] =
+                factors->increment_p_correction_factor[0] * x + factors->increment_p_correction_factor[1] * y;
         }
 }
 

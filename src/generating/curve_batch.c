@@ -16,7 +16,10 @@ typedef struct {
     int *pass_counts;          /* [width] */
 } batch;
 
-static bool is_plain_taylor_method(const tvi_options *options) { return !tvi_find_method(options)->curve.correct_ends; }
+static bool is_plain_taylor_method(const tvi_options *options)
+{
+    return !tvi_find_method(options)->curve.correct_ends_by_generating_function;
+}
 
 /* Returns whether a batch can make the steps of a method with corrections: the method has a quick step, and the momenta
  * at the nodes need no iteration of their own. */

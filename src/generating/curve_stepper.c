@@ -262,7 +262,8 @@ static double bound_energy_change(const void *workspace)
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool has_end_corrections =
+        definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
     return tvi_curve_find_used_tapes(system, options, shape.order_count - 1, shape.node_count,
                                      has_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);

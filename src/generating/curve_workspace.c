@@ -17,10 +17,10 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
     const tvi_jacobians jacobians = has_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
     c->n = system->n;
-    c->span = definition->span;
+    c->span = definition->step_span_in_scaled_time;
     c->p_degree = sizes.p_degree;
-    c->correct_ends = definition->correct_ends;
-    c->end_factors = &definition->end_factors;
+    c->correct_ends = definition->correct_ends_by_generating_function;
+    c->end_factors = &definition->end_correction_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_closure_solver *solver = has_products
                                            ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
@@ -64,10 +64,11 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_end_corrections = definition->correct_ends && options->passes != TVI_PREDICT_ONLY;
+    const bool has_end_corrections =
+        definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n * (size_t)width;
     work w = {.has_end_corrections = has_end_corrections,
-              .needs_extra_pass = definition->needs_extra_pass,
+              .needs_extra_pass = definition->needs_extra_newton_pass,
               .options = options,
               .q_degree = options->degree};
     allocate_closure(&w.closure, arena, system, options, has_end_corrections, width);
@@ -81,7 +82,7 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
         tvi_legendre_allocate(&w.legendre, arena, system);
         w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
     }
-    if (!definition->correct_ends) allocate_plain_taylor_step(&w, arena, width);
+    if (!definition->correct_ends_by_generating_function) allocate_plain_taylor_step(&w, arena, width);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
     if (has_end_corrections) {

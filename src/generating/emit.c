@@ -95,8 +95,8 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const tvi_action action = tvi_create_unallocated_action(system, options, 1);
-    const bool has_seeds =
-        definition->correct_ends && options->passes != TVI_PREDICT_ONLY && seeds_need_no_second_derivatives(&action);
+    const bool has_seeds = definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY &&
+                           seeds_need_no_second_derivatives(&action);
     const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
@@ -107,7 +107,7 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     jet_text_append(text,
                     "#define CURVE_HAS_MATRICES %d\n#define CURVE_HAS_PRODUCTS %d\n#define CURVE_HAS_SEED %d\n"
                     "#define CURVE_HAS_STEP %d\n#define CURVE_HAS_STEP_SIZE %d\n",
-                    lanes > 0, has_products, has_seeds, has_step, !definition->correct_ends);
+                    lanes > 0, has_products, has_seeds, has_step, !definition->correct_ends_by_generating_function);
     emit_text_lines(text, tvi_embedded_curve);
     if (has_products) emit_text_lines(text, tvi_embedded_products);
     emit_text_lines(text, tvi_embedded_generated_curve);

@@ -36,26 +36,29 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
 {
     const int directions = 2 * system->n, left = directions % CURVE_TANGENT_DIRECTIONS;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_OWN_MAX_ROWS;
-    tvi_tapes_of_steps used = {.series = {.name_prefix = "tvi_series",
-                                          .value_lane_counts = {1},
-                                          .top_order = highest_order,
-                                          .needs_series_sweep = !is_whole},
+    tvi_tapes_of_steps used = {.series_tape_emission = {.name_prefix = "tvi_series",
+                                                        .value_lane_counts = {1},
+                                                        .top_order = highest_order,
+                                                        .needs_series_sweep = !is_whole},
                                .loops_pointer_name = "taylor_curve",
                                .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
-    used.series.needs_adjoint_sweep = jacobians == TVI_JACOBIAN_PRODUCTS;
-    if (used.series.needs_adjoint_sweep) used.series.tangent_direction_counts[0] = 1;
-    else if (is_whole) used.series.tangent_direction_counts[0] = 0;
-    else if (directions < CURVE_TANGENT_DIRECTIONS) used.series.tangent_direction_counts[0] = left;
+    used.series_tape_emission.needs_adjoint_sweep = jacobians == TVI_JACOBIAN_PRODUCTS;
+    if (used.series_tape_emission.needs_adjoint_sweep) used.series_tape_emission.tangent_direction_counts[0] = 1;
+    else if (is_whole) used.series_tape_emission.tangent_direction_counts[0] = 0;
+    else if (directions < CURVE_TANGENT_DIRECTIONS) used.series_tape_emission.tangent_direction_counts[0] = left;
     else
-        used.series.tangent_direction_counts[0] = CURVE_TANGENT_DIRECTIONS,
-        used.series.tangent_direction_counts[1] = left;
-    if (is_whole) used.emit_loops = used.series.needs_adjoint_sweep ? tvi_curve_emit_products : tvi_curve_emit_matrices;
+        used.series_tape_emission.tangent_direction_counts[0] = CURVE_TANGENT_DIRECTIONS,
+        used.series_tape_emission.tangent_direction_counts[1] = left;
+    if (is_whole)
+        used.emit_loops =
+            used.series_tape_emission.needs_adjoint_sweep ? tvi_curve_emit_products : tvi_curve_emit_matrices;
     if (system->form == TVI_HAMILTONIAN)
-        used.series.value_lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */
-    used.values = (jet_emission_request){.name_prefix = "tvi_values", .value_lane_counts = {points}};
+        used.series_tape_emission.value_lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */
+    used.value_tape_emission = (jet_emission_request){.name_prefix = "tvi_values", .value_lane_counts = {points}};
     if (system->r_dot_Hp_values && options->nodes == TVI_NODES_TRUNCATED)
-        used.r_dot_Hp = (jet_emission_request){.name_prefix = "tvi_r_dot_Hp", .value_lane_counts = {points}};
+        used.r_dot_Hp_tape_emission =
+            (jet_emission_request){.name_prefix = "tvi_r_dot_Hp", .value_lane_counts = {points}};
     return used;
 }
 

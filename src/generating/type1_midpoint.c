@@ -20,8 +20,9 @@ const tvi_descriptor tvi_type1_midpoint = {
     .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {-1, 1, 0.5},
+    .curve = {.step_span_in_scaled_time = {-1, 1, 0.5},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends = tvi_correct_ends_by_mean,
-              .end_factors = {false, .start_p_factor = {-0.5, 1}, .increment_p_factor = {1, 0}}},
+              .correct_ends_by_generating_function = tvi_correct_ends_by_mean,
+              .end_correction_factors = {false, .start_p_correction_factor = {-0.5, 1},
+                                         .increment_p_correction_factor = {1, 0}}},
 };

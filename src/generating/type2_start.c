@@ -27,11 +27,13 @@ const tvi_descriptor tvi_type2_start = {
     .quadrature = TVI_CHOSEN_QUADRATURE,
     .needs_conjugate_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1},
+    .curve = {.step_span_in_scaled_time = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends = correct_ends,
-              .end_factors = {.start_p_factor = {-1, 0}, .increment_q_factor = -1, .increment_p_factor = {1, 0}},
-              .needs_extra_pass = true},
+              .correct_ends_by_generating_function = correct_ends,
+              .end_correction_factors = {.start_p_correction_factor = {-1, 0},
+                                         .increment_q_correction_factor = -1,
+                                         .increment_p_correction_factor = {1, 0}},
+              .needs_extra_newton_pass = true},
 };
 
 const tvi_preset tvi_svhd = {"svhd",

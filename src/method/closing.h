@@ -10,7 +10,7 @@
  * unit of s is the time tau_over_h h. */
 typedef struct {
     double start_s, end_s, tau_over_h;
-} tvi_scaled_span;
+} tvi_step_span_in_scaled_time;
 
 struct tvi_closure;
 /* The type of a function that computes the corrections of a curve's ends by the equations of a generating function
@@ -21,18 +21,18 @@ typedef tvi_status tvi_correct_ends_fn(struct tvi_closure *closure);
  * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates. tvi_correct_ends_by_block,
  * which solves other equations for (x, y), uses the same factors. In the notation of docs/notation.md the corrections
  * of the start are
- *     start_correction_q = start_q_factor kappa y,
- *     start_correction_p = start_p_factor[0] x + start_p_factor[1] y,
+ *     start_correction_q = start_q_correction_factor kappa y,
+ *     start_correction_p = start_p_correction_factor[0] x + start_p_correction_factor[1] y,
  * and those of the increments are
- *     increment_correction_q = increment_q_factor kappa y,
- *     increment_correction_p = increment_p_factor[0] x + increment_p_factor[1] y,
+ *     increment_correction_q = increment_q_correction_factor kappa y,
+ *     increment_correction_p = increment_p_correction_factor[0] x + increment_p_correction_factor[1] y,
  * with kappa = 1 unless the system is separable. */
 typedef struct {
     /* true: J2 is the Jacobian matrix of the mean of the ends' scaled momenta; false: that of the difference of their
      * coordinates. */
     bool uses_mean_momentum;
-    double start_q_factor, increment_q_factor;
-    double start_p_factor[2], increment_p_factor[2];
-} tvi_end_correction_factors;
+    double start_q_correction_factor, increment_q_correction_factor;
+    double start_p_correction_factor[2], increment_p_correction_factor[2];
+} tvi_curve_end_correction_factors;
 
 #endif

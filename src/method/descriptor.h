@@ -26,11 +26,11 @@ typedef struct {
  * methods that need a Hamiltonian (tvi_supports_hamilton). */
 extern const tvi_supported_forms tvi_supports_all, tvi_supports_type1, tvi_supports_hamilton;
 
-/* A node rule of a method. At degree N the order is order_slope N + order_offset, rounded up to an even number if the
- * method is symmetric or composed. If both numbers are 0, the method does not have this rule. */
+/* A node rule of a method. At degree N the order is order_per_degree N + order_offset, rounded up to an even number if
+ * the method is symmetric or composed. If both numbers are 0, the method does not have this rule. */
 typedef struct {
     const char *name; /* The name for tvi_options_named; NULL: the rule has no name. */
-    int order_slope, order_offset;
+    int order_per_degree, order_offset;
 } tvi_node_rule;
 
 /* The choice of a method's quadrature. */
@@ -49,15 +49,17 @@ typedef enum {
 
 /* The definition of a Taylor curve, and of the generating function that corrects it (docs/method.md, section 4). */
 typedef struct {
-    tvi_scaled_span span;
+    tvi_step_span_in_scaled_time step_span_in_scaled_time;
     tvi_action_kind action;
     /* true: the polynomial of p has the degree N, as that of q; false: it has the degree N - 1. */
     bool uses_highest_momentum_term;
-    tvi_correct_ends_fn *correct_ends; /* Computes the corrections of the ends; NULL: the ends are not corrected. */
-    tvi_end_correction_factors end_factors; /* The factors with which correct_ends computes the corrections. */
-    /* A step needs one more pass than the first two corrections suggest. The first pass reduces the residual much more
-     * than later passes do, and does not show how fast the later passes converge. */
-    bool needs_extra_pass;
+    /* Computes the corrections of the ends; NULL: the ends are not corrected. */
+    tvi_correct_ends_fn *correct_ends_by_generating_function;
+    /* The factors with which that function computes the corrections. */
+    tvi_curve_end_correction_factors end_correction_factors;
+    /* A step needs one more pass of Newton's method than the first two corrections suggest. The first pass reduces the
+     * residual much more than later passes do, and does not show how fast the later passes converge. */
+    bool needs_extra_newton_pass;
 } tvi_curve_definition;
 
 typedef struct tvi_descriptor tvi_descriptor;

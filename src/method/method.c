@@ -32,7 +32,7 @@ static tvi_status refuse_with_reason(tvi_status status, const char *reason, cons
 static int compute_order(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
 {
     const tvi_node_rule *rule = &descriptor->nodes[options->nodes];
-    const int order = rule->order_slope * degree + rule->order_offset;
+    const int order = rule->order_per_degree * degree + rule->order_offset;
     return tvi_is_method_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
 }
 
@@ -46,7 +46,7 @@ static bool has_only_even_orders(const tvi_descriptor *descriptor, const tvi_opt
 
 static bool has_node_rule(const tvi_descriptor *descriptor, tvi_nodes nodes)
 {
-    return descriptor->nodes[nodes].order_slope != 0 || descriptor->nodes[nodes].order_offset != 0;
+    return descriptor->nodes[nodes].order_per_degree != 0 || descriptor->nodes[nodes].order_offset != 0;
 }
 
 const tvi_descriptor *tvi_find_method(const tvi_options *options)

@@ -38,20 +38,20 @@ typedef struct {
 typedef struct {
     double max_tail;
     int max_passes;
-} tvi_limits_without_energy_check;
+} tvi_limits_for_skipping_energy_check;
 
 /* A request to make several steps without checks between them: at most `max_steps` steps of size h, each within
- * `limits_without_energy_check`. `increments` gets the increments of the last step, except for the increment of the
- * independent variable, dq[N], which the caller sets to h. In a rescaled system the time is the coordinate
- * q[index_of_time_in_q]. It must move in the direction of h and stay before t_end. In other systems index_of_time_in_q
- * is -1. */
+ * `limits_for_skipping_energy_check`. `last_step_increments_out` gets the increments of the last step, except for the
+ * increment of the independent variable, dq[N], which the caller sets to h. In a rescaled system the time is the
+ * coordinate q[index_of_time_in_q]. It must move in the direction of h and stay before t_end. In other systems
+ * index_of_time_in_q is -1. */
 typedef struct {
     double h;
     long max_steps;
-    tvi_limits_without_energy_check limits_without_energy_check;
+    tvi_limits_for_skipping_energy_check limits_for_skipping_energy_check;
     int index_of_time_in_q;
     double t_end;
-    tvi_increments increments;
+    tvi_increments last_step_increments_out;
 } tvi_run_request;
 
 /* Returns the least change of the time in a step, which is the roundoff of its low-order part. With smaller changes
@@ -63,7 +63,7 @@ static inline bool tvi_step_ends_before_t_end(const tvi_run_request *request, co
 {
     if (request->index_of_time_in_q < 0) return true;
     const double t = q[request->index_of_time_in_q], way = request->h > 0 ? 1 : -1,
-                 dt = way * request->increments.dq[request->index_of_time_in_q];
+                 dt = way * request->last_step_increments_out.dq[request->index_of_time_in_q];
     return dt > tvi_least_time_change(t) && dt < way * (request->t_end - t);
 }
 
@@ -87,8 +87,9 @@ static inline double tvi_add_compensated(double x, double *low, double increment
 
 /* Adds the increments of all components by compensated summation, as tvi_add_compensated does. Returns 0 if all sums
  * are finite, and otherwise another number. */
-static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
-                                               const double *restrict increment, const double *restrict increment_low)
+static inline uint64_t tvi_add_all_compensated_and_find_nonfinite(int count, double *restrict x, double *restrict low,
+                                                                  const double *restrict increment,
+                                                                  const double *restrict increment_low)
 {
     uint64_t any = 0;
     for (int i = 0; i < count; i++) {

@@ -17,7 +17,7 @@ void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *
     *member_stepper = (tvi_member_stepper){.stepper = stepper, .system = system, .batch_width = width};
     arena->first_tape_block = NULL;
     member_stepper->stepper_work = stepper->allocate(arena, system, options);
-    member_stepper->first_block = arena->first_tape_block;
+    member_stepper->tape_block_list_of_stepper = arena->first_tape_block;
     arena->first_tape_block = blocks_of_batch;
     member_stepper->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(system));
     tvi_allocate_state_and_increments(arena, system->n, &member_stepper->start_state, &member_stepper->increments);
@@ -27,7 +27,7 @@ void tvi_member_stepper_allocate(tvi_member_stepper *member_stepper, tvi_arena *
 
 void tvi_member_stepper_set_tables(tvi_member_stepper *member_stepper)
 {
-    tvi_system_prepare_blocks(member_stepper->system, member_stepper->first_block, NULL);
+    tvi_system_prepare_blocks(member_stepper->system, member_stepper->tape_block_list_of_stepper, NULL);
     if (member_stepper->stepper->set_tables) member_stepper->stepper->set_tables(member_stepper->stepper_work);
 }
 
@@ -63,8 +63,8 @@ bool tvi_step_member(const tvi_member_stepper *member_stepper, const jet_tape *t
     tvi_gather_member(n, width, origin->p, member, state->p);
     tvi_gather_member(n, width, origin->p_low, member, state->p_low);
     jet_tape_read_parameters(tape, batch_block, point_count * width, member, member_stepper->parameters);
-    tvi_blocks_set_parameters(member_stepper->first_block, tvi_system_parameters(member_stepper->system), 1,
-                              member_stepper->parameters);
+    tvi_blocks_set_parameters(member_stepper->tape_block_list_of_stepper, tvi_system_parameters(member_stepper->system),
+                              1, member_stepper->parameters);
     results->status[member] =
         member_stepper->stepper->step(member_stepper->stepper_work, h, &from, &member_stepper->increments, stats);
     if (results->status[member] != TVI_OK) return false;

@@ -13,7 +13,7 @@ typedef struct tvi_member_stepper {
     void *stepper_work; /* The memory in which `stepper` makes the step of one member. */
     /* The first block in the list of the stepper's blocks (algebra/block.h). The parameters of the member are set in
      * all blocks of the list. */
-    const tvi_tape_block *first_block;
+    const tvi_tape_block *tape_block_list_of_stepper;
     int batch_width;           /* Number of members of the batch. */
     double *parameters;        /* The values of the member's parameters. */
     tvi_run_state start_state; /* The state of the member at the start of its step. */

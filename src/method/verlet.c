@@ -81,17 +81,17 @@ JET_INLINE int compute_increments(verlet_work *w, int width, double h, const tvi
     return 2;
 }
 
-/* Computes bounds [width] of the changes of the members' energies. The kinetic energy changes by (F0 + F1)/2 . dq +
- * h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F between F0 and F1. */
-static void bound_energy_changes_of_step(const void *work, double bound[])
+/* Computes bound_of_member [width], bounds of the changes of the members' energies. The kinetic energy changes by (F0 +
+ * F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp. The potential changes by -F . dq, with an F between F0 and F1. */
+static void bound_energy_change_of_each_member(const void *work, double bound_of_member[])
 {
     const verlet_work *w = work;
     const int width = w->width;
-    for (int m = 0; m < width; m++) bound[m] = 0;
+    for (int m = 0; m < width; m++) bound_of_member[m] = 0;
     for (int i = 0; i < w->system->n; i++) {
         const double factor = w->last_step_size / w->system->mass[i];
         for (int m = 0, at = i * width; m < width; m++, at++)
-            bound[m] +=
+            bound_of_member[m] +=
                 fabs(w->force_at_end[at] - w->force_at_start[at]) * (fabs(w->dq[at]) + fabs(factor * w->dp[at])) / 2;
     }
 }
@@ -139,7 +139,7 @@ static const tvi_batch_stepper batch_stepper = {.width = choose_batch_width,
                                                 .allocate = allocate_members,
                                                 .set_tables = set_tables_of_single_stepper,
                                                 .step = step_members,
-                                                .bound_energy_change = bound_energy_changes_of_step};
+                                                .bound_energy_change = bound_energy_change_of_each_member};
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
@@ -180,14 +180,14 @@ static void interpolate_one_member(void *work, double theta, double dq[], double
 static double bound_energy_change(const void *work)
 {
     double change;
-    bound_energy_changes_of_step(work, &change);
+    bound_energy_change_of_each_member(work, &change);
     return change;
 }
 
 static tvi_tapes_of_steps list_used_tapes(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_tapes_of_steps){
-        .values = {.name_prefix = "tvi_values", .value_lane_counts = {1, choose_batch_width(system, options)}}};
+    return (tvi_tapes_of_steps){.value_tape_emission = {.name_prefix = "tvi_values",
+                                                        .value_lane_counts = {1, choose_batch_width(system, options)}}};
 }
 
 static const tvi_stepper single_stepper_functions = {.allocate = allocate_one_member,

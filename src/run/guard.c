@@ -315,13 +315,13 @@ static bool may_skip_energy_check(const tvi_integrator *it, int member, bool ste
     return it->tail[member] <= GUARD_UNCHECKED_MAX_TAIL && it->pass_counts[member] <= GUARD_UNCHECKED_MAX_PASSES;
 }
 
-tvi_limits_without_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *it)
+tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    if (most < 0) return (tvi_limits_without_energy_check){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
+    if (most < 0) return (tvi_limits_for_skipping_energy_check){GUARD_UNCHECKED_MAX_TAIL, GUARD_UNCHECKED_MAX_PASSES};
     const double max_tail =
         has_step_enough_terms_for_tail_estimate(it, false) ? tvi_smaller(most, GUARD_UNCHECKED_MAX_TAIL) : -1;
-    return (tvi_limits_without_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
+    return (tvi_limits_for_skipping_energy_check){max_tail, GUARD_UNCHECKED_MAX_PASSES};
 }
 
 /* Tells whether the tail is at most max_tail of the options, or the user has switched off this check (max_tail < 0). */

@@ -7,7 +7,7 @@
 
 /* Returns the largest tail (tvi_stats.tail) and the largest number of corrector passes with which a step is accepted
  * without computing its energy. */
-tvi_limits_without_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *integrator);
+tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *integrator);
 
 /* Sets the status TVI_ETOOLARGE for the members with the status TVI_OK whose tail or energy shows that the step is too
  * large. step.c calls this function after the stepper's step, before the increments are added to the states.

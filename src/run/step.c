@@ -220,7 +220,7 @@ void tvi_make_steps_of_batch(tvi_integrator *it, long most_steps, double h)
 static long make_steps_without_energy_check(tvi_integrator *it, long most_steps, double h, double t_end)
 {
     if (!it->stepper->run || most_steps < 1 || it->reference_energy->is_H_known) return 0;
-    const tvi_limits_without_energy_check limits = tvi_max_tail_and_passes_without_energy_check(it);
+    const tvi_limits_for_skipping_energy_check limits = tvi_max_tail_and_passes_without_energy_check(it);
     if (!(it->stats.tail <= limits.max_tail)) return 0;
     const tvi_run_request run = {h,     most_steps,    limits, tvi_is_rescaled(it) ? it->system->n : -1,
                                  t_end, it->increments};

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static bool expands(const tvi_descriptor *d) { return d->curve.correct_ends != NULL; }
+static bool expands(const tvi_descriptor *d) { return d->curve.correct_ends_by_generating_function != NULL; }
 
 /* A member that was forgotten is 0. */
 START_TEST(descriptors_are_whole)
@@ -15,14 +15,16 @@ START_TEST(descriptors_are_whole)
     for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         ck_assert_ptr_nonnull(d->title);
-        ck_assert_msg(d->supports && d->stepper && (d->nodes[0].order_slope || d->nodes[0].order_offset), "%s",
+        ck_assert_msg(d->supports && d->stepper && (d->nodes[0].order_per_degree || d->nodes[0].order_offset), "%s",
                       d->title);
         ck_assert_msg(0 <= d->least_degree && d->least_degree <= d->most_degree, "%s", d->title);
         ck_assert_msg(!adjoint == (d->quadrature == TVI_NO_QUADRATURE), "%s", d->title);
         ck_assert_msg(!adjoint || adjoint->adjoint == d, "%s", d->title);
         ck_assert_msg(d->quadrature != TVI_CHOSEN_QUADRATURE || d->needs_conjugate_momenta, "%s", d->title);
         ck_assert_msg(d->quadrature != TVI_CHOSEN_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
-        ck_assert_msg(!expands(d) || (adjoint && d->curve.span.end_s > d->curve.span.start_s), "%s", d->title);
+        ck_assert_msg(!expands(d) || (adjoint && d->curve.step_span_in_scaled_time.end_s >
+                                                     d->curve.step_span_in_scaled_time.start_s),
+                      "%s", d->title);
     }
 }
 END_TEST
@@ -33,11 +35,12 @@ START_TEST(adjoints_are_mirrored)
     for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
         const tvi_descriptor *d = *at, *adjoint = d->adjoint;
         if (!expands(d)) continue;
-        const tvi_scaled_span a = d->curve.span, b = adjoint->curve.span;
+        const tvi_step_span_in_scaled_time a = d->curve.step_span_in_scaled_time,
+                                           b = adjoint->curve.step_span_in_scaled_time;
         ck_assert_msg(a.start_s == -b.end_s && a.end_s == -b.start_s && a.tau_over_h == b.tau_over_h, "%s", d->title);
         ck_assert_double_eq_tol((a.end_s - a.start_s) * a.tau_over_h, 1, 1e-15);
         ck_assert_msg(d->curve.action == adjoint->curve.action && d->supports == adjoint->supports, "%s", d->title);
-        ck_assert_mem_eq(&d->nodes[0].order_slope, &adjoint->nodes[0].order_slope, 2 * sizeof(int));
+        ck_assert_mem_eq(&d->nodes[0].order_per_degree, &adjoint->nodes[0].order_per_degree, 2 * sizeof(int));
     }
 }
 END_TEST
@@ -59,7 +62,8 @@ START_TEST(curves_are_expanded_where_they_are_called)
     const tvi_options options = {.method = places[_i].method, .expansion = places[_i].expansion};
     const tvi_descriptor *d = tvi_find_method(&options);
     ck_assert_ptr_nonnull(d);
-    ck_assert_double_eq(-d->curve.span.start_s * d->curve.span.tau_over_h, places[_i].before);
+    ck_assert_double_eq(-d->curve.step_span_in_scaled_time.start_s * d->curve.step_span_in_scaled_time.tau_over_h,
+                        places[_i].before);
 }
 END_TEST
 
