@@ -10,7 +10,7 @@
  * of L or H. TVI_CODE_TAPES is their number. */
 typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_R_DOT_HP, TVI_CODE_HESSIAN, TVI_CODE_TAPES } tvi_code_tape;
 
-struct galerkin_code;
+struct galerkin_generated_code;
 struct tvi_curve_code;
 
 /* The data and functions of generated code. */
@@ -22,7 +22,7 @@ typedef struct tvi_generated_code_table {
      * function of the sweeps is NULL, the interpreter makes those sweeps. */
     const jet_sweeps *sweeps[TVI_CODE_TAPES];
     /* The generated loops of the Galerkin curve; NULL: those of the library run. */
-    const struct galerkin_code *galerkin;
+    const struct galerkin_generated_code *galerkin;
     /* The generated functions of a Taylor curve; NULL: those of the library run. */
     const struct tvi_curve_code *taylor_curve;
 } tvi_generated_code_table;

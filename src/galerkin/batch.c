@@ -15,8 +15,8 @@ typedef struct {
      * members. */
     galerkin_stepper *single_stepper;
     galerkin_nodes nodes;
-    galerkin_rate_tail_data tail_inputs;
-    galerkin_step_data step_data;
+    galerkin_tail_inputs tail_inputs;
+    galerkin_step_inputs step_inputs;
     galerkin_batch_iteration iteration;
     /* [member_count] All bits of stepped_together_mask are set if the member takes this step together with others. All
      * bits of last_step_only_mask are set if its unknowns are predicted from its last step alone. */
@@ -60,7 +60,7 @@ static void allocate_node_arrays(galerkin_nodes *nodes, tvi_arena *arena, const 
     const size_t row_arrays = (size_t)system->input_count * (size_t)member_count,
                  impulse_count = row_arrays * (size_t)node_count;
     *nodes = (galerkin_nodes){.unknown_count = system->input_count,
-                              .unknown_count_per_half = system->n,
+                              .coordinate_unknown_count = system->n,
                               .node_count = node_count,
                               .member_count = member_count};
     nodes->values = tvi_arena_allocate_block(arena, system->field_values, 1, node_count * member_count, 0);
@@ -82,15 +82,19 @@ static void *allocate_batch_stepper(tvi_arena *arena, const tvi_system *system, 
     const size_t count = (size_t)member_count, n = (size_t)system->n * count,
                  unknowns = (size_t)system->input_count * count;
     galerkin_impulse_sums *sums = &stepper.tail_inputs.impulse_sums_over_nodes;
-    double **const row_arrays[] = {&sums->rate_integral,     &sums->rate_double_integral,
-                                   &sums->last_term,         &sums->end_impulse_size,
-                                   &sums->rate_integral_low, &sums->rate_double_integral_low,
-                                   &stepper.step_data.drift, &stepper.step_data.drift_low};
+    double **const row_arrays[] = {&sums->rate_integral,
+                                   &sums->rate_double_integral,
+                                   &sums->last_term,
+                                   &sums->end_impulse_size,
+                                   &sums->rate_integral_low,
+                                   &sums->rate_double_integral_low,
+                                   &stepper.step_inputs.coordinate_drift_over_step,
+                                   &stepper.step_inputs.coordinate_drift_over_step_low};
     double **const of_n[] = {&stepper.increments.dq,
                              &stepper.increments.dp,
                              &stepper.increments.dq_low,
                              &stepper.increments.dp_low,
-                             &stepper.tail_inputs.component_motion_share,
+                             &stepper.tail_inputs.component_share_of_subsystem_motion,
                              &stepper.tail_inputs.component_tail_ratio};
     for (size_t i = 0; i < 8; i++) *row_arrays[i] = tvi_arena_allocate_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_allocate_doubles(arena, n);
@@ -111,28 +115,29 @@ static void set_tables_of_batch_stepper(void *work)
     galerkin_batch_stepper *stepper = work;
     galerkin_stepper *single_stepper = stepper->single_stepper;
     galerkin_nodes *nodes = &stepper->nodes;
-    double *const drift = stepper->step_data.drift, *const drift_low = stepper->step_data.drift_low;
+    double *const drift = stepper->step_inputs.coordinate_drift_over_step;
+    double *const drift_low = stepper->step_inputs.coordinate_drift_over_step_low;
     tvi_member_stepper_set_tables(&stepper->member_stepper);
-    const galerkin_nodes *member_nodes = &single_stepper->field.nodes;
+    const galerkin_nodes *member_nodes = &single_stepper->equations.nodes;
     nodes->moving_mask = stepper->iteration.moving_mask;
     nodes->lane_count = member_nodes->lane_count;
     nodes->moving_unknown_count = member_nodes->moving_unknown_count;
     nodes->impulse_weight = member_nodes->impulse_weight;
-    nodes->impulse_scale = member_nodes->impulse_scale;
-    nodes->momentum_per_unit_drift = member_nodes->momentum_per_unit_drift;
+    nodes->unknown_change_per_impulse = member_nodes->unknown_change_per_impulse;
+    nodes->momentum_per_coordinate_drift_of_step = member_nodes->momentum_per_coordinate_drift_of_step;
     nodes->subsystems = member_nodes->subsystems;
-    const galerkin_rate_tail_data arrays = stepper->tail_inputs;
+    const galerkin_tail_inputs arrays = stepper->tail_inputs;
     stepper->tail_inputs = single_stepper->tail_inputs;
     stepper->tail_inputs.impulse_sums_over_nodes = arrays.impulse_sums_over_nodes;
-    stepper->tail_inputs.component_motion_share = arrays.component_motion_share;
+    stepper->tail_inputs.component_share_of_subsystem_motion = arrays.component_share_of_subsystem_motion;
     stepper->tail_inputs.component_tail_ratio = arrays.component_tail_ratio;
-    stepper->step_data = single_stepper->step_data;
-    stepper->step_data.kernels = *kernel_tables[single_stepper->field.system->field_values->sweeps->isa];
-    stepper->step_data.nodes = nodes;
-    stepper->step_data.tail_inputs = &stepper->tail_inputs;
-    stepper->step_data.drift = drift;
-    stepper->step_data.drift_low = drift_low;
-    stepper->step_data.impulse_ring = stepper->impulse_ring;
+    stepper->step_inputs = single_stepper->step_inputs;
+    stepper->step_inputs.kernels = *kernel_tables[single_stepper->equations.system->field_values->sweeps->isa];
+    stepper->step_inputs.nodes = nodes;
+    stepper->step_inputs.tail_inputs = &stepper->tail_inputs;
+    stepper->step_inputs.coordinate_drift_over_step = drift;
+    stepper->step_inputs.coordinate_drift_over_step_low = drift_low;
+    stepper->step_inputs.impulse_ring = stepper->impulse_ring;
 }
 
 /* ---- Members one by one ------------------------------------------------------------------------------------------ */
@@ -159,7 +164,7 @@ static void scatter_member_impulses(const galerkin_batch_stepper *stepper, const
 
 static double *find_impulses_of_step(const galerkin_batch_stepper *stepper, int steps_after_last)
 {
-    return galerkin_find_impulses_in_ring(&stepper->step_data, (int)*stepper->last_ring_index + steps_after_last);
+    return galerkin_find_impulses_in_ring(&stepper->step_inputs, (int)*stepper->last_ring_index + steps_after_last);
 }
 
 /* Copies the history of one lane to the history of a stepper of a single member. copy_history_to_lane copies it
@@ -190,7 +195,7 @@ static void clear_lane_history(void *work, int lane)
     ((const galerkin_batch_stepper *)work)->history[lane] = (galerkin_history){0};
 }
 
-static bool is_ring_index_valid(const void *work)
+static bool is_impulse_ring_index_in_range(const void *work)
 {
     return galerkin_is_ring_index_valid(*((const galerkin_batch_stepper *)work)->last_ring_index);
 }
@@ -198,7 +203,7 @@ static bool is_ring_index_valid(const void *work)
 static void step_member_alone(galerkin_batch_stepper *stepper, double h, const tvi_batch_origin *origins,
                               const tvi_batch_results *results, int member, tvi_stats *stats)
 {
-    const jet_tape *tape = stepper->single_stepper->field.system->field_values;
+    const jet_tape *tape = stepper->single_stepper->equations.system->field_values;
     copy_history_from_lane(stepper, member, stepper->single_stepper);
     if (tvi_step_member(&stepper->member_stepper, tape, stepper->nodes.values, stepper->nodes.node_count, h, origins,
                         results, member, stats))
@@ -219,8 +224,9 @@ static int select_members_to_step_together(galerkin_batch_stepper *stepper, doub
                              galerkin_follows_last_step(history, h, t[member]);
         stepper->iteration.largest_contraction_ratio[member] = history->convergence.largest_contraction_ratio;
         stepper->stepped_together_mask[member] = stepper->iteration.moving_mask[member] = is_next ? -1 : 0;
-        stepper->last_step_only_mask[member] = galerkin_make_last_step_only_mask(
-            &stepper->step_data, history->previous_step_size == h ? 2 : 1, history->convergence.first_movement_square);
+        stepper->last_step_only_mask[member] =
+            galerkin_make_last_step_only_mask(&stepper->step_inputs, history->previous_step_size == h ? 2 : 1,
+                                              history->convergence.first_movement_square);
         count += is_next;
     }
     return count;
@@ -228,7 +234,7 @@ static int select_members_to_step_together(galerkin_batch_stepper *stepper, doub
 
 /* Excludes a member from the passes that the members make together: clears its moving_mask, so that passes do not move
  * its unknowns, and sets them to the state at the start of its step, where the field can be evaluated. */
-static void freeze_member_at_start(galerkin_batch_stepper *stepper, int member)
+static void hold_excluded_member_at_start_state(galerkin_batch_stepper *stepper, int member)
 {
     const galerkin_nodes *nodes = &stepper->nodes;
     stepper->iteration.moving_mask[member] = 0;
@@ -244,14 +250,14 @@ static void set_node_times(const galerkin_batch_stepper *stepper, double h, cons
 {
     const galerkin_nodes *nodes = &stepper->nodes;
     double *t = nodes->values + nodes->unknown_count * nodes->node_count * nodes->member_count;
-    if (!stepper->single_stepper->field.system->uses_time) return;
+    if (!stepper->single_stepper->equations.system->uses_time) return;
     for (int i = 0; i < nodes->node_count; i++)
         for (int member = 0; member < nodes->member_count; member++)
             *t++ = origins->t[member] +
                    (origins->t_low[member] + h * stepper->single_stepper->coefficients.node_abscissa[i]);
 }
 
-/* The data that make_batch_pass gets as its argument `work`. */
+/* The structure that make_batch_pass gets as its argument `work`. */
 typedef struct {
     galerkin_batch_stepper *stepper;
     tvi_stats *stats;
@@ -263,8 +269,8 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
 {
     const batch_pass_work *pass_work = work;
     galerkin_batch_stepper *stepper = pass_work->stepper;
-    const galerkin_field *field = &stepper->single_stepper->field;
-    const jet_tape *tape = field->system->field_values;
+    const galerkin_equations *equations = &stepper->single_stepper->equations;
+    const jet_tape *tape = equations->system->field_values;
     const bool is_inside = tape->sweeps->values(tape, nodes->values, nodes->node_count * nodes->member_count);
     (void)roundoff;
     for (int member = 0; member < nodes->member_count; member++) {
@@ -273,10 +279,10 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
         pass_work->stats->passes++;
         if (!is_inside &&
             !tvi_is_member_inside_domain(&stepper->member_stepper, tape, nodes->values, nodes->node_count, member))
-            freeze_member_at_start(stepper, member);
+            hold_excluded_member_at_start_state(stepper, member);
     }
-    stepper->step_data.kernels->move(nodes, stepper->step_data.impulse_matrix, nodes->values,
-                                     field->rate_row_of_unknown, movement);
+    stepper->step_inputs.kernels->move(nodes, stepper->step_inputs.impulse_matrix, nodes->values,
+                                       equations->rate_row_of_unknown, movement);
     return TVI_OK;
 }
 
@@ -287,15 +293,15 @@ static void solve_step_equations_in_lanes(galerkin_batch_stepper *stepper, doubl
 {
     const galerkin_nodes *nodes = &stepper->nodes;
     const galerkin_extrapolation extrapolation = galerkin_select_extrapolation(
-        &stepper->step_data, (int)*stepper->last_ring_index, stepper->last_step_only_mask);
+        &stepper->step_inputs, (int)*stepper->last_ring_index, stepper->last_step_only_mask);
     batch_pass_work pass_work = {stepper, stats};
-    galerkin_set_drift_values(&stepper->step_data, nodes, origin);
+    galerkin_set_drift_values(&stepper->step_inputs, nodes, origin);
     for (int member = 0; member < nodes->member_count; member++)
-        if (!stepper->stepped_together_mask[member]) freeze_member_at_start(stepper, member);
-    stepper->step_data.kernels->predict(nodes, &extrapolation);
+        if (!stepper->stepped_together_mask[member]) hold_excluded_member_at_start_state(stepper, member);
+    stepper->step_inputs.kernels->predict(nodes, &extrapolation);
     set_node_times(stepper, h, origins);
-    stepper->step_data.kernels->set_sizes(nodes, stepper->single_stepper->n);
-    galerkin_make_passes_of_batch(&stepper->step_data, nodes,
+    stepper->step_inputs.kernels->set_sizes(nodes, stepper->single_stepper->n);
+    galerkin_make_passes_of_batch(&stepper->step_inputs, nodes,
                                   &(galerkin_pass_functions){.make_pass = make_batch_pass, .work = &pass_work},
                                   &stepper->iteration);
     for (int member = 0; member < nodes->member_count; member++)
@@ -335,7 +341,7 @@ static void compute_results_of_members_in_lanes(galerkin_batch_stepper *stepper,
                                                 const tvi_batch_results *results)
 {
     const int n = stepper->single_stepper->n;
-    galerkin_compute_increments(&stepper->step_data, &stepper->nodes, origin, &stepper->increments,
+    galerkin_compute_increments(&stepper->step_inputs, &stepper->nodes, origin, &stepper->increments,
                                 stepper->tail_of_member);
     advance_impulse_ring(stepper);
     copy_rows_of_members_in_lanes(stepper, n, stepper->increments.dq, results->increments.dq);
@@ -378,4 +384,4 @@ const tvi_batch_stepper tvi_galerkin_batch = {.width = choose_batch_width,
                                               .copy_history_from_lane = copy_history_from_lane,
                                               .copy_history_to_lane = copy_history_to_lane,
                                               .clear_history = clear_lane_history,
-                                              .is_history_valid = is_ring_index_valid};
+                                              .is_history_valid = is_impulse_ring_index_in_range};

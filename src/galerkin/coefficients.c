@@ -11,15 +11,16 @@ enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 /* ---- Polynomials through the nodes ------------------------------------------------------------------------------- */
 
 void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
-                                            int lanes, const jet_sweeps *sweeps)
+                                            int lanes, const jet_sweeps *vectorised_loops)
 {
     polynomials->node_count = node_count;
-    polynomials->sweeps = sweeps;
+    polynomials->vectorised_loops = vectorised_loops;
     polynomials->legendre_coefficient = tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)node_count);
     polynomials->transposed_legendre_coefficient =
         tvi_arena_allocate_doubles(arena, (size_t)node_count * (size_t)lanes);
-    polynomials->integral_to_sample = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
-    polynomials->double_integral_to_sample = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->integral_from_0_to_sample_theta = tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
+    polynomials->double_integral_from_0_to_sample_theta =
+        tvi_arena_allocate_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
 /* Computes P_0 .. P_max_degree at x = 2 s - 1, max_degree >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
@@ -57,8 +58,8 @@ static void set_tables_of_node_polynomials(galerkin_node_polynomials *polynomial
     for (int place = 0; place < TVI_SAMPLES; place++) {
         tvi_galerkin_integrate_node_polynomials(polynomials, tvi_sample_theta[place], single_integral, double_integral);
         for (int j = 0; j < polynomials->node_count; j++) {
-            polynomials->integral_to_sample[j * TVI_SAMPLES + place] = single_integral[j];
-            polynomials->double_integral_to_sample[j * TVI_SAMPLES + place] = double_integral[j];
+            polynomials->integral_from_0_to_sample_theta[j * TVI_SAMPLES + place] = single_integral[j];
+            polynomials->double_integral_from_0_to_sample_theta[j * TVI_SAMPLES + place] = double_integral[j];
         }
     }
 }
@@ -113,8 +114,8 @@ void tvi_galerkin_integrate_node_polynomials(const galerkin_node_polynomials *po
         second[k] =
             (double)(k > 0 ? (I[k + 1] - I[k - 1]) * polynomials->legendre_integral_factor[k] : I[0] * I[0] / 2);
     }
-    polynomials->sweeps->combine(m, first, 1, m, polynomials->legendre_coefficient, single_integral);
-    polynomials->sweeps->combine(m, second, 1, m, polynomials->legendre_coefficient, double_integral);
+    polynomials->vectorised_loops->combine(m, first, 1, m, polynomials->legendre_coefficient, single_integral);
+    polynomials->vectorised_loops->combine(m, second, 1, m, polynomials->legendre_coefficient, double_integral);
 }
 
 /* ---- Coefficients ------------------------------------------------------------------------------------------------ */
@@ -156,7 +157,7 @@ static void set_nodes_and_weights(galerkin_coefficients *coefficients)
     if (m % 2 == 0)
         coefficients->node_weight[m / 2 - 1] = coefficients->node_weight[m / 2] =
             coefficients->node_weight[m / 2] + left / 2;
-    coefficients->inverse_outermost_weight = 1 / coefficients->node_weight[0];
+    coefficients->inverse_weight_of_end_nodes = 1 / coefficients->node_weight[0];
     for (int i = m; i < coefficients->lane_count; i++)
         coefficients->node_abscissa[i] = coefficients->node_abscissa[m - 1];
 }

@@ -12,7 +12,8 @@
  * nodes. These integrals times the impulses h b_j F_j give the curve at any point of the step. */
 typedef struct {
     int node_count;
-    const jet_sweeps *sweeps; /* the tapes' functions for the instruction set; `combine` alone is called here */
+    /* The functions of the tapes for the instruction set. `combine`, which adds products, alone is called here. */
+    const jet_sweeps *vectorised_loops;
     /* [k][j] The factor of Legendre's polynomial P_k(2 s - 1) in l_j(s) / b_j. */
     double *legendre_coefficient;
     long double reciprocal_integer[TVI_GALERKIN_MAX_LANES + 2]; /* [k] the number 1 / k */
@@ -22,11 +23,11 @@ typedef struct {
     double *transposed_legendre_coefficient;
     /* [lanes][TVI_SAMPLES] The integrals and the double integrals of l_j / b_j from 0 to each sample point of a
      * step. */
-    double *integral_to_sample, *double_integral_to_sample;
+    double *integral_from_0_to_sample_theta, *double_integral_from_0_to_sample_theta;
 } galerkin_node_polynomials;
 
 void tvi_galerkin_allocate_node_polynomials(galerkin_node_polynomials *polynomials, tvi_arena *arena, int node_count,
-                                            int lanes, const jet_sweeps *sweeps);
+                                            int lanes, const jet_sweeps *vectorised_loops);
 /* Computes P[k][i] = P_k(2 s_i - 1), k < node_count, i < lanes. */
 void tvi_galerkin_evaluate_legendre_polynomials(const galerkin_node_polynomials *polynomials, int lanes,
                                                 const double s[], double *P);
@@ -38,7 +39,7 @@ typedef struct {
     int node_count, lane_count;
     double *node_weight, *node_abscissa; /* [lanes] weights b_j and nodes c_j of the quadrature on [0, 1] */
     /* The reciprocal 1 / b_j for the first and the last node, whose weights are equal. */
-    double inverse_outermost_weight;
+    double inverse_weight_of_end_nodes;
     /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a
      * separable system. */
     double *impulse_matrix;

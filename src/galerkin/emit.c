@@ -38,21 +38,21 @@ static void emit_text_lines(jet_text *text, const char *const *line)
     for (; *line; line++) jet_text_append(text, "%s", *line);
 }
 
-void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_stopping_rule *rule)
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_equations *equations, const tvi_stopping_rule *rule)
 {
-    const galerkin_nodes *nodes = &field->nodes;
+    const galerkin_nodes *nodes = &equations->nodes;
     jet_text_append(text,
                     "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_NODE_COUNT = %d, "
                     "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING_UNKNOWNS = %d, GALERKIN_SUBSYSTEMS = %d, "
                     "GALERKIN_TAIL_SUBSYSTEMS = %d, GALERKIN_IS_SEPARABLE = %d, "
                     "GALERKIN_READ_ONLY_ROWS = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
-                    nodes->lane_count, field->node_count, field->system->n, nodes->unknown_count,
-                    nodes->moving_unknown_count, nodes->subsystems.count, field->system->tail_subsystems.count,
-                    galerkin_is_second_order(field), galerkin_count_read_only_rows(field->system->field_values),
-                    nodes->lane_count);
+                    nodes->lane_count, equations->node_count, equations->system->n, nodes->unknown_count,
+                    nodes->moving_unknown_count, nodes->subsystems.count, equations->system->tail_subsystems.count,
+                    galerkin_is_second_order(equations),
+                    galerkin_count_input_and_constant_rows(equations->system->field_values), nodes->lane_count);
     emit_text_lines(text, tvi_embedded_galerkin);
     emit_passes_rule(text, rule);
-    field->form->emit(text, field);
-    emit_text_lines(text, field->form->text);
-    jet_text_append(text, "static const galerkin_code tvi_loops = {galerkin_make_generated_steps};\n");
+    equations->form->emit(text, equations);
+    emit_text_lines(text, equations->form->text);
+    jet_text_append(text, "static const galerkin_generated_code tvi_loops = {galerkin_make_generated_steps};\n");
 }

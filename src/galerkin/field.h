@@ -13,9 +13,9 @@
 
 typedef struct galerkin_field_form galerkin_field_form;
 
-/* The data with which the field is evaluated at the nodes. The unknowns are the positions Q at the nodes for a
- * separable system, and positions and momenta (Q, P) otherwise. Their rates are the forces F, with Q'' = F, or the
- * velocities and forces (V, F). */
+/* The equations of a step at its nodes, with all that evaluates them: the field, the nodes and tables. The unknowns are
+ * the positions Q at the nodes for a separable system, and positions and momenta (Q, P) otherwise. Their rates are the
+ * forces F, with Q'' = F, or the velocities and forces (V, F). */
 typedef struct {
     const tvi_system *system;
     const galerkin_field_form *form;
@@ -24,7 +24,7 @@ typedef struct {
     galerkin_nodes nodes;
     /* The number of rows of nodes.values that a pass reads. While roundoff is measured, a copy of these rows is
      * kept. */
-    int pass_input_row_count;
+    int node_value_row_count_read_by_pass;
     /* The step size h for which the weights and scales of the nodes were computed; 0 before the first step. */
     double step_size;
     double *node_weight; /* [lanes] the quadrature weights b_j; 0 for lanes that repeat the last node */
@@ -39,29 +39,29 @@ typedef struct {
     double *impulse_matrix;
     /* [j][i] The factor of the impulse of node j in the predicted quantity at node i. The predicted quantity is the
      * unknown in the fixed-point form, and h times the rate of the unknown in the other forms. */
-    double *impulse_to_predicted_matrix;
-    /* The displacements that are added to the outputs of the field's tape while roundoff is measured; NULL
+    double *impulse_to_predicted_unknown_or_rate_matrix;
+    /* The roundoff that is added to the outputs of the field's tape while the roundoff of a pass is measured; NULL
      * otherwise. */
-    tvi_roundoff_estimator *output_displacements;
-    /* The data of the field's form: lagrangian_work or hamiltonian_work, or NULL for the fixed-point form. The first
-     * member of both structures is the data of the passes. */
+    tvi_roundoff_estimator *tape_output_roundoff_to_add;
+    /* The memory of the form: lagrangian_work or hamiltonian_work, or NULL for the fixed-point form. The first member
+     * of both structures is the context of the passes. */
     void *form_work;
-} galerkin_field;
+} galerkin_equations;
 
 struct galerkin_field_form {
-    void (*allocate)(galerkin_field *field, tvi_arena *arena);
+    void (*allocate)(galerkin_equations *equations, tvi_arena *arena);
     /* Sets the index lists and tables of the form, after the coefficients of the nodes have been computed. */
-    void (*set_tables)(galerkin_field *field);
+    void (*set_tables)(galerkin_equations *equations);
     /* Predicts the unknowns of all nodes from the rates at the start of the step. */
-    tvi_status (*predict_from_start)(galerkin_field *field, const tvi_step_origin *origin);
+    tvi_status (*predict_from_start)(galerkin_equations *equations, const tvi_step_origin *origin);
     /* Predicts the unknowns from the impulses of earlier steps and the factors in `extrapolation`, which contain
-     * impulse_to_predicted_matrix. NULL: the kernel `predict` predicts the unknowns. */
+     * impulse_to_predicted_unknown_or_rate_matrix. NULL: the kernel `predict` predicts the unknowns. */
     void (*predict)(void *form_work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. NULL: galerkin_make_pass evaluates the field and moves the unknowns by their
      * rates. */
-    tvi_status (*pass)(galerkin_field *field, double *movement, tvi_stats *stats);
+    tvi_status (*pass)(galerkin_equations *equations, double *movement, tvi_stats *stats);
     /* Writes the form's constants into generated code. */
-    void (*emit)(jet_text *text, const galerkin_field *field);
+    void (*emit)(jet_text *text, const galerkin_equations *equations);
     const char *const *text;
 };
 
@@ -75,66 +75,68 @@ extern const galerkin_field_form tvi_galerkin_form_fixed_point, tvi_galerkin_for
     tvi_galerkin_form_hamiltonian;
 
 /* Returns true if the equations are Q'' = F, and false if they are Q' = V and P' = F. */
-static inline bool galerkin_is_second_order(const galerkin_field *field)
+static inline bool galerkin_is_second_order(const galerkin_equations *equations)
 {
-    return field->system->form == TVI_SEPARABLE;
+    return equations->system->form == TVI_SEPARABLE;
 }
 
 /* Writes the steps of one system into generated code, after the sweeps of its tapes (emit.c). `rule` decides when the
  * passes of a step end. */
-void tvi_galerkin_emit_steps(jet_text *text, const galerkin_field *field, const tvi_stopping_rule *rule);
+void tvi_galerkin_emit_steps(jet_text *text, const galerkin_equations *equations, const tvi_stopping_rule *rule);
 /* Writes the definition of the array `static const int galerkin_NAME[]`, with a 0 after its last element. */
 void tvi_galerkin_emit_int_array(jet_text *text, const char *name, int count, const int value[]);
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
 /* Returns the number of rows at the start of a tape's block that a sweep reads and does not write: inputs and
  * constants. */
-static inline int galerkin_count_read_only_rows(const jet_tape *tape)
+static inline int galerkin_count_input_and_constant_rows(const jet_tape *tape)
 {
     return tape->input_count + tape->constant_count;
 }
 
-/* Adds the field's output_displacements to the outputs of a tape in its block. */
-void tvi_galerkin_displace_tape_outputs(const galerkin_field *field, const jet_tape *tape, double *block);
+/* Adds numbers of the size of tape_output_roundoff_to_add, with random signs, to the outputs of a tape in its block. */
+void tvi_galerkin_perturb_tape_outputs_by_roundoff(const galerkin_equations *equations, const jet_tape *tape,
+                                                   double *block);
 
 /* Evaluates the field's tape at the unknowns, which are its inputs. */
-static inline tvi_status galerkin_evaluate_field(galerkin_field *field)
+static inline tvi_status galerkin_evaluate_field(galerkin_equations *equations)
 {
-    const jet_tape *tape = field->system->field_values;
-    double *block = field->nodes.values;
-    if (!jet_sweep_values(tape, block, field->nodes.lane_count)) return TVI_EDOMAIN;
-    if (field->output_displacements) tvi_galerkin_displace_tape_outputs(field, tape, block);
+    const jet_tape *tape = equations->system->field_values;
+    double *block = equations->nodes.values;
+    if (!jet_sweep_values(tape, block, equations->nodes.lane_count)) return TVI_EDOMAIN;
+    if (equations->tape_output_roundoff_to_add) tvi_galerkin_perturb_tape_outputs_by_roundoff(equations, tape, block);
     return TVI_OK;
 }
 
 /* Moves the unknowns by their rates. Returns the movement: the sum of the squares of the relative changes of the
  * unknowns. */
-static inline double galerkin_move_unknowns_by_rates(const galerkin_field *field)
+static inline double galerkin_move_unknowns_by_rates(const galerkin_equations *equations)
 {
     double movement;
-    field->kernels->move(&field->nodes, field->impulse_matrix, field->nodes.values, field->rate_row_of_unknown,
-                         &movement);
+    equations->kernels->move(&equations->nodes, equations->impulse_matrix, equations->nodes.values,
+                             equations->rate_row_of_unknown, &movement);
     return movement;
 }
 
 /* Predicts the unknowns from the impulses of earlier steps. */
-static inline void galerkin_predict_unknowns(const galerkin_field *field, const galerkin_extrapolation *extrapolation)
+static inline void galerkin_predict_unknowns(const galerkin_equations *equations,
+                                             const galerkin_extrapolation *extrapolation)
 {
-    if (field->form->predict) field->form->predict(field->form_work, &field->nodes, extrapolation);
-    else field->kernels->predict(&field->nodes, extrapolation);
+    if (equations->form->predict) equations->form->predict(equations->form_work, &equations->nodes, extrapolation);
+    else equations->kernels->predict(&equations->nodes, extrapolation);
 }
 
 /* Makes a pass: evaluates the rates of the unknowns, moves the unknowns by their rates, and counts the pass. *movement
  * becomes the sum of the squares of the relative changes of the unknowns. */
-static inline tvi_status galerkin_make_pass(galerkin_field *field, double *movement, tvi_stats *stats)
+static inline tvi_status galerkin_make_pass(galerkin_equations *equations, double *movement, tvi_stats *stats)
 {
-    stats->force_evaluations += field->node_count;
-    if (field->form->pass) {
-        const tvi_status status = field->form->pass(field, movement, stats);
+    stats->force_evaluations += equations->node_count;
+    if (equations->form->pass) {
+        const tvi_status status = equations->form->pass(equations, movement, stats);
         if (status != TVI_OK) return status;
     } else {
-        if (galerkin_evaluate_field(field) != TVI_OK) return TVI_EDOMAIN;
-        *movement = galerkin_move_unknowns_by_rates(field);
+        if (galerkin_evaluate_field(equations) != TVI_OK) return TVI_EDOMAIN;
+        *movement = galerkin_move_unknowns_by_rates(equations);
     }
     stats->passes++;
     return isfinite(*movement) ? TVI_OK : TVI_ENONFINITE;

@@ -5,8 +5,7 @@
  *    q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
  * and for any other system, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h),
  *    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j.
- * Passes solve these equations. They begin with a prediction from earlier steps. The nodes are lanes of one sweep of
- * the field's tape. */
+ * Passes solve these equations. They begin with a prediction from earlier steps. The nodes are lanes of one sweep. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
@@ -46,9 +45,8 @@ static const galerkin_field_form *select_field_form(const tvi_system *system)
                                             : &tvi_galerkin_form_hamiltonian;
 }
 
-/* Returns the rule that ends the passes. If the second derivatives of a Hamiltonian K = g h (hamiltonian.c) are
- * computed without the term h g'', each pass reduces the error by a constant factor only. Such passes do not have the
- * rule of Newton's method. */
+/* Returns the rule that ends the passes. Without the term h g'' of the second derivatives of a Hamiltonian K = g h
+ * (hamiltonian.c), each pass reduces the error by a constant factor only: this is not Newton's method. */
 static const tvi_stopping_rule *select_passes_rule(const tvi_system *system)
 {
     return !system->hessian_values                                          ? &tvi_galerkin_fixed_point
@@ -56,9 +54,8 @@ static const tvi_stopping_rule *select_passes_rule(const tvi_system *system)
                                                                             : &tvi_galerkin_quasi_newton;
 }
 
-/* Counts how many of the last coordinates are cyclic: H does not depend on them. An example is the time of a
- * rescaled system whose forces do not depend on it. The momentum of a cyclic coordinate is constant, and the
- * coordinate follows from a quadrature, so that passes need not move them. */
+/* Counts how many of the last coordinates are cyclic: H does not depend on them, as on the time of many rescaled
+ * systems. The momentum is constant, and the coordinate follows from a quadrature: passes need not move them. */
 static int count_trailing_cyclic_coordinates(const tvi_system *system)
 {
     const int *force = system->field_values->output_slot;
@@ -69,19 +66,20 @@ static int count_trailing_cyclic_coordinates(const tvi_system *system)
     return count;
 }
 
-static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_system *system, int node_count)
+static void allocate_equations(galerkin_equations *equations, tvi_arena *arena, const tvi_system *system,
+                               int node_count)
 {
-    galerkin_nodes *nodes = &field->nodes;
-    field->system = system;
-    field->node_count = node_count;
+    galerkin_nodes *nodes = &equations->nodes;
+    equations->system = system;
+    equations->node_count = node_count;
     const int lanes_needed = choose_lane_count(node_count);
-    field->kernels = kernel_tables[system->field_values->sweeps->isa][find_kernel_table_index(lanes_needed)];
-    field->form = select_field_form(system);
+    equations->kernels = kernel_tables[system->field_values->sweeps->isa][find_kernel_table_index(lanes_needed)];
+    equations->form = select_field_form(system);
     nodes->unknown_count = system->input_count;
     nodes->lane_count = lanes_needed;
     nodes->node_count = node_count;
     nodes->member_count = 1;
-    nodes->unknown_count_per_half = system->n;
+    nodes->coordinate_unknown_count = system->n;
     nodes->subsystems = system->subsystems;
     const int cyclic = count_trailing_cyclic_coordinates(system);
     nodes->moving_unknown_count = cyclic > 0 ? system->n - cyclic : nodes->unknown_count;
@@ -90,15 +88,15 @@ static void allocate_field(galerkin_field *field, tvi_arena *arena, const tvi_sy
     nodes->drift_values_low = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     nodes->impulse_weight = tvi_arena_allocate_doubles(arena, lanes);
     nodes->start_values = tvi_arena_allocate_doubles(arena, unknowns);
-    nodes->impulse_scale = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->unknown_change_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, unknowns);
-    nodes->momentum_per_unit_drift = tvi_arena_allocate_doubles(arena, (size_t)system->n);
-    field->rate_row_of_unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
-    field->rate_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
+    nodes->momentum_per_coordinate_drift_of_step = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    equations->rate_row_of_unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
+    equations->rate_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
 }
 
-static void allocate_tail_inputs(galerkin_rate_tail_data *inputs, tvi_arena *arena, const tvi_system *system,
-                                 double *impulse_scale)
+static void allocate_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system,
+                                 double *unknown_change_per_impulse)
 {
     galerkin_impulse_sums *sums = &inputs->impulse_sums_over_nodes;
     double **const vectors[] = {&sums->rate_integral,    &sums->rate_double_integral, &sums->last_term,
@@ -108,9 +106,9 @@ static void allocate_tail_inputs(galerkin_rate_tail_data *inputs, tvi_arena *are
     inputs->is_separable = system->form == TVI_SEPARABLE;
     inputs->has_masses = system->has_tail_shares_without_momenta;
     inputs->subsystems = system->tail_subsystems;
-    inputs->impulse_scale = impulse_scale;
-    inputs->inverse_impulse_scale = tvi_arena_allocate_doubles(arena, (size_t)system->n);
-    inputs->component_motion_share = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    inputs->unknown_change_per_impulse = unknown_change_per_impulse;
+    inputs->inverse_unknown_change_per_impulse = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    inputs->component_share_of_subsystem_motion = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     inputs->component_tail_ratio = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
@@ -118,20 +116,20 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 {
     galerkin_stepper *taken = tvi_arena_allocate(arena, sizeof *taken);
     galerkin_stepper stepper = {.options = options, .n = system->n};
-    allocate_field(&stepper.field, arena, system, options->degree);
-    const int unknowns = stepper.field.nodes.unknown_count, lanes = stepper.field.nodes.lane_count;
-    tvi_galerkin_allocate_coefficients(&stepper.coefficients, arena, stepper.field.node_count, lanes);
-    stepper.field.node_weight = stepper.coefficients.node_weight;
-    stepper.field.impulse_matrix = stepper.coefficients.impulse_matrix;
-    tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.field);
-    tvi_galerkin_allocate_node_polynomials(&stepper.node_polynomials, arena, stepper.field.node_count, lanes,
+    allocate_equations(&stepper.equations, arena, system, options->degree);
+    const int unknowns = stepper.equations.nodes.unknown_count, lanes = stepper.equations.nodes.lane_count;
+    tvi_galerkin_allocate_coefficients(&stepper.coefficients, arena, stepper.equations.node_count, lanes);
+    stepper.equations.node_weight = stepper.coefficients.node_weight;
+    stepper.equations.impulse_matrix = stepper.coefficients.impulse_matrix;
+    tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.equations);
+    tvi_galerkin_allocate_node_polynomials(&stepper.node_polynomials, arena, stepper.equations.node_count, lanes,
                                            system->field_values->sweeps);
-    stepper.step_data.drift = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
-    stepper.step_data.drift_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    stepper.step_inputs.coordinate_drift_over_step = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
+    stepper.step_inputs.coordinate_drift_over_step_low = tvi_arena_allocate_doubles(arena, (size_t)unknowns);
     stepper.increment_per_impulse = tvi_arena_allocate_doubles(arena, 2 * (size_t)stepper.n);
-    allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.field.nodes.impulse_scale);
-    stepper.field.form->allocate(&stepper.field, arena);
-    tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.field);
+    allocate_tail_inputs(&stepper.tail_inputs, arena, system, stepper.equations.nodes.unknown_change_per_impulse);
+    stepper.equations.form->allocate(&stepper.equations, arena);
+    tvi_galerkin_allocate_probe(&stepper.probe, arena, &stepper.equations);
     if (taken) *taken = stepper;
     return taken;
 }
@@ -140,51 +138,54 @@ static void set_tables_of_stepper(void *work)
 {
     galerkin_stepper *stepper = work;
     tvi_galerkin_compute_coefficients(&stepper->coefficients, &stepper->node_polynomials,
-                                      galerkin_is_second_order(&stepper->field));
-    stepper->field.form->set_tables(&stepper->field);
-    const int numbers = stepper->field.nodes.unknown_count * stepper->field.nodes.lane_count;
-    tvi_galerkin_set_predictor_tables(&stepper->predictor, &stepper->coefficients, &stepper->field);
-    stepper->tail_inputs.inverse_outermost_weight = stepper->coefficients.inverse_outermost_weight;
+                                      galerkin_is_second_order(&stepper->equations));
+    stepper->equations.form->set_tables(&stepper->equations);
+    const int numbers = stepper->equations.nodes.unknown_count * stepper->equations.nodes.lane_count;
+    tvi_galerkin_set_predictor_tables(&stepper->predictor, &stepper->coefficients, &stepper->equations);
+    stepper->tail_inputs.inverse_weight_of_end_nodes = stepper->coefficients.inverse_weight_of_end_nodes;
     stepper->passes_rule =
-        tvi_galerkin_scale_passes_rule(select_passes_rule(stepper->field.system), numbers, stepper->options);
+        tvi_galerkin_scale_passes_rule(select_passes_rule(stepper->equations.system), numbers, stepper->options);
     const bool iterates = stepper->options->passes != TVI_PREDICT_ONLY;
-    stepper->generated_code = stepper->field.system->code && iterates ? stepper->field.system->code->galerkin : NULL;
-    stepper->step_data = (galerkin_step_data){.kernels = stepper->field.kernels,
-                                              .nodes = &stepper->field.nodes,
-                                              .tail_inputs = &stepper->tail_inputs,
-                                              .impulse_sum_weights = &stepper->coefficients.impulse_sum_weights,
-                                              .passes_rule = &stepper->passes_rule,
-                                              .impulse_matrix = stepper->field.impulse_matrix,
-                                              .node_abscissa = stepper->coefficients.node_abscissa,
-                                              .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
-                                              .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
-                                              .max_first_movement_square = stepper->predictor.max_first_movement_square,
-                                              .impulse_ring = stepper->predictor.impulse_ring,
-                                              .drift = stepper->step_data.drift,
-                                              .drift_low = stepper->step_data.drift_low,
-                                              .form_work = stepper->field.form_work};
+    stepper->generated_code =
+        stepper->equations.system->code && iterates ? stepper->equations.system->code->galerkin : NULL;
+    stepper->step_inputs = (galerkin_step_inputs){
+        .kernels = stepper->equations.kernels,
+        .nodes = &stepper->equations.nodes,
+        .tail_inputs = &stepper->tail_inputs,
+        .impulse_sum_weights = &stepper->coefficients.impulse_sum_weights,
+        .passes_rule = &stepper->passes_rule,
+        .impulse_matrix = stepper->equations.impulse_matrix,
+        .node_abscissa = stepper->coefficients.node_abscissa,
+        .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
+        .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
+        .first_movement_square_limit_for_two_steps = stepper->predictor.first_movement_square_limit_for_two_steps,
+        .impulse_ring = stepper->predictor.impulse_ring,
+        .coordinate_drift_over_step = stepper->step_inputs.coordinate_drift_over_step,
+        .coordinate_drift_over_step_low = stepper->step_inputs.coordinate_drift_over_step_low,
+        .form_work = stepper->equations.form_work};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
 {
-    const galerkin_nodes *nodes = &stepper->field.nodes;
-    if (h == stepper->field.step_size) return;
-    stepper->field.step_size = h;
-    for (int i = 0; i < nodes->lane_count; i++) nodes->impulse_weight[i] = h * stepper->field.node_weight[i];
-    for (int u = 0; u < nodes->unknown_count; u++) stepper->field.rate_per_impulse[u] = 1 / h;
+    const galerkin_nodes *nodes = &stepper->equations.nodes;
+    if (h == stepper->equations.step_size) return;
+    stepper->equations.step_size = h;
+    for (int i = 0; i < nodes->lane_count; i++) nodes->impulse_weight[i] = h * stepper->equations.node_weight[i];
+    for (int u = 0; u < nodes->unknown_count; u++) stepper->equations.rate_per_impulse[u] = 1 / h;
     for (int u = 0; u < nodes->unknown_count; u++)
-        nodes->impulse_scale[u] = galerkin_is_second_order(&stepper->field) ? h / stepper->field.system->mass[u]
-                                  : u < stepper->n || stepper->field.system->form == TVI_LAGRANGIAN ? 1
-                                                                                                    : -1;
+        nodes->unknown_change_per_impulse[u] =
+            galerkin_is_second_order(&stepper->equations) ? h / stepper->equations.system->mass[u]
+            : u < stepper->n || stepper->equations.system->form == TVI_LAGRANGIAN ? 1
+                                                                                  : -1;
     for (int i = 0; i < stepper->n; i++) {
-        stepper->increment_per_impulse[i] = nodes->impulse_scale[i];
-        stepper->tail_inputs.inverse_impulse_scale[i] = 1 / fabs(nodes->impulse_scale[i]);
-        nodes->momentum_per_unit_drift[i] =
-            stepper->field.system->has_masses ? stepper->field.system->mass[i] / fabs(h) : INFINITY;
+        stepper->increment_per_impulse[i] = nodes->unknown_change_per_impulse[i];
+        stepper->tail_inputs.inverse_unknown_change_per_impulse[i] = 1 / fabs(nodes->unknown_change_per_impulse[i]);
+        nodes->momentum_per_coordinate_drift_of_step[i] =
+            stepper->equations.system->has_masses ? stepper->equations.system->mass[i] / fabs(h) : INFINITY;
         stepper->increment_per_impulse[stepper->n + i] =
-            galerkin_is_second_order(&stepper->field) ? 1 : nodes->impulse_scale[stepper->n + i];
+            galerkin_is_second_order(&stepper->equations) ? 1 : nodes->unknown_change_per_impulse[stepper->n + i];
     }
 }
 
@@ -192,40 +193,40 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
 static void set_node_times(galerkin_stepper *stepper, const tvi_step_origin *origin, double h)
 {
     double t[MAX_LANES];
-    if (!stepper->field.system->uses_time) return;
-    for (int i = 0; i < stepper->field.nodes.lane_count; i++)
+    if (!stepper->equations.system->uses_time) return;
+    for (int i = 0; i < stepper->equations.nodes.lane_count; i++)
         t[i] = origin->t + (origin->t_low + h * stepper->coefficients.node_abscissa[i]);
-    tvi_system_write_time(stepper->field.system, stepper->field.tape_block, stepper->field.nodes.lane_count, t);
+    tvi_system_write_time(stepper->equations.system, stepper->equations.tape_block, stepper->equations.nodes.lane_count,
+                          t);
 }
 
-/* Predicts the unknowns of a step that has no earlier step of the same size. If elapsed_fraction is not NULL, the last
- * step is extrapolated, and the new step begins at the fraction *elapsed_fraction of the last step. If elapsed_fraction
- * is NULL, the prediction uses the field at the start of the step. */
+/* Predicts the unknowns of a step that has no earlier step of the same size: extrapolates the last step, of which the
+ * new step begins at the fraction *elapsed_fraction, or uses the field at the start if elapsed_fraction is NULL. */
 static tvi_status predict_first_step(galerkin_stepper *stepper, const tvi_step_origin *origin,
                                      const double *elapsed_fraction, tvi_stats *stats)
 {
-    galerkin_field *field = &stepper->field;
-    field->nodes.impulses = galerkin_find_impulses_of_step(&stepper->predictor, 1);
-    galerkin_set_drift_values(&stepper->step_data, &field->nodes, origin);
+    galerkin_equations *equations = &stepper->equations;
+    equations->nodes.impulses = galerkin_find_impulses_of_step(&stepper->predictor, 1);
+    galerkin_set_drift_values(&stepper->step_inputs, &equations->nodes, origin);
     if (elapsed_fraction) {
         tvi_galerkin_predict_from_last_step(&stepper->predictor, &stepper->coefficients, &stepper->node_polynomials,
-                                            field, *elapsed_fraction);
+                                            equations, *elapsed_fraction);
         return TVI_OK;
     }
     set_node_times(stepper, origin, 0);
     stats->force_evaluations++;
-    return field->form->predict_from_start(field, origin);
+    return equations->form->predict_from_start(equations, origin);
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* The data of the passes of a step that the library makes without generated code. */
+/* The context of the passes of a step that the library makes without generated code. */
 typedef struct {
     galerkin_stepper *stepper;
     const tvi_step_origin *origin;
     /* The counts of all evaluations and passes, and a copy of them from the end of the last completed step. */
-    tvi_stats *stats, completed_stats;
-} library_pass_work;
+    tvi_stats *stats, stats_of_completed_steps;
+} pass_context_without_generated_code;
 
 /* Makes the next pass of a step. If the movements of passes no longer shrink, also measures their roundoff, provided
  * that the movement is as small as roundoff or that the nodes are near the start of the step. Otherwise the step is too
@@ -233,51 +234,51 @@ typedef struct {
 JET_INLINE tvi_status make_pass_without_generated_code(void *work, const galerkin_nodes *nodes, double *movement,
                                                        double *roundoff)
 {
-    const library_pass_work *step = work;
-    galerkin_field *field = &step->stepper->field;
+    const pass_context_without_generated_code *step = work;
+    galerkin_equations *equations = &step->stepper->equations;
     (void)nodes;
     if (roundoff && (*movement <= step->stepper->passes_rule.roundoff_level ||
-                     tvi_galerkin_are_nodes_near_start(field, step->origin)))
-        return tvi_galerkin_measure_roundoff(field, &step->stepper->probe, movement, roundoff, step->stats);
-    return galerkin_make_pass(field, movement, step->stats);
+                     tvi_galerkin_are_nodes_near_start(equations, step->origin)))
+        return tvi_galerkin_measure_roundoff(equations, &step->stepper->probe, movement, roundoff, step->stats);
+    return galerkin_make_pass(equations, movement, step->stats);
 }
 
 JET_INLINE void predict_unknowns_without_generated_code(void *work, const galerkin_nodes *nodes,
                                                         const galerkin_extrapolation *extrapolation)
 {
-    const library_pass_work *step = work;
+    const pass_context_without_generated_code *step = work;
     (void)nodes;
-    galerkin_predict_unknowns(&step->stepper->field, extrapolation);
+    galerkin_predict_unknowns(&step->stepper->equations, extrapolation);
 }
 
-static void save_stats_of_completed_steps(void *work)
+static void keep_stats_to_exclude_later_failed_step(void *work)
 {
-    library_pass_work *step = work;
-    step->completed_stats = *step->stats;
+    pass_context_without_generated_code *step = work;
+    step->stats_of_completed_steps = *step->stats;
 }
 
 static void make_steps_without_generated_code(galerkin_stepper *stepper, const tvi_run_request *run,
                                               const tvi_step_origin *origin, const tvi_run_state *state,
                                               galerkin_steps_outcome *outcome, tvi_stats *stats)
 {
-    library_pass_work step = {.stepper = stepper, .origin = origin, .stats = stats};
-    galerkin_make_steps(&stepper->step_data, &stepper->field.nodes,
+    pass_context_without_generated_code step = {.stepper = stepper, .origin = origin, .stats = stats};
+    galerkin_make_steps(&stepper->step_inputs, &stepper->equations.nodes,
                         &(galerkin_pass_functions){make_pass_without_generated_code,
                                                    predict_unknowns_without_generated_code,
-                                                   save_stats_of_completed_steps, &step},
+                                                   keep_stats_to_exclude_later_failed_step, &step},
                         run, origin, state, outcome);
-    if (outcome->step_count > 0) *stats = step.completed_stats;
+    if (outcome->step_count > 0) *stats = step.stats_of_completed_steps;
 }
 
 static void make_steps_by_generated_code(galerkin_stepper *stepper, const tvi_run_request *run,
                                          const tvi_step_origin *origin, const tvi_run_state *state,
                                          galerkin_steps_outcome *outcome, tvi_stats *stats)
 {
-    stepper->generated_code->steps(&stepper->step_data, run, origin, state, outcome);
+    stepper->generated_code->steps(&stepper->step_inputs, run, origin, state, outcome);
     const long passes = outcome->pass_count + (outcome->step_count < 1 ? outcome->pass_count_of_failed_step : 0);
     stats->passes += passes;
-    stats->force_evaluations += passes * stepper->field.node_count;
-    stats->factorisations += outcome->inversion_pass_count * stepper->field.node_count;
+    stats->force_evaluations += passes * stepper->equations.node_count;
+    stats->factorisations += outcome->inversion_pass_count * stepper->equations.node_count;
 }
 
 typedef void step_maker(galerkin_stepper *stepper, const tvi_run_request *run, const tvi_step_origin *origin,
@@ -298,8 +299,8 @@ static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, 
     tvi_galerkin_set_step_size(stepper, h);
     if (h == history->last_step_size) outcome.convergence = history->convergence;
     if (can_use_earlier_steps)
-        outcome.is_first_step_extrapolated =
-            tvi_galerkin_can_predict_from_last_step(&stepper->predictor, &stepper->field, origin->t, &elapsed_fraction);
+        outcome.is_first_step_extrapolated = tvi_galerkin_can_predict_from_last_step(
+            &stepper->predictor, &stepper->equations, origin->t, &elapsed_fraction);
     if (outcome.is_first_step_extrapolated && elapsed_fraction == 1 && h == history->last_step_size)
         outcome.equal_step_count = h == history->previous_step_size ? 2 : 1;
     if (outcome.equal_step_count == 0)
@@ -319,8 +320,7 @@ static galerkin_steps_outcome predict_and_make_steps(galerkin_stepper *stepper, 
     return outcome;
 }
 
-/* Makes a step, predicted from earlier steps. If the passes do not converge, makes the step again, predicted from the
- * state at its start alone. */
+/* Makes a step, predicted from earlier steps, and if the passes do not converge, again, predicted from its start. */
 static tvi_status make_single_step(void *work, double h, const tvi_step_origin *origin,
                                    const tvi_increments *increments, tvi_stats *stats)
 {
@@ -345,7 +345,7 @@ static long make_steps_of_run(void *work, const tvi_run_request *run, const tvi_
     const tvi_step_origin origin = {state->q[stepper->n], state->q_low[stepper->n], state->q, state->q_low, state->p,
                                     state->p_low};
     tvi_stats counted = *stats;
-    if (stepper->passes_rule.max_passes < 1 || stepper->field.system->uses_time) return 0;
+    if (stepper->passes_rule.max_passes < 1 || stepper->equations.system->uses_time) return 0;
     const galerkin_steps_outcome outcome = predict_and_make_steps(
         stepper, stepper->generated_code ? make_steps_by_generated_code : make_steps_without_generated_code, true, run,
         &origin, state, &counted);
@@ -366,7 +366,7 @@ static void emit_generated_steps(jet_text *text, const tvi_system *system, const
     text->is_incomplete |= !stepper;
     if (!stepper) return;
     set_tables_of_stepper(stepper);
-    tvi_galerkin_emit_steps(text, &stepper->field, &stepper->passes_rule);
+    tvi_galerkin_emit_steps(text, &stepper->equations, &stepper->passes_rule);
     free(memory);
 }
 

@@ -12,15 +12,15 @@ JET_INLINE galerkin_nodes galerkin_copy_nodes_with_constant_sizes(const galerkin
     sized.node_count = GALERKIN_NODE_COUNT;
     sized.member_count = 1;
     sized.unknown_count = GALERKIN_UNKNOWNS;
-    sized.unknown_count_per_half = GALERKIN_N;
+    sized.coordinate_unknown_count = GALERKIN_N;
     sized.moving_unknown_count = GALERKIN_MOVING_UNKNOWNS;
     sized.subsystems.count = GALERKIN_SUBSYSTEMS;
     return sized;
 }
 
-JET_INLINE galerkin_rate_tail_data galerkin_copy_tail_inputs_with_constant_sizes(const galerkin_rate_tail_data *inputs)
+JET_INLINE galerkin_tail_inputs galerkin_copy_tail_inputs_with_constant_sizes(const galerkin_tail_inputs *inputs)
 {
-    galerkin_rate_tail_data sized = *inputs;
+    galerkin_tail_inputs sized = *inputs;
     sized.n = GALERKIN_N;
     sized.is_separable = GALERKIN_IS_SEPARABLE;
     sized.subsystems.count = GALERKIN_TAIL_SUBSYSTEMS;

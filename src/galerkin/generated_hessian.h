@@ -7,9 +7,9 @@
 
 #include "galerkin/generated.h"
 
-JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
+JET_INLINE bool galerkin_sweep_generated_tape(const galerkin_derivative_tapes *tapes, bool with_hessian)
 {
-    return with_hessian ? GALERKIN_HESSIAN_VALUES(blocks->hessian_block) : GALERKIN_VALUES(blocks->gradient_block);
+    return with_hessian ? GALERKIN_HESSIAN_VALUES(tapes->hessian_block) : GALERKIN_VALUES(tapes->gradient_block);
 }
 
 /* The lengths of the local copies of gradient_block, of hessian_block and of the rows of nodes->values. If the blocks
@@ -24,25 +24,26 @@ typedef struct {
     _Alignas(64) double gradient_block[GALERKIN_VALUES_LENGTH];
     _Alignas(64) double hessian_block[GALERKIN_HESSIAN_LENGTH];
     _Alignas(64) double node_values[GALERKIN_ROWS_LENGTH];
-} galerkin_block_copies;
+} galerkin_stack_copies_of_tape_blocks;
 
-/* Returns the blocks with constant sizes. If local copies are short enough, they replace the blocks and nodes->values.
- * The rows that a tape reads and does not set are then copied into them. */
-JET_INLINE galerkin_tape_blocks galerkin_make_local_blocks(const galerkin_tape_blocks *blocks, galerkin_nodes *nodes,
-                                                           galerkin_block_copies *copies)
+/* Returns the tapes with constant sizes. If copies on the stack are short enough, they replace the blocks and
+ * nodes->values. The rows that a tape reads and does not set are then copied into them. */
+JET_INLINE galerkin_derivative_tapes galerkin_copy_tapes_to_stack_if_small(
+    const galerkin_derivative_tapes *tapes, galerkin_nodes *nodes, galerkin_stack_copies_of_tape_blocks *stack_copies)
 {
-    galerkin_tape_blocks local_blocks = *blocks;
-    local_blocks.n = GALERKIN_N;
-    local_blocks.lane_count = GALERKIN_LANES;
-    local_blocks.input_count = GALERKIN_INPUTS;
-    if (!GALERKIN_HAS_LOCAL_BLOCKS) return local_blocks;
-    galerkin_copy_rows(copies->gradient_block, blocks->gradient_block, 2 * GALERKIN_N, GALERKIN_READ_ONLY_ROWS);
-    galerkin_copy_rows(copies->hessian_block, blocks->hessian_block, GALERKIN_INPUTS, GALERKIN_HESSIAN_READ_ONLY_ROWS);
-    galerkin_copy_rows(copies->hessian_block, blocks->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
-    local_blocks.gradient_block = copies->gradient_block;
-    local_blocks.hessian_block = copies->hessian_block;
-    nodes->values = copies->node_values;
-    return local_blocks;
+    galerkin_derivative_tapes stack_tapes = *tapes;
+    stack_tapes.coordinate_count = GALERKIN_N;
+    stack_tapes.lane_count = GALERKIN_LANES;
+    stack_tapes.input_count = GALERKIN_INPUTS;
+    if (!GALERKIN_HAS_LOCAL_BLOCKS) return stack_tapes;
+    galerkin_copy_rows(stack_copies->gradient_block, tapes->gradient_block, 2 * GALERKIN_N, GALERKIN_READ_ONLY_ROWS);
+    galerkin_copy_rows(stack_copies->hessian_block, tapes->hessian_block, GALERKIN_INPUTS,
+                       GALERKIN_HESSIAN_READ_ONLY_ROWS);
+    galerkin_copy_rows(stack_copies->hessian_block, tapes->hessian_block, tvi_hessian_slots, tvi_hessian_slots + 1);
+    stack_tapes.gradient_block = stack_copies->gradient_block;
+    stack_tapes.hessian_block = stack_copies->hessian_block;
+    nodes->values = stack_copies->node_values;
+    return stack_tapes;
 }
 
 #endif

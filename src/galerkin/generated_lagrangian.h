@@ -10,57 +10,58 @@
 JET_INLINE tvi_status galerkin_make_lagrangian_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                     double *roundoff)
 {
-    lagrangian_passes *passes = work;
+    lagrangian_pass_context *context = work;
     (void)nodes;
-    if (roundoff || lagrangian_make_pass(passes, galerkin_sweep_generated_tape) != LAGRANGIAN_PASSED)
+    if (roundoff || lagrangian_make_pass(context, galerkin_sweep_generated_tape) != LAGRANGIAN_PASSED)
         return TVI_ENOCONV;
-    *movement = passes->last_pass_movement_square;
+    *movement = context->last_pass_movement_square;
     return TVI_OK;
 }
 
-static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
+static void galerkin_make_generated_steps(const galerkin_step_inputs *step_inputs, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_steps_outcome *outcome)
 {
     enum { N = GALERKIN_N, ALL = GALERKIN_HAS_LOCAL_BLOCKS ? N * GALERKIN_LANES : 1 };
-    galerkin_block_copies own;
+    galerkin_stack_copies_of_tape_blocks own;
     _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], movement[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], x[ALL];
-    const galerkin_rate_tail_data inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
-    galerkin_step_data local_data = *step_data;
-    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
-    lagrangian_passes passes = *(const lagrangian_passes *)step_data->form_work;
-    local_data.tail_inputs = &inputs;
-    passes.inversion_count = 0;
-    passes.nodes = &nodes;
-    passes.tape_blocks = galerkin_make_local_blocks(&passes.tape_blocks, &nodes, &own);
+    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_inputs->tail_inputs);
+    galerkin_step_inputs local_inputs = *step_inputs;
+    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_inputs->nodes);
+    lagrangian_pass_context context = *(const lagrangian_pass_context *)step_inputs->form_work;
+    local_inputs.tail_inputs = &inputs;
+    context.inversion_count = 0;
+    context.nodes = &nodes;
+    context.derivative_tapes = galerkin_copy_tapes_to_stack_if_small(&context.derivative_tapes, &nodes, &own);
     if (GALERKIN_HAS_LOCAL_BLOCKS)
-        galerkin_copy_rows(own.node_values, step_data->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
-    passes.rate_nodes = galerkin_copy_nodes_with_constant_sizes(&passes.rate_nodes);
-    passes.rate_nodes.values = nodes.values + 2 * N * GALERKIN_LANES;
-    passes.rate_row_of_unknown = galerkin_rate_row_of_unknown;
-    passes.gradient_slot[false] = galerkin_value_slot;
-    passes.gradient_slot[true] = galerkin_hessian_slot;
-    passes.gradient_expansion.n = passes.velocity_hessian_inverse.n = N;
-    passes.gradient_expansion.lane_count = GALERKIN_LANES;
-    passes.gradient_expansion.hessian_block = passes.tape_blocks.hessian_block;
-    passes.gradient_expansion.hessian_element = galerkin_hessian_element;
-    passes.gradient_expansion.row_end = galerkin_row_end;
+        galerkin_copy_rows(own.node_values, step_inputs->nodes->values, 0, outcome->equal_step_count > 0 ? 0 : 3 * N);
+    context.nodes_with_rates_as_unknowns =
+        galerkin_copy_nodes_with_constant_sizes(&context.nodes_with_rates_as_unknowns);
+    context.nodes_with_rates_as_unknowns.values = nodes.values + 2 * N * GALERKIN_LANES;
+    context.rate_row_of_unknown = galerkin_rate_row_of_unknown;
+    context.tape_slot_of_gradient_component[false] = galerkin_value_slot;
+    context.tape_slot_of_gradient_component[true] = galerkin_hessian_slot;
+    context.gradient_expansion.n = context.velocity_hessian_inverse.n = N;
+    context.gradient_expansion.lane_count = GALERKIN_LANES;
+    context.gradient_expansion.hessian_block = context.derivative_tapes.hessian_block;
+    context.gradient_expansion.hessian_element = galerkin_hessian_element;
+    context.gradient_expansion.row_end = galerkin_row_end;
     if (GALERKIN_HAS_LOCAL_BLOCKS) {
-        galerkin_copy_rows(displacements, passes.coordinate_minus_drift, 0, outcome->equal_step_count > 0 ? 0 : N);
-        passes.coordinate_minus_drift = displacements;
-        passes.drift_minus_centre[0] = rise;
-        passes.drift_minus_centre[1] = rise + ALL;
-        passes.gradient_expansion.gradient_at_centre = passes.gradient_at_centre = gradient;
-        passes.gradient_expansion.displacement = movement;
-        passes.velocity_hessian_inverse.matrix = lu;
-        passes.velocity_hessian_inverse.inverse = inverse;
-        passes.velocity_hessian_inverse.scratch_column = x;
+        galerkin_copy_rows(displacements, context.q_minus_start_q, 0, outcome->equal_step_count > 0 ? 0 : N);
+        context.q_minus_start_q = displacements;
+        context.start_q_minus_expansion_point[0] = rise;
+        context.start_q_minus_expansion_point[1] = rise + ALL;
+        context.gradient_expansion.gradient_at_centre = context.gradient_at_centre = gradient;
+        context.gradient_expansion.displacement = movement;
+        context.velocity_hessian_inverse.matrix = lu;
+        context.velocity_hessian_inverse.inverse = inverse;
+        context.velocity_hessian_inverse.scratch_column = x;
     }
     const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, lagrangian_predict_unknowns, NULL,
-                                                    &passes};
-    galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
-    outcome->inversion_pass_count = passes.inversion_count;
+                                                    &context};
+    galerkin_make_steps(&local_inputs, &nodes, &pass_functions, run, origin, state, outcome);
+    outcome->inversion_pass_count = context.inversion_count;
 }
 
 #endif

@@ -11,7 +11,7 @@
 enum { GALERKIN_NODES_PER_REGISTER = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
 #define COPY_VECTOR(V, blocks) BLOCK_AT(V, destination, 0) = BLOCK_OF(V, source, 0);
-JET_INLINE void galerkin_copy_input_rows(double *destination, const double *source)
+JET_INLINE void galerkin_copy_tape_inputs_and_constants(double *destination, const double *source)
 {
     JET_UNROLL(256)
     for (int i = 0; i < GALERKIN_READ_ONLY_ROWS;
@@ -40,7 +40,7 @@ JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
     }
     for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_NODES_PER_REGISTER) {
         _Alignas(64) double block[tvi_values_slots * GALERKIN_NODES_PER_REGISTER];
-        galerkin_copy_input_rows(block, nodes->values + first);
+        galerkin_copy_tape_inputs_and_constants(block, nodes->values + first);
         is_inside &= VALUES_OF(tvi_values, block, GALERKIN_NODES_PER_REGISTER);
         galerkin_store_impulses(nodes->impulses + first, nodes->impulse_weight + first, block);
     }
@@ -52,11 +52,11 @@ JET_INLINE bool galerkin_sweep_force_tape(const galerkin_nodes *nodes)
 JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_nodes *nodes, double *movement,
                                                      double *roundoff)
 {
-    const galerkin_step_data *step_data = work;
+    const galerkin_step_inputs *step_inputs = work;
     const galerkin_array_shape shape = {GALERKIN_NODE_COUNT, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
     if (!galerkin_sweep_force_tape(nodes)) return TVI_EDOMAIN;
-    *movement = NAME(move_unknowns)(nodes, step_data->impulse_matrix, NULL, shape, 0);
+    *movement = NAME(move_unknowns)(nodes, step_inputs->impulse_matrix, NULL, shape, 0);
     return TVI_OK;
 }
 
@@ -67,18 +67,18 @@ JET_INLINE void galerkin_predict_fixed_point_unknowns(void *work, const galerkin
     NAME(predict)(nodes, extrapolation);
 }
 
-static void galerkin_make_generated_steps(const galerkin_step_data *step_data, const tvi_run_request *run,
+static void galerkin_make_generated_steps(const galerkin_step_inputs *step_inputs, const tvi_run_request *run,
                                           const tvi_step_origin *origin, const tvi_run_state *state,
                                           galerkin_steps_outcome *outcome)
 {
-    const galerkin_rate_tail_data inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_data->tail_inputs);
-    galerkin_step_data local_data = *step_data;
-    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_data->nodes);
-    local_data.tail_inputs = &inputs;
-    local_data.passes_rule = &galerkin_rule;
+    const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_inputs->tail_inputs);
+    galerkin_step_inputs local_inputs = *step_inputs;
+    galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_inputs->nodes);
+    local_inputs.tail_inputs = &inputs;
+    local_inputs.passes_rule = &galerkin_rule;
     const galerkin_pass_functions pass_functions = {galerkin_make_fixed_point_pass,
-                                                    galerkin_predict_fixed_point_unknowns, NULL, &local_data};
-    galerkin_make_steps(&local_data, &nodes, &pass_functions, run, origin, state, outcome);
+                                                    galerkin_predict_fixed_point_unknowns, NULL, &local_inputs};
+    galerkin_make_steps(&local_inputs, &nodes, &pass_functions, run, origin, state, outcome);
 }
 
 #endif

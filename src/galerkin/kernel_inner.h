@@ -25,17 +25,17 @@ enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(
 
 /* Copies the second derivatives into packed_hessian, in single precision and relative to the sizes of the unknowns,
  * group by group. Element (row, column) is the change of the row's impulse by a change of the column's unknown.
- * impulse_scale is 1 or -1 here. */
+ * unknown_change_per_impulse is 1 or -1 here. */
 JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_inner_iterations *inner)
 {
     const int *index = inner->index_in_hessian_block;
     float *packed = inner->packed_hessian;
     for (int first = 0, group; first < inner->hessian_row_count; first += group) {
-        group = lanes_count_rows_in_group(inner, first);
+        group = lanes_count_rows_summed_in_parallel(inner, first);
         for (int column = 0; column < inner->hessian_column_count; column++, index += group, packed += group * LANES)
             for (int v = 0; v < NAME(vectors); v++) {
                 const V by_column =
-                    (nodes->impulse_scale[inner->unknown_of_row[column]] * inner->unknown_size[column]) *
+                    (nodes->unknown_change_per_impulse[inner->unknown_of_row[column]] * inner->unknown_size[column]) *
                     BLOCK_OF(V, nodes->impulse_weight, v);
                 for (int i = 0; i < group; i++) {
                     const V factor = inner->inverse_unknown_size[first + i] * by_column;
@@ -68,7 +68,7 @@ JET_INLINE void NAME(compute_impulses)(const lanes_inner_iterations *inner, cons
                                        float *out)
 {
     for (int first = 0; first < end_row; first += LANES_ROWS_PER_GROUP) {
-        const int group = lanes_count_rows_in_group(inner, first);
+        const int group = lanes_count_rows_summed_in_parallel(inner, first);
         if (group == LANES_ROWS_PER_GROUP) NAME(compute_group)(inner, change, first, LANES_ROWS_PER_GROUP, out);
         else NAME(compute_group)(inner, change, first, group, out);
     }

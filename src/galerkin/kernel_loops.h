@@ -13,9 +13,9 @@ KERNEL_FUNCTION void NAME(set_linear_drift_values)(const galerkin_nodes *nodes, 
     const int width = MEMBERS ? nodes->member_count : 1;
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
-            drift[at] = nodes->impulse_scale[u] * origin->p[at];
-            drift_low[at] =
-                fma(nodes->impulse_scale[u], origin->p[at], -drift[at]) + nodes->impulse_scale[u] * origin->p_low[at];
+            drift[at] = nodes->unknown_change_per_impulse[u] * origin->p[at];
+            drift_low[at] = fma(nodes->unknown_change_per_impulse[u], origin->p[at], -drift[at]) +
+                            nodes->unknown_change_per_impulse[u] * origin->p_low[at];
         }
     for (int u = 0; u < nodes->unknown_count; u++)
         EACH_VECTOR(NAME(set_linear_drift_of_unknown)(nodes, u, node_abscissa, origin, drift, drift_low, shape, here));
@@ -55,7 +55,7 @@ KERNEL_FUNCTION void NAME(compute_drifting_increments)(const galerkin_nodes *nod
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
             increments->dq[at] = galerkin_compute_coordinate_increment(
-                drift[at], drift_low[at], nodes->impulse_scale[u], sums->rate_double_integral[at],
+                drift[at], drift_low[at], nodes->unknown_change_per_impulse[u], sums->rate_double_integral[at],
                 sums->rate_double_integral_low[at], &increments->dq_low[at]);
             increments->dp[at] = sums->rate_integral[at];
             increments->dp_low[at] = sums->rate_integral_low[at];
@@ -68,33 +68,33 @@ KERNEL_FUNCTION void NAME(compute_increments)(const galerkin_nodes *nodes, const
     const int width = MEMBERS ? nodes->member_count : 1, half = n * width;
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            increments->dq[at] = nodes->impulse_scale[i] * sums->rate_integral[at];
-            increments->dq_low[at] = nodes->impulse_scale[i] * sums->rate_integral_low[at];
-            increments->dp[at] = nodes->impulse_scale[n + i] * sums->rate_integral[half + at];
-            increments->dp_low[at] = nodes->impulse_scale[n + i] * sums->rate_integral_low[half + at];
+            increments->dq[at] = nodes->unknown_change_per_impulse[i] * sums->rate_integral[at];
+            increments->dq_low[at] = nodes->unknown_change_per_impulse[i] * sums->rate_integral_low[at];
+            increments->dp[at] = nodes->unknown_change_per_impulse[n + i] * sums->rate_integral[half + at];
+            increments->dp_low[at] = nodes->unknown_change_per_impulse[n + i] * sums->rate_integral_low[half + at];
         }
 }
 
 /* Implements the kernel compute_tails. is_separable is a constant in each call, so that the loop over the components
  * has no branches. */
-JET_INLINE void NAME(compute_tails_of_form)(const galerkin_rate_tail_data *tail_inputs, bool is_separable, int width,
+JET_INLINE void NAME(compute_tails_of_form)(const galerkin_tail_inputs *tail_inputs, bool is_separable, int width,
                                             double tail[])
 {
-    galerkin_rate_tail_data inputs = *tail_inputs;
-    double *restrict share = inputs.component_motion_share, *restrict ratio = inputs.component_tail_ratio;
+    galerkin_tail_inputs inputs = *tail_inputs;
+    double *restrict share = inputs.component_share_of_subsystem_motion, *restrict ratio = inputs.component_tail_ratio;
     inputs.is_separable = is_separable;
     for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             const size_t momentum = (size_t)(is_separable ? at : at + inputs.n * width);
             const tvi_component_sizes_in_step component =
-                galerkin_make_tail_component(&inputs, i, (size_t)at, momentum);
+                galerkin_compute_component_sizes(&inputs, i, (size_t)at, momentum);
             share[at] = tvi_component_share_of_step_motion(&component, is_separable || inputs.has_masses);
             ratio[at] = tvi_largest_relative_last_series_term(&component);
         }
     tvi_compute_tails_of_ensemble_members(&inputs.subsystems, inputs.n, width, share, ratio, tail);
 }
 
-KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_rate_tail_data *inputs, int member_count, double tail[])
+KERNEL_FUNCTION void NAME(compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[])
 {
     const int width = MEMBERS ? member_count : 1;
     if (inputs->is_separable) NAME(compute_tails_of_form)(inputs, true, width, tail);
@@ -125,21 +125,22 @@ KERNEL_FUNCTION int NAME(judge_passes)(galerkin_batch_iteration *iteration, cons
         const V movement = *(const V *)(iteration->movement_square + m), infinite = INFINITY - (V){0},
                 slowest = *(V *)(iteration->largest_contraction_ratio + m);
         members_convergence_test passes = {.count = count - 1,
-                                           .size = *(V *)(iteration->correction + m),
-                                           .previous_size = *(V *)(iteration->previous_correction + m),
+                                           .size = *(V *)(iteration->last_judged_movement_square + m),
+                                           .previous_size = *(V *)(iteration->previous_judged_movement_square + m),
                                            .ratio = *(V *)(iteration->contraction_ratio + m),
                                            .slowest_ratio = slowest,
-                                           .size_without_roundoff = *(V *)(iteration->correction_without_roundoff + m),
+                                           .size_without_roundoff =
+                                               *(V *)(iteration->movement_square_without_roundoff + m),
                                            .contraction_ratio_growth = 1 - (V){0},
                                            .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
         const JET_MASK(jet_widest) may_end =
             members_add_correction_and_check_convergence(&passes, &rule, movement, &is_stuck),
                                    is_finite = movement < infinite;
-        *(V *)(iteration->correction + m) = passes.size;
-        *(V *)(iteration->previous_correction + m) = passes.previous_size;
+        *(V *)(iteration->last_judged_movement_square + m) = passes.size;
+        *(V *)(iteration->previous_judged_movement_square + m) = passes.previous_size;
         *(V *)(iteration->contraction_ratio + m) = passes.ratio;
-        *(V *)(iteration->correction_without_roundoff + m) = passes.size_without_roundoff;
+        *(V *)(iteration->movement_square_without_roundoff + m) = passes.size_without_roundoff;
         *(V *)(iteration->largest_contraction_ratio + m) = JET_CHOOSE(V, moves, passes.slowest_ratio, slowest);
         if (count == 1) *(V *)(iteration->first_movement_square + m) = movement;
         *(V *)(iteration->pass_count_as_double + m) =
@@ -164,8 +165,8 @@ KERNEL_FUNCTION double NAME(move_with_changes)(const galerkin_nodes *nodes, cons
                                                const double *changes, const int slot[])
 {
     for (int u = 0; u < nodes->unknown_count; u++)
-        set_impulses_with_changes(nodes->impulse_weight, rates + slot[u] * LANES, changes + u * LANES,
-                                  nodes->impulses + u * LANES, LANES);
+        set_impulses_to_weight_times_rate_plus_change(nodes->impulse_weight, rates + slot[u] * LANES,
+                                                      changes + u * LANES, nodes->impulses + u * LANES, LANES);
     return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 

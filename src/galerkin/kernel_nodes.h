@@ -135,9 +135,10 @@ JET_INLINE void NAME(set_impulses)(const galerkin_nodes *caller_nodes, const dou
     }
 }
 
-/* Moves the unknowns to x = drift_values + displacement, with displacement = drift_values_low + impulse_scale sum_j
- * matrix_ji L_j, by the impulses L_j of all nodes. If `displacements` [unknowns][lanes] is not NULL, it gets the
- * displacements. Returns the sum of the squares of (change of x) inverse_unknown_size. */
+/* Moves the unknowns to x = drift_values + displacement, with displacement = drift_values_low +
+ * unknown_change_per_impulse sum_j matrix_ji L_j, by the impulses L_j of all nodes. If `displacements`
+ * [unknowns][lanes] is not NULL, it gets the displacements. Returns the sum of the squares of (change of x)
+ * inverse_unknown_size. */
 JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const double *matrix, double *displacements,
                                       galerkin_array_shape shape, size_t here)
 {
@@ -148,10 +149,10 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *caller_nodes, const 
     V squares[LANES];
     NAME(clear)(squares, VECTORS);
     for (int k = 0; k < all; k++) {
-        const int u = k < moving ? k : k - moving + nodes->unknown_count_per_half;
+        const int u = k < moving ? k : k - moving + nodes->coordinate_unknown_count;
         const double *high = ROW(nodes->drift_values, u);
         const double *base = ROW(nodes->drift_values_low, u);
-        const V scale = nodes->impulse_scale[u] - (V){0},
+        const V scale = nodes->unknown_change_per_impulse[u] - (V){0},
                 inverse_size = MEMBER_AT(nodes->inverse_unknown_size, u) - (V){0};
         double *x = ROW(nodes->values, u);
         NUMBERS_IN(impulse, ROW(nodes->impulses, u))
@@ -223,7 +224,7 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *caller_nodes,
     for (int u = 0; u < nodes->unknown_count; u++) {
         const double *high = ROW(nodes->drift_values, u);
         const double *base = ROW(nodes->drift_values_low, u);
-        const V scale = nodes->impulse_scale[u] - (V){0};
+        const V scale = nodes->unknown_change_per_impulse[u] - (V){0};
         double *x = ROW(nodes->values, u);
         for (int first = 0; first < VECTORS; first += NAME(block)) {
             V sum[NAME(block)][PARTIAL_SUM_COUNT];
@@ -256,10 +257,10 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
     return IF_ABOVE(largest, none, GALERKIN_MIN_SHARE * largest, 1 - none);
 }
 
-/* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of
- * the largest size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at
- * least momentum_per_unit_drift times the part that is added to its coordinate. There are no branches, because the
- * processor could not predict which number is larger. */
+/* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the
+ * largest size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at least
+ * momentum_per_coordinate_drift_of_step times the part that is added to its coordinate. There are no branches, because
+ * the processor could not predict which number is larger. */
 JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first, int end, galerkin_array_shape shape,
                                    size_t here)
 {
@@ -280,7 +281,8 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first
         const int i = tvi_subsystems_component_at(&nodes->subsystems, k);
         MEMBER_AT(nodes->inverse_unknown_size, i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, i) + least_q);
         if (!has_momenta) continue;
-        const MEMBER own = nodes->momentum_per_unit_drift[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);
+        const MEMBER own = nodes->momentum_per_coordinate_drift_of_step[i] * least_q,
+                     least = IF_ABOVE(least_p, own, own, least_p);
         MEMBER_AT(nodes->inverse_unknown_size, n + i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, n + i) + least);
     }
 }

@@ -11,43 +11,43 @@
 #include <math.h>
 #include <string.h>
 
-/* The data of the passes. The rows of nodes->values are positions Q, momenta P, velocities V, forces F = L_q, and the
- * change of L_v that the kernel `linearise` computes, n rows each. */
+/* The context of passes: their kernels, nodes, tables and memory. The rows of nodes->values are positions Q, momenta P,
+ * velocities V, forces F = L_q, and the change of L_v that the kernel `linearise` computes, n rows each. */
 typedef struct {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
     /* The nodes with other unknowns: the rates V and F, which are the velocities and the forces at the nodes. With them
      * the kernel `predict` extrapolates the rates from the impulses of earlier steps. An impulse is the step size h
-     * times a quadrature weight times a rate. To turn sums of impulses into rates, impulse_scale is 1/h, and the drift
-     * values, to which `predict` adds these sums, are 0. */
-    galerkin_nodes rate_nodes;
+     * times a quadrature weight times a rate. To turn sums of impulses into rates, unknown_change_per_impulse is 1/h,
+     * and the drift values, to which `predict` adds these sums, are 0. */
+    galerkin_nodes nodes_with_rates_as_unknowns;
     /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
     const double *impulse_matrix;
     const int *rate_row_of_unknown;
-    galerkin_tape_blocks tape_blocks;
-    /* [2n] The slots of the gradient: gradient_slot[false] is for gradient_block, gradient_slot[true] for
-     * hessian_block. */
-    const int *gradient_slot[2];
-    double *coordinate_minus_drift; /* [n][lanes] Q minus drift_values of the nodes */
-    /* [n][lanes] drift_values of the nodes minus Q at the centres, the points where the gradient was evaluated: a
-     * number and its low-order part. */
-    double *drift_minus_centre[2];
+    galerkin_derivative_tapes derivative_tapes;
+    /* [2n] The slots of the gradient: tape_slot_of_gradient_component[false] is for gradient_block,
+     * tape_slot_of_gradient_component[true] for hessian_block. */
+    const int *tape_slot_of_gradient_component[2];
+    double *q_minus_start_q; /* [n][lanes] Q minus drift_values of the nodes, which are q at the start of the step */
+    /* [n][lanes] q at the start of the step (drift_values of the nodes) minus Q at the centres, the points about which
+     * the gradient is expanded, since it was evaluated there: a number and its low-order part. */
+    double *start_q_minus_expansion_point[2];
     double *gradient_at_centre; /* [2n][lanes] the gradient at the centres */
     /* The Taylor expansion of the gradient about the centres, to first order. */
     lanes_gradient_expansion gradient_expansion;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
     /* The function tvi_galerkin_invert_with_row_exchanges, which inverts L_vv if the kernel `invert` fails. Generated
-     * code, too, calls it with arrays that the library allocated, library_velocity_hessian_inverse and
+     * code, too, calls it with arrays that the library allocated, velocity_hessian_inverse_with_row_exchanges and
      * velocity_hessian_lu_factor, and not with local arrays. */
     bool (*invert_with_row_exchanges)(const lanes_matrix_inverse *inverse, int lanes, void *lu_factor);
-    const lanes_matrix_inverse *library_velocity_hessian_inverse;
+    const lanes_matrix_inverse *velocity_hessian_inverse_with_row_exchanges;
     /* The tvi_lu_factor in which invert_with_row_exchanges factors L_vv of one node after the other. */
     void *velocity_hessian_lu_factor;
     int inversion_count; /* the number of times that L_vv was inverted at all nodes */
     /* The movement of the last pass: the sum of the squares of the relative changes of the unknowns. It is infinity
      * before the first pass of a step. */
     double last_pass_movement_square;
-} lagrangian_passes;
+} lagrangian_pass_context;
 
 typedef enum {
     LAGRANGIAN_PASSED,
@@ -76,44 +76,44 @@ static inline galerkin_nodes lagrangian_select_half_of_unknowns(const galerkin_n
     nodes.drift_values_low += offset;
     nodes.impulses += offset;
     nodes.start_values += first_unknown;
-    nodes.impulse_scale += first_unknown;
+    nodes.unknown_change_per_impulse += first_unknown;
     nodes.inverse_unknown_size += first_unknown;
     return nodes;
 }
 
-static inline double lagrangian_move_momenta(const lagrangian_passes *passes)
+static inline double lagrangian_move_momenta(const lagrangian_pass_context *context)
 {
-    const int n = passes->nodes->unknown_count / 2;
-    const galerkin_nodes momenta = lagrangian_select_half_of_unknowns(passes->nodes, n);
+    const int n = context->nodes->unknown_count / 2;
+    const galerkin_nodes momenta = lagrangian_select_half_of_unknowns(context->nodes, n);
     double moved;
-    GALERKIN_KERNEL(passes->kernels, move, &momenta, passes->impulse_matrix, passes->nodes->values,
-                    passes->rate_row_of_unknown + n, &moved);
+    GALERKIN_KERNEL(context->kernels, move, &momenta, context->impulse_matrix, context->nodes->values,
+                    context->rate_row_of_unknown + n, &moved);
     return moved;
 }
 
-static inline double lagrangian_move_coordinates(const lagrangian_passes *passes)
+static inline double lagrangian_move_coordinates(const lagrangian_pass_context *context)
 {
-    const galerkin_nodes positions = lagrangian_select_half_of_unknowns(passes->nodes, 0);
-    return GALERKIN_KERNEL(passes->kernels, move_in_parts, &positions, passes->impulse_matrix, passes->nodes->values,
-                           passes->rate_row_of_unknown, passes->coordinate_minus_drift);
+    const galerkin_nodes positions = lagrangian_select_half_of_unknowns(context->nodes, 0);
+    return GALERKIN_KERNEL(context->kernels, move_in_parts, &positions, context->impulse_matrix, context->nodes->values,
+                           context->rate_row_of_unknown, context->q_minus_start_q);
 }
 
 /* Moves Q and P by the current rates V and F. */
-static inline void lagrangian_move_q_and_p(lagrangian_passes *passes)
+static inline void lagrangian_move_q_and_p(lagrangian_pass_context *context)
 {
-    (void)lagrangian_move_momenta(passes);
-    (void)lagrangian_move_coordinates(passes);
-    passes->last_pass_movement_square = INFINITY;
+    (void)lagrangian_move_momenta(context);
+    (void)lagrangian_move_coordinates(context);
+    context->last_pass_movement_square = INFINITY;
 }
 
-/* Predicts the unknowns from the impulses of earlier steps. `work` is a pointer to lagrangian_passes. */
+/* Predicts the unknowns from the impulses of earlier steps. `work` is a pointer to lagrangian_pass_context. */
 static inline void lagrangian_predict_unknowns(void *work, const galerkin_nodes *nodes,
                                                const galerkin_extrapolation *extrapolation)
 {
-    lagrangian_passes *passes = work;
+    lagrangian_pass_context *context = work;
     (void)nodes;
-    GALERKIN_KERNEL(passes->kernels, predict, &passes->rate_nodes, extrapolation);
-    lagrangian_move_q_and_p(passes);
+    GALERKIN_KERNEL(context->kernels, predict, &context->nodes_with_rates_as_unknowns, extrapolation);
+    lagrangian_move_q_and_p(context);
 }
 
 /* The centres, where the gradient is evaluated, are the nodes with their last LAGRANGIAN_ROUNDED_BITS bits rounded
@@ -129,27 +129,28 @@ static inline void lagrangian_round_last_bits(int count, const double *values, d
     }
 }
 
-static inline bool lagrangian_evaluate_gradient(lagrangian_passes *passes, galerkin_sweep *sweep, bool with_hessian)
+static inline bool lagrangian_evaluate_gradient(lagrangian_pass_context *context, galerkin_sweep *sweep,
+                                                bool with_hessian)
 {
-    const galerkin_nodes *nodes = passes->nodes;
+    const galerkin_nodes *nodes = context->nodes;
     const int lanes = nodes->lane_count, half = nodes->unknown_count / 2 * lanes,
-              *output = passes->gradient_slot[with_hessian];
-    lagrangian_round_last_bits(half, nodes->values, passes->tape_blocks.gradient_block);
+              *output = context->tape_slot_of_gradient_component[with_hessian];
+    lagrangian_round_last_bits(half, nodes->values, context->derivative_tapes.gradient_block);
     lagrangian_round_last_bits(half, lagrangian_find_values_row(nodes, nodes->unknown_count),
-                               passes->tape_blocks.gradient_block + half);
-    const double *x = galerkin_evaluate_gradient(&passes->tape_blocks, sweep, with_hessian);
+                               context->derivative_tapes.gradient_block + half);
+    const double *x = galerkin_evaluate_gradient(&context->derivative_tapes, sweep, with_hessian);
     if (!x) return false;
     for (int i = 0; i < nodes->unknown_count; i++)
-        memcpy(passes->gradient_at_centre + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
+        memcpy(context->gradient_at_centre + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
 }
 
 /* Inverts L_vv at each node, from the second derivatives in hessian_block. */
-static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangian_passes *passes)
+static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangian_pass_context *context)
 {
-    const lanes_gradient_expansion *expansion = &passes->gradient_expansion;
+    const lanes_gradient_expansion *expansion = &context->gradient_expansion;
     const int n = expansion->n, lanes = expansion->lane_count;
-    double *a = passes->velocity_hessian_inverse.matrix;
+    double *a = context->velocity_hessian_inverse.matrix;
     const size_t bytes = (size_t)(n * n * lanes) * sizeof *a;
     memset(a, 0, bytes);
     for (int i = n; i < 2 * n; i++)
@@ -157,85 +158,88 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
             const lanes_hessian_element *term = &expansion->hessian_element[k];
             double *element = a + ((i - n) * n + term->column - n) * lanes;
             if (term->column >= n)
-                memcpy(element, passes->tape_blocks.hessian_block + term->slot * lanes, (size_t)lanes * sizeof *a);
+                memcpy(element, context->derivative_tapes.hessian_block + term->slot * lanes,
+                       (size_t)lanes * sizeof *a);
         }
-    passes->inversion_count++;
-    if (GALERKIN_KERNEL(passes->kernels, invert, &passes->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
+    context->inversion_count++;
+    if (GALERKIN_KERNEL(context->kernels, invert, &context->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
     /* The called function must not get the address of a local array of generated code. Otherwise a compiler would have
      * to assume that other pointers may point to the array, too. */
-    memmove(passes->library_velocity_hessian_inverse->matrix, a, bytes);
-    if (passes->invert_with_row_exchanges(passes->library_velocity_hessian_inverse, lanes,
-                                          passes->velocity_hessian_lu_factor)) {
-        memmove(passes->velocity_hessian_inverse.inverse, passes->library_velocity_hessian_inverse->inverse, bytes);
+    memmove(context->velocity_hessian_inverse_with_row_exchanges->matrix, a, bytes);
+    if (context->invert_with_row_exchanges(context->velocity_hessian_inverse_with_row_exchanges, lanes,
+                                           context->velocity_hessian_lu_factor)) {
+        memmove(context->velocity_hessian_inverse.inverse,
+                context->velocity_hessian_inverse_with_row_exchanges->inverse, bytes);
         return LAGRANGIAN_PASSED;
     }
     for (int k = expansion->row_end[n - 1]; k < expansion->row_end[2 * n - 1]; k++)
-        if (!tvi_all_finite(lanes, passes->tape_blocks.hessian_block + expansion->hessian_element[k].slot * lanes))
+        if (!tvi_all_finite(lanes,
+                            context->derivative_tapes.hessian_block + expansion->hessian_element[k].slot * lanes))
             return LAGRANGIAN_NONFINITE;
     return LAGRANGIAN_SINGULAR;
 }
 
 /* Makes one iteration within a pass: moves P, V and Q by the current gradient. Returns the movement: the sum of the
  * squares of the relative changes of P and Q. */
-static inline double lagrangian_make_inner_iteration(lagrangian_passes *passes)
+static inline double lagrangian_make_inner_iteration(lagrangian_pass_context *context)
 {
-    const galerkin_nodes *nodes = passes->nodes;
+    const galerkin_nodes *nodes = context->nodes;
     const int n = nodes->unknown_count / 2, half = n * nodes->lane_count;
-    const double moved = lagrangian_move_momenta(passes);
-    GALERKIN_KERNEL(passes->kernels, correct_velocities, &passes->velocity_hessian_inverse,
-                    lagrangian_find_values_row(nodes, n), passes->gradient_at_centre + half,
-                    lagrangian_find_values_row(nodes, 4 * n), passes->tape_blocks.gradient_block + half,
+    const double moved = lagrangian_move_momenta(context);
+    GALERKIN_KERNEL(context->kernels, correct_velocities, &context->velocity_hessian_inverse,
+                    lagrangian_find_values_row(nodes, n), context->gradient_at_centre + half,
+                    lagrangian_find_values_row(nodes, 4 * n), context->derivative_tapes.gradient_block + half,
                     lagrangian_find_values_row(nodes, 2 * n));
-    return moved + lagrangian_move_coordinates(passes);
+    return moved + lagrangian_move_coordinates(context);
 }
 
-/* Sets drift_minus_centre to the exact difference of the drift values and Q at the centres: a number and its low-order
- * part. */
-static inline void lagrangian_set_drift_minus_centre(lagrangian_passes *passes)
+/* Sets start_q_minus_expansion_point to the exact difference of q at the start and Q at the centres: a number and its
+ * low-order part. */
+static inline void lagrangian_set_start_q_minus_expansion_point(lagrangian_pass_context *context)
 {
-    const int half = passes->nodes->unknown_count / 2 * passes->nodes->lane_count;
-    const double *high = passes->nodes->drift_values, *from = passes->tape_blocks.gradient_block;
+    const int half = context->nodes->unknown_count / 2 * context->nodes->lane_count;
+    const double *high = context->nodes->drift_values, *from = context->derivative_tapes.gradient_block;
     for (int i = 0; i < half; i++) {
         const double rise = high[i] - from[i], less = high[i] - rise;
-        passes->drift_minus_centre[0][i] = rise;
-        passes->drift_minus_centre[1][i] = (high[i] - (rise + less)) + (less - from[i]);
+        context->start_q_minus_expansion_point[0][i] = rise;
+        context->start_q_minus_expansion_point[1][i] = (high[i] - (rise + less)) + (less - from[i]);
     }
 }
 
 /* Sets the rows F to L_q at Q and V, and the last n rows to the change of L_v by the displacement of Q, both to first
  * order about the centres (kernel `linearise`). The displacement of Q is a sum of differences, which do not contain the
  * rounding of Q. */
-static inline void lagrangian_set_linearised_gradient(lagrangian_passes *passes)
+static inline void lagrangian_set_linearised_gradient(lagrangian_pass_context *context)
 {
-    const galerkin_nodes *nodes = passes->nodes;
+    const galerkin_nodes *nodes = context->nodes;
     const int half = nodes->unknown_count / 2 * nodes->lane_count;
-    const double *V = nodes->values + 2 * half, *from = passes->tape_blocks.gradient_block;
-    double *moved = passes->gradient_expansion.displacement;
+    const double *V = nodes->values + 2 * half, *from = context->derivative_tapes.gradient_block;
+    double *moved = context->gradient_expansion.displacement;
     for (int i = 0; i < half; i++)
-        moved[i] =
-            (passes->drift_minus_centre[0][i] + passes->coordinate_minus_drift[i]) + passes->drift_minus_centre[1][i];
+        moved[i] = (context->start_q_minus_expansion_point[0][i] + context->q_minus_start_q[i]) +
+                   context->start_q_minus_expansion_point[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
-    GALERKIN_KERNEL(passes->kernels, linearise, &passes->gradient_expansion, nodes->values + 3 * half);
+    GALERKIN_KERNEL(context->kernels, linearise, &context->gradient_expansion, nodes->values + 3 * half);
 }
 
 /* Makes a pass. Evaluates new second derivatives unless the last movement was small enough to reuse the old ones. */
-static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_passes *passes, galerkin_sweep *sweep)
+static inline lagrangian_pass_result lagrangian_make_pass(lagrangian_pass_context *context, galerkin_sweep *sweep)
 {
-    const galerkin_nodes *nodes = passes->nodes;
+    const galerkin_nodes *nodes = context->nodes;
     const int numbers = nodes->unknown_count * nodes->lane_count;
-    if (passes->last_pass_movement_square <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
-        if (!lagrangian_evaluate_gradient(passes, sweep, false)) return LAGRANGIAN_OUTSIDE_DOMAIN;
+    if (context->last_pass_movement_square <= LAGRANGIAN_HESSIAN_MAX_MOVEMENT * numbers) {
+        if (!lagrangian_evaluate_gradient(context, sweep, false)) return LAGRANGIAN_OUTSIDE_DOMAIN;
     } else {
-        if (!lagrangian_evaluate_gradient(passes, sweep, true)) return LAGRANGIAN_OUTSIDE_DOMAIN;
-        const lagrangian_pass_result inverted = lagrangian_invert_velocity_hessian(passes);
+        if (!lagrangian_evaluate_gradient(context, sweep, true)) return LAGRANGIAN_OUTSIDE_DOMAIN;
+        const lagrangian_pass_result inverted = lagrangian_invert_velocity_hessian(context);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
-    double moved = passes->last_pass_movement_square = 0;
-    lagrangian_set_drift_minus_centre(passes);
+    double moved = context->last_pass_movement_square = 0;
+    lagrangian_set_start_q_minus_expansion_point(context);
     for (int i = 0; i < LAGRANGIAN_MAX_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_MIN_ITERATIONS && moved <= LAGRANGIAN_ROUNDOFF_MOVEMENT_SQUARE * numbers) break;
-        lagrangian_set_linearised_gradient(passes);
-        passes->last_pass_movement_square += moved = lagrangian_make_inner_iteration(passes);
+        lagrangian_set_linearised_gradient(context);
+        context->last_pass_movement_square += moved = lagrangian_make_inner_iteration(context);
     }
     return LAGRANGIAN_PASSED;
 }

@@ -64,8 +64,8 @@ JET_INLINE double multiply_add_rounded_once(double a, double b, double c)
 /* Sets the impulses L = weight F + change. If the change were added to the rate before the multiplication, a change
  * below the roundoff of the rate would be lost or rounded up in the same way in each step (docs/method.md section
  * 6). */
-JET_INLINE void set_impulses_with_changes(const double *weight, const double *rate, const double *change,
-                                          double *restrict impulse, int lanes)
+JET_INLINE void set_impulses_to_weight_times_rate_plus_change(const double *weight, const double *rate,
+                                                              const double *change, double *restrict impulse, int lanes)
 {
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) impulse[i] = multiply_add_rounded_once(weight[i], rate[i], change[i]);
@@ -88,7 +88,7 @@ JET_INLINE void set_impulses_with_changes(const double *weight, const double *ra
 JET_INLINE void evaluate_curve_at_points(const galerkin_curve_at_points_inputs *inputs, const double *integral_table,
                                          const double *impulses, double *restrict out, int lanes, int point_count)
 {
-    const double *start = inputs->start_values, *drift = inputs->drift, *scale = inputs->impulse_scale;
+    const double *start = inputs->start_values, *drift = inputs->drift, *scale = inputs->change_per_impulse;
     const int count = inputs->component_count;
     JET_BLOCKS(point_count, EVALUATE, );
 }

@@ -39,10 +39,11 @@ typedef struct {
 typedef struct {
     /* the movement of the last pass: the sum of the squares of the relative changes of the unknowns */
     double movement_square[BATCH_MAX_WIDTH];
-    /* The fields of tvi_convergence_test (algebra/passes.h) of each member. `correction` is the movement of the last
-     * pass that was judged, contraction_ratio its ratio to previous_correction. */
-    double correction[BATCH_MAX_WIDTH], previous_correction[BATCH_MAX_WIDTH], contraction_ratio[BATCH_MAX_WIDTH];
-    double largest_contraction_ratio[BATCH_MAX_WIDTH], correction_without_roundoff[BATCH_MAX_WIDTH];
+    /* The fields of tvi_convergence_test (algebra/passes.h) of each member. `last_judged_movement_square` is the movement of the
+     * last pass that was judged, contraction_ratio its ratio to previous_judged_movement_square. */
+    double last_judged_movement_square[BATCH_MAX_WIDTH], previous_judged_movement_square[BATCH_MAX_WIDTH],
+        contraction_ratio[BATCH_MAX_WIDTH];
+    double largest_contraction_ratio[BATCH_MAX_WIDTH], movement_square_without_roundoff[BATCH_MAX_WIDTH];
     double first_movement_square[BATCH_MAX_WIDTH]; /* the movement of the first pass */
     /* the number of passes that were made, in the number type of the other vectors */
     double pass_count_as_double[BATCH_MAX_WIDTH];
@@ -89,37 +90,40 @@ typedef struct {
     tvi_subsystems subsystems;
     galerkin_impulse_sums impulse_sums_over_nodes;
     /* The reciprocal of the quadrature weight b_j of the first and the last node. */
-    double inverse_outermost_weight;
+    double inverse_weight_of_end_nodes;
     /* [n] The factors by which the sums of impulses are multiplied in the equations of the unknowns (galerkin_nodes),
      * and the reciprocals of their magnitudes. */
-    double *impulse_scale, *inverse_impulse_scale;
+    double *unknown_change_per_impulse, *inverse_unknown_change_per_impulse;
     /* [n][member_count] q and p at the start of the step, and the increment of p. */
     const double *start_q, *start_p, *momentum_increment;
-    /* [n][member_count] Scratch space: the share of each component in the motion (tvi_component_share_of_step_motion),
-     * and the ratio of its last term to its momentum or movement (tvi_largest_relative_last_series_term). */
-    double *component_motion_share, *component_tail_ratio;
-} galerkin_rate_tail_data;
+    /* [n][member_count] Scratch space: the share of each component in the motion of its subsystem
+     * (tvi_component_share_of_step_motion), and the ratio of its last term to its momentum or movement
+     * (tvi_largest_relative_last_series_term). */
+    double *component_share_of_subsystem_motion, *component_tail_ratio;
+} galerkin_tail_inputs;
 
-/* Returns the sizes of component i from which its tail is computed. coordinate_index and momentum_index are the indices
- * of its coordinate and its momentum in the arrays. */
-static inline tvi_component_sizes_in_step galerkin_make_tail_component(const galerkin_rate_tail_data *inputs, int i,
-                                                                       size_t coordinate_index, size_t momentum_index)
+/* Returns the magnitudes of component i from which its tail is computed. coordinate_index and momentum_index are the
+ * indices of its coordinate and its momentum in the arrays. */
+static inline tvi_component_sizes_in_step galerkin_compute_component_sizes(const galerkin_tail_inputs *inputs, int i,
+                                                                           size_t coordinate_index,
+                                                                           size_t momentum_index)
 {
     const double *last = inputs->impulse_sums_over_nodes.last_term,
                  *end_size = inputs->impulse_sums_over_nodes.end_impulse_size;
     tvi_component_sizes_in_step component = {.momentum_size =
                                                  fabs(inputs->start_p[coordinate_index]) +
                                                  (fabs(inputs->momentum_increment[coordinate_index]) +
-                                                  end_size[momentum_index] * inputs->inverse_outermost_weight),
+                                                  end_size[momentum_index] * inputs->inverse_weight_of_end_nodes),
                                              .p_change_by_last_term = last[momentum_index],
                                              .q_change_by_last_term = inputs->is_separable ? 0 : last[coordinate_index],
                                              .coordinate_size = fabs(inputs->start_q[coordinate_index])};
     component.one_over_momentum_size = 1 / component.momentum_size;
-    component.q_change_size = inputs->is_separable ? fabs(inputs->impulse_scale[i]) * component.momentum_size
-                                                   : end_size[coordinate_index] * inputs->inverse_outermost_weight;
-    component.one_over_q_change_size = inputs->is_separable
-                                           ? inputs->inverse_impulse_scale[i] * component.one_over_momentum_size
-                                           : 1 / component.q_change_size;
+    component.q_change_size = inputs->is_separable
+                                  ? fabs(inputs->unknown_change_per_impulse[i]) * component.momentum_size
+                                  : end_size[coordinate_index] * inputs->inverse_weight_of_end_nodes;
+    component.one_over_q_change_size =
+        inputs->is_separable ? inputs->inverse_unknown_change_per_impulse[i] * component.one_over_momentum_size
+                             : 1 / component.q_change_size;
     return component;
 }
 
@@ -142,22 +146,22 @@ static inline double galerkin_compute_coordinate_increment(double drift, double 
  * galerkin_array_shape. */
 typedef struct {
     int lane_count, unknown_count;
-    /* If moving_unknown_count = unknowns, a pass moves all of them. Otherwise the unknowns are unknown_count_per_half
+    /* If moving_unknown_count = unknowns, a pass moves all of them. Otherwise the unknowns are coordinate_unknown_count
      * coordinates followed by as many momenta, and a pass moves only the first moving_unknown_count coordinates and the
      * first moving_unknown_count momenta. */
-    int unknown_count_per_half, moving_unknown_count;
+    int coordinate_unknown_count, moving_unknown_count;
     int node_count, member_count;
     double *values;
     double *start_values; /* [unknowns][member_count] the unknowns at the start of the step */
     /* The values that the unknowns would have without impulses, and their low-order parts. */
     double *drift_values, *drift_values_low;
-    double *impulse_weight; /* [lanes] the step times the quadrature weight, h b_j */
-    double *impulses;       /* the impulses L_j of the last movement, stored in the history */
-    double *impulse_scale;  /* [unknowns] the factor of the impulses' sum in the change of an unknown */
+    double *impulse_weight;             /* [lanes] the step times the quadrature weight, h b_j */
+    double *impulses;                   /* the impulses L_j of the last movement, stored in the history */
+    double *unknown_change_per_impulse; /* [unknowns] the factor of the impulses' sum in the change of an unknown */
     /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
     double *inverse_unknown_size;
     /* [n] The momentum whose drift moves the coordinate by 1 in this step, or infinity if the mass is not known. */
-    double *momentum_per_unit_drift;
+    double *momentum_per_coordinate_drift_of_step;
     tvi_subsystems subsystems;
     /* [member_count] All bits of the mask are set if the member still makes passes. The impulses of all other
      * members stay unchanged. */
@@ -165,7 +169,7 @@ typedef struct {
 } galerkin_nodes;
 
 /* Returns a copy of the nodes in which passes move all unknowns. */
-static inline galerkin_nodes galerkin_copy_nodes_to_move_all_unknowns(const galerkin_nodes *nodes)
+static inline galerkin_nodes galerkin_copy_nodes_with_all_unknowns_moving(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
     all.moving_unknown_count = all.unknown_count;
@@ -173,11 +177,11 @@ static inline galerkin_nodes galerkin_copy_nodes_to_move_all_unknowns(const gale
 }
 
 /* The inputs of the kernel `evaluate`, which computes components of the curve at several points: out[u][k] =
- * start_values[u] + (theta[k] drift[u] + impulse_scale[u] sum_j table_jk impulses[u][j]) with u < component_count
+ * start_values[u] + (theta[k] drift[u] + change_per_impulse[u] sum_j table_jk impulses[u][j]) with u < component_count
  * and k < point_count. point_count is 1, the number of lanes or TVI_SAMPLES. */
 typedef struct {
     int lane_count, point_count, component_count;
-    const double *theta, *start_values, *drift, *impulse_scale;
+    const double *theta, *start_values, *drift, *change_per_impulse;
 } galerkin_curve_at_points_inputs;
 
 /* An n x n matrix A at each node, whose inverse the kernel `invert` computes. */
@@ -233,8 +237,8 @@ typedef struct {
     float *last_impulse_change, *total_impulse_change;
 } lanes_inner_iterations;
 
-/* Returns the number of rows in the group that begins with row `first_row`. */
-static inline int lanes_count_rows_in_group(const lanes_inner_iterations *inner, int first_row)
+/* Returns the number of rows in the group that begins with row `first_row`. Their sums are computed in parallel. */
+static inline int lanes_count_rows_summed_in_parallel(const lanes_inner_iterations *inner, int first_row)
 {
     return inner->hessian_row_count - first_row < LANES_ROWS_PER_GROUP ? inner->hessian_row_count - first_row
                                                                        : LANES_ROWS_PER_GROUP;
@@ -245,15 +249,15 @@ typedef struct galerkin_kernels {
     /* `set_constant_drift_values` sets drift_values to the state at the start of the step, for equations of first
      * order. `set_linear_drift_values` is for a separable system, whose positions drift with the momentum: it sets
      * drift_values to q + q_low + c_i (drift + drift_low) at the abscissa c_i of node i. This kernel also sets drift +
-     * drift_low = impulse_scale (p + p_low), the drift over the step in two parts. */
+     * drift_low = unknown_change_per_impulse (p + p_low), the drift over the step in two parts. */
     void (*set_constant_drift_values)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin);
     void (*set_linear_drift_values)(const galerkin_nodes *nodes, const double *node_abscissa,
                                     const tvi_step_origin *origin, double *drift, double *drift_low);
     void (*predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
     void (*set_sizes)(const galerkin_nodes *nodes, int n);
     /* Sets the impulses L_j from the rates, and moves the unknowns x to drift_values + (drift_values_low +
-     * impulse_scale sum_j matrix_ji L_j), with the impulse matrix. movement [member_count] is the sum of the squares of
-     * (change of x) inverse_unknown_size; it is a NaN if any change is a NaN. */
+     * unknown_change_per_impulse sum_j matrix_ji L_j), with the impulse matrix. movement [member_count] is the sum of
+     * the squares of (change of x) inverse_unknown_size; it is a NaN if any change is a NaN. */
     void (*move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                  double movement[]);
     /* Computes the sums of the impulses of the last movement, from which the increments and the tail of the step
@@ -268,7 +272,7 @@ typedef struct galerkin_kernels {
     void (*compute_increments)(const galerkin_nodes *nodes, const galerkin_impulse_sums *sums, int n,
                                const tvi_increments *increments);
     /* Computes the tail of each member, [member_count]. */
-    void (*compute_tails)(const galerkin_rate_tail_data *inputs, int member_count, double tail[]);
+    void (*compute_tails)(const galerkin_tail_inputs *inputs, int member_count, double tail[]);
 
     /* This kernel is for several members only. It decides, as tvi_convergence_test_add_pass does for one member,
      * which members have converged in pass number `count`, and updates their masks. Returns the number of members that

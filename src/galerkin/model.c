@@ -3,16 +3,17 @@
 #include "galerkin/model.h"
 
 void tvi_galerkin_allocate_sparse_hessian(galerkin_sparse_hessian *sparse_hessian, tvi_arena *arena,
-                                          const galerkin_field *field)
+                                          const galerkin_equations *equations)
 {
-    const tvi_system *system = field->system;
-    const size_t lanes = (size_t)field->nodes.lane_count;
-    sparse_hessian->blocks = (galerkin_tape_blocks){
-        .n = system->n, .lane_count = field->nodes.lane_count, .input_count = system->hessian_values->input_count};
-    sparse_hessian->blocks.gradient_block =
-        tvi_arena_allocate_block(arena, system->field_values, 1, field->nodes.lane_count, 0);
-    sparse_hessian->blocks.hessian_block =
-        tvi_arena_allocate_block(arena, system->hessian_values, 1, field->nodes.lane_count, lanes);
+    const tvi_system *system = equations->system;
+    const size_t lanes = (size_t)equations->nodes.lane_count;
+    sparse_hessian->derivative_tapes = (galerkin_derivative_tapes){.coordinate_count = system->n,
+                                                                   .lane_count = equations->nodes.lane_count,
+                                                                   .input_count = system->hessian_values->input_count};
+    sparse_hessian->derivative_tapes.gradient_block =
+        tvi_arena_allocate_block(arena, system->field_values, 1, equations->nodes.lane_count, 0);
+    sparse_hessian->derivative_tapes.hessian_block =
+        tvi_arena_allocate_block(arena, system->hessian_values, 1, equations->nodes.lane_count, lanes);
     sparse_hessian->hessian_element =
         tvi_arena_allocate(arena, 2 * (size_t)system->hessian_entry_count * sizeof *sparse_hessian->hessian_element);
     sparse_hessian->row_end = tvi_arena_allocate(arena, 2 * (size_t)system->n * sizeof *sparse_hessian->row_end);
@@ -42,33 +43,34 @@ static void list_hessian_row_elements(const tvi_system *system, lanes_hessian_el
         }
 }
 
-void tvi_galerkin_set_sparse_hessian_tables(galerkin_sparse_hessian *sparse_hessian, const galerkin_field *field)
+void tvi_galerkin_set_sparse_hessian_tables(galerkin_sparse_hessian *sparse_hessian,
+                                            const galerkin_equations *equations)
 {
-    const tvi_system *system = field->system;
-    const int lanes = field->nodes.lane_count;
+    const tvi_system *system = equations->system;
+    const int lanes = equations->nodes.lane_count;
     list_hessian_row_elements(system, sparse_hessian->hessian_element, sparse_hessian->row_end);
     for (int i = 0; i < lanes; i++) {
-        const int node = i < field->node_count ? i : field->node_count - 1;
-        field->impulse_to_predicted_matrix[node * lanes + i] = 1 / field->node_weight[node];
+        const int node = i < equations->node_count ? i : equations->node_count - 1;
+        equations->impulse_to_predicted_unknown_or_rate_matrix[node * lanes + i] = 1 / equations->node_weight[node];
     }
-    sparse_hessian->blocks.field_for_sweep = field;
+    sparse_hessian->derivative_tapes.galerkin_equations_for_sweep = equations;
 }
 
-bool tvi_galerkin_sweep_tape(const galerkin_tape_blocks *blocks, bool with_hessian)
+bool tvi_galerkin_sweep_tape(const galerkin_derivative_tapes *tapes, bool with_hessian)
 {
-    const galerkin_field *field = blocks->field_for_sweep;
-    const jet_tape *tape = with_hessian ? field->system->hessian_values : field->system->field_values;
-    double *x = with_hessian ? blocks->hessian_block : blocks->gradient_block;
-    if (!jet_sweep_values(tape, x, blocks->lane_count)) return false;
-    if (field->output_displacements) tvi_galerkin_displace_tape_outputs(field, tape, x);
+    const galerkin_equations *equations = tapes->galerkin_equations_for_sweep;
+    const jet_tape *tape = with_hessian ? equations->system->hessian_values : equations->system->field_values;
+    double *x = with_hessian ? tapes->hessian_block : tapes->gradient_block;
+    if (!jet_sweep_values(tape, x, tapes->lane_count)) return false;
+    if (equations->tape_output_roundoff_to_add) tvi_galerkin_perturb_tape_outputs_by_roundoff(equations, tape, x);
     return true;
 }
 
 void tvi_galerkin_emit_sparse_hessian(jet_text *text, const galerkin_sparse_hessian *sparse_hessian)
 {
-    const galerkin_field *field = sparse_hessian->blocks.field_for_sweep;
-    const jet_tape *hessian = field->system->hessian_values;
-    const int rows = 2 * sparse_hessian->blocks.n;
+    const galerkin_equations *equations = sparse_hessian->derivative_tapes.galerkin_equations_for_sweep;
+    const jet_tape *hessian = equations->system->hessian_values;
+    const int rows = 2 * sparse_hessian->derivative_tapes.coordinate_count;
     tvi_galerkin_emit_int_array(text, "row_end", rows, sparse_hessian->row_end);
     jet_text_append(text, "static const lanes_hessian_element galerkin_hessian_element[] = {");
     for (int k = 0; k < sparse_hessian->row_end[rows - 1]; k++)
@@ -77,5 +79,6 @@ void tvi_galerkin_emit_sparse_hessian(jet_text *text, const galerkin_sparse_hess
     jet_text_append(text,
                     "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_HESSIAN_READ_ONLY_ROWS = %d };\n"
                     "#define GALERKIN_HESSIAN_VALUES(x) tvi_hessian_values_%d(x)\n",
-                    hessian->input_count, galerkin_count_read_only_rows(hessian), sparse_hessian->blocks.lane_count);
+                    hessian->input_count, galerkin_count_input_and_constant_rows(hessian),
+                    sparse_hessian->derivative_tapes.lane_count);
 }

@@ -9,13 +9,13 @@ enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
  * for the positions of a separable system. */
 static void integrate_impulses(const galerkin_stepper *stepper, tvi_component_range range, int point_count,
                                const double theta[], const double *integral_table, const double *impulses,
-                               const double *start, const double *drift, const double *impulse_scale, double *x)
+                               const double *start, const double *drift, const double *change_per_impulse, double *x)
 {
-    const int lanes = stepper->field.nodes.lane_count, from = range.first, count = range.end - from;
-    const galerkin_curve_at_points_inputs to = {lanes,        point_count,         count, theta, start + from,
-                                                drift + from, impulse_scale + from};
+    const int lanes = stepper->equations.nodes.lane_count, from = range.first, count = range.end - from;
+    const galerkin_curve_at_points_inputs to = {
+        lanes, point_count, count, theta, start + from, drift + from, change_per_impulse + from};
     if (count > 0)
-        stepper->field.kernels->evaluate(&to, integral_table, impulses + from * lanes, x + from * point_count);
+        stepper->equations.kernels->evaluate(&to, integral_table, impulses + from * lanes, x + from * point_count);
 }
 
 /* Computes the components used_range[0] of q and the components used_range[1] of p at the fractions theta of the step,
@@ -25,10 +25,11 @@ static void evaluate_curve(const galerkin_stepper *stepper, const tvi_component_
                            const double q_start[], const double p_start[], double *q, double *p)
 {
     const double *impulses = galerkin_find_impulses_of_step(&stepper->predictor, 0), *of_p = impulses;
-    const bool separable = galerkin_is_second_order(&stepper->field);
-    if (!separable) of_p += stepper->n * stepper->field.nodes.lane_count;
+    const bool separable = galerkin_is_second_order(&stepper->equations);
+    if (!separable) of_p += stepper->n * stepper->equations.nodes.lane_count;
     integrate_impulses(stepper, used_range[0], point_count, theta, separable ? double_integral : single_integral,
-                       impulses, q_start, stepper->step_data.drift, stepper->increment_per_impulse, q);
+                       impulses, q_start, stepper->step_inputs.coordinate_drift_over_step,
+                       stepper->increment_per_impulse, q);
     integrate_impulses(stepper, used_range[1], point_count, theta, single_integral, of_p, p_start,
                        stepper->predictor.zeros, stepper->increment_per_impulse + stepper->n, p);
 }
@@ -47,6 +48,7 @@ void tvi_galerkin_compute_curve_samples(void *work, const tvi_component_range us
                                         const double p_start[], double *q, double *p)
 {
     const galerkin_stepper *stepper = work;
-    evaluate_curve(stepper, used_range, TVI_SAMPLES, tvi_sample_theta, stepper->node_polynomials.integral_to_sample,
-                   stepper->node_polynomials.double_integral_to_sample, q_start, p_start, q, p);
+    evaluate_curve(stepper, used_range, TVI_SAMPLES, tvi_sample_theta,
+                   stepper->node_polynomials.integral_from_0_to_sample_theta,
+                   stepper->node_polynomials.double_integral_from_0_to_sample_theta, q_start, p_start, q, p);
 }

@@ -5,12 +5,14 @@
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena, const galerkin_field *field)
+void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena,
+                                     const galerkin_equations *equations)
 {
-    const int unknowns = field->nodes.unknown_count, lanes = field->nodes.lane_count;
+    const int unknowns = equations->nodes.unknown_count, lanes = equations->nodes.lane_count;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     predictor->history = tvi_arena_allocate_restored_if_step_fails(arena, sizeof *predictor->history);
-    predictor->max_first_movement_square = unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
+    predictor->first_movement_square_limit_for_two_steps =
+        unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_kept_even_if_step_fails(arena, count * width * sizeof(double));
     predictor->two_step_extrapolation = tvi_arena_allocate_doubles(arena, 2 * width * width);
@@ -63,7 +65,7 @@ static void fit_extrapolation_factors(const galerkin_coefficients *coefficients,
         }
 }
 
-static void set_extrapolation_table(const galerkin_coefficients *coefficients, const galerkin_field *field,
+static void set_extrapolation_table(const galerkin_coefficients *coefficients, const galerkin_equations *equations,
                                     int step_count, int degree, double *table)
 {
     long double factors[2 * MAX_LANES][MAX_LANES];
@@ -75,7 +77,7 @@ static void set_extrapolation_table(const galerkin_coefficients *coefficients, c
             const double impulse_factor = (double)(factors[point][next] * coefficients->long_double_weight[next] /
                                                    coefficients->long_double_weight[point % m]);
             for (int i = 0; i < lanes; i++)
-                column[i] += impulse_factor * field->impulse_to_predicted_matrix[next * lanes + i];
+                column[i] += impulse_factor * equations->impulse_to_predicted_unknown_or_rate_matrix[next * lanes + i];
         }
 }
 
@@ -83,12 +85,13 @@ static void set_extrapolation_table(const galerkin_coefficients *coefficients, c
  * passes, with m nodes: a higher degree raises the roundoff of the prediction more than it lowers its truncation
  * error. */
 void tvi_galerkin_set_predictor_tables(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                       const galerkin_field *field)
+                                       const galerkin_equations *equations)
 {
     const int degree = coefficients->node_count > 1 ? 3 * coefficients->node_count / 2 : 1;
-    set_extrapolation_table(coefficients, field, 2, degree, predictor->two_step_extrapolation);
-    set_extrapolation_table(coefficients, field, 1, coefficients->node_count - 1, predictor->last_step_extrapolation);
-    for (int i = 0; i < field->nodes.unknown_count + coefficients->lane_count; i++) predictor->ones[i] = 1;
+    set_extrapolation_table(coefficients, equations, 2, degree, predictor->two_step_extrapolation);
+    set_extrapolation_table(coefficients, equations, 1, coefficients->node_count - 1,
+                            predictor->last_step_extrapolation);
+    for (int i = 0; i < equations->nodes.unknown_count + coefficients->lane_count; i++) predictor->ones[i] = 1;
 }
 
 /* Computes resized_step_extrapolation for a step that is step_ratio times as large as the last one and begins at
@@ -123,35 +126,38 @@ static void set_resized_step_extrapolation(galerkin_predictor *predictor, const 
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
-                                             double *elapsed_fraction)
+bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_equations *equations,
+                                             double t, double *elapsed_fraction)
 {
     const galerkin_history *history = predictor->history;
     if (history->last_step_size == 0) return false;
-    const double ratio = field->step_size == history->last_step_size ? 1 : field->step_size / history->last_step_size;
-    const bool is_next = galerkin_follows_last_step(history, field->step_size, t);
+    const double ratio =
+        equations->step_size == history->last_step_size ? 1 : equations->step_size / history->last_step_size;
+    const bool is_next = galerkin_follows_last_step(history, equations->step_size, t);
     *elapsed_fraction = is_next ? 1 : 0;
     return ratio <= GALERKIN_PREDICTION_MAX_RATIO &&
            (is_next ? ratio >= GALERKIN_PREDICTION_BACK_RATIO : t == history->last_step_start_time && ratio > 0);
 }
 
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                         const galerkin_node_polynomials *polynomials, galerkin_field *field,
+                                         const galerkin_node_polynomials *polynomials, galerkin_equations *equations,
                                          double elapsed_fraction)
 {
     const galerkin_curve_at_points_inputs to = {coefficients->lane_count,
                                                 coefficients->lane_count,
-                                                field->nodes.unknown_count,
+                                                equations->nodes.unknown_count,
                                                 coefficients->node_abscissa,
                                                 predictor->zeros,
                                                 predictor->zeros,
                                                 predictor->ones};
     const long long last_alone = -1;
-    set_resized_step_extrapolation(predictor, coefficients, polynomials, field->kernels,
-                                   field->step_size / predictor->history->last_step_size, elapsed_fraction);
-    field->kernels->evaluate(&to, predictor->resized_step_extrapolation, galerkin_find_impulses_of_step(predictor, 0),
-                             predictor->extrapolated_rates);
-    galerkin_predict_unknowns(
-        field, &(galerkin_extrapolation){field->impulse_to_predicted_matrix, field->impulse_to_predicted_matrix,
-                                         predictor->extrapolated_rates, predictor->extrapolated_rates, &last_alone});
+    set_resized_step_extrapolation(predictor, coefficients, polynomials, equations->kernels,
+                                   equations->step_size / predictor->history->last_step_size, elapsed_fraction);
+    equations->kernels->evaluate(&to, predictor->resized_step_extrapolation,
+                                 galerkin_find_impulses_of_step(predictor, 0), predictor->extrapolated_rates);
+    galerkin_predict_unknowns(equations,
+                              &(galerkin_extrapolation){equations->impulse_to_predicted_unknown_or_rate_matrix,
+                                                        equations->impulse_to_predicted_unknown_or_rate_matrix,
+                                                        predictor->extrapolated_rates, predictor->extrapolated_rates,
+                                                        &last_alone});
 }

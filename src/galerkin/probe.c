@@ -43,21 +43,22 @@ tvi_stopping_rule tvi_galerkin_scale_passes_rule(const tvi_stopping_rule *rule_p
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-static size_t count_doubles_in_rows(const galerkin_field *field, int row_count)
+static size_t count_doubles_in_rows(const galerkin_equations *equations, int row_count)
 {
-    return (size_t)row_count * (size_t)field->nodes.lane_count;
+    return (size_t)row_count * (size_t)equations->nodes.lane_count;
 }
 
-void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field)
+void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_equations *equations)
 {
-    tvi_roundoff_allocate(&probe->output_displacements, arena, field->system);
-    probe->values_before_pass =
-        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->pass_input_row_count));
-    probe->values_after_displaced_pass =
-        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->pass_input_row_count));
+    tvi_roundoff_allocate(&probe->tape_output_roundoff, arena, equations->system);
+    probe->values_before_pass = tvi_arena_allocate_doubles(
+        arena, count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass));
+    probe->values_after_displaced_pass = tvi_arena_allocate_doubles(
+        arena, count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass));
     probe->saved_drift_values_low =
-        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknown_count));
-    probe->saved_impulses = tvi_arena_allocate_doubles(arena, count_doubles_in_rows(field, field->nodes.unknown_count));
+        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(equations, equations->nodes.unknown_count));
+    probe->saved_impulses =
+        tvi_arena_allocate_doubles(arena, count_doubles_in_rows(equations, equations->nodes.unknown_count));
 }
 
 /* Displaces the unknowns, and the drift values from which passes compute them, by GALERKIN_PROBE_UNITS units of
@@ -67,7 +68,8 @@ static void displace_unknowns(galerkin_nodes *nodes)
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int k = u * nodes->lane_count;
-             k < (u + 1) * nodes->lane_count && u % nodes->unknown_count_per_half < nodes->moving_unknown_count; k++) {
+             k < (u + 1) * nodes->lane_count && u % nodes->coordinate_unknown_count < nodes->moving_unknown_count;
+             k++) {
             const double size = GALERKIN_PROBE_UNITS * DBL_EPSILON *
                                 (fabs(nodes->start_values[u]) + fabs(nodes->values[k] - nodes->start_values[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
@@ -89,18 +91,19 @@ static double compute_squared_distance_to_unknowns(const galerkin_nodes *nodes, 
 }
 
 /* Makes a pass from displaced unknowns, stores its result in the probe, and restores the nodes. */
-static tvi_status make_pass_from_displaced_unknowns(galerkin_field *field, galerkin_roundoff_probe *probe,
+static tvi_status make_pass_from_displaced_unknowns(galerkin_equations *equations, galerkin_roundoff_probe *probe,
                                                     double *movement, tvi_stats *stats)
 {
-    galerkin_nodes *nodes = &field->nodes;
-    const size_t bytes = count_doubles_in_rows(field, field->pass_input_row_count) * sizeof(double);
-    const size_t base_bytes = count_doubles_in_rows(field, nodes->unknown_count) * sizeof(double);
+    galerkin_nodes *nodes = &equations->nodes;
+    const size_t bytes =
+        count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass) * sizeof(double);
+    const size_t base_bytes = count_doubles_in_rows(equations, nodes->unknown_count) * sizeof(double);
     memcpy(probe->saved_drift_values_low, nodes->drift_values_low, base_bytes);
     memcpy(probe->saved_impulses, nodes->impulses, base_bytes);
     displace_unknowns(nodes);
-    field->output_displacements = &probe->output_displacements;
-    const tvi_status status = galerkin_make_pass(field, movement, stats);
-    field->output_displacements = NULL;
+    equations->tape_output_roundoff_to_add = &probe->tape_output_roundoff;
+    const tvi_status status = galerkin_make_pass(equations, movement, stats);
+    equations->tape_output_roundoff_to_add = NULL;
     memcpy(probe->values_after_displaced_pass, nodes->values, bytes);
     memcpy(nodes->values, probe->values_before_pass, bytes);
     memcpy(nodes->drift_values_low, probe->saved_drift_values_low, base_bytes);
@@ -110,27 +113,28 @@ static tvi_status make_pass_from_displaced_unknowns(galerkin_field *field, galer
 
 /* Measures the movement of a pass and its roundoff. The iterations within a pass may move the unknowns back and
  * forth, so that only the distance from their old to their new values counts. */
-tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundoff_probe *probe, double *movement,
-                                         double *roundoff, tvi_stats *stats)
+tvi_status tvi_galerkin_measure_roundoff(galerkin_equations *equations, galerkin_roundoff_probe *probe,
+                                         double *movement, double *roundoff, tvi_stats *stats)
 {
-    const galerkin_nodes *nodes = &field->nodes;
+    const galerkin_nodes *nodes = &equations->nodes;
     memcpy(probe->values_before_pass, nodes->values,
-           count_doubles_in_rows(field, field->pass_input_row_count) * sizeof(double));
-    stats->force_evaluations += tvi_roundoff_estimate_field(&probe->output_displacements, field->system,
-                                                            field->tape_block, nodes->lane_count, field->node_count);
-    for (int i = 0; i < tvi_system_output_count(field->system); i++)
-        probe->output_displacements.output_roundoff[i] *= GALERKIN_PROBE_UNITS;
-    tvi_status status = make_pass_from_displaced_unknowns(field, probe, movement, stats);
-    if (status == TVI_OK) status = galerkin_make_pass(field, movement, stats);
+           count_doubles_in_rows(equations, equations->node_value_row_count_read_by_pass) * sizeof(double));
+    stats->force_evaluations +=
+        tvi_roundoff_estimate_field(&probe->tape_output_roundoff, equations->system, equations->tape_block,
+                                    nodes->lane_count, equations->node_count);
+    for (int i = 0; i < tvi_system_output_count(equations->system); i++)
+        probe->tape_output_roundoff.output_roundoff[i] *= GALERKIN_PROBE_UNITS;
+    tvi_status status = make_pass_from_displaced_unknowns(equations, probe, movement, stats);
+    if (status == TVI_OK) status = galerkin_make_pass(equations, movement, stats);
     *roundoff = compute_squared_distance_to_unknowns(nodes, probe->values_after_displaced_pass);
     *movement = compute_squared_distance_to_unknowns(nodes, probe->values_before_pass);
     return status;
 }
 
-bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_step_origin *origin)
+bool tvi_galerkin_are_nodes_near_start(const galerkin_equations *equations, const tvi_step_origin *origin)
 {
-    const galerkin_nodes *nodes = &field->nodes;
-    return tvi_roundoff_may_exceed_step_motion(field->system, field->step_size, origin->q, origin->p, nodes->values,
-                                               nodes->values + field->system->n * nodes->lane_count, nodes->lane_count,
-                                               field->node_count);
+    const galerkin_nodes *nodes = &equations->nodes;
+    return tvi_roundoff_may_exceed_step_motion(equations->system, equations->step_size, origin->q, origin->p,
+                                               nodes->values, nodes->values + equations->system->n * nodes->lane_count,
+                                               nodes->lane_count, equations->node_count);
 }

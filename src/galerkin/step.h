@@ -38,7 +38,7 @@ typedef struct {
     /* The limit of the movement of the first pass of a step, a sum of squares. If the movement is larger, the
      * prediction of the step had a relative error above 1/100, and the next step is predicted from the last step
      * alone. */
-    double max_first_movement_square;
+    double first_movement_square_limit_for_two_steps;
     /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_size_ratio
      * times as large and begins at the fraction resized_step_elapsed_fraction of the last step. */
     double *resized_step_extrapolation;
@@ -49,9 +49,10 @@ typedef struct {
     double *zeros, *ones; /* [unknowns + lanes] vectors of zeros and of ones */
 } galerkin_predictor;
 
-void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena, const galerkin_field *field);
+void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *arena,
+                                     const galerkin_equations *equations);
 void tvi_galerkin_set_predictor_tables(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                       const galerkin_field *field);
+                                       const galerkin_equations *equations);
 /* Returns whether a step of size h from time t begins where the last step ended. */
 static inline bool galerkin_follows_last_step(const galerkin_history *history, double h, double t)
 {
@@ -61,11 +62,11 @@ static inline bool galerkin_follows_last_step(const galerkin_history *history, d
 /* Returns whether the last step can predict a step of the field's size from time t, because its nodes are near those of
  * the last step. *elapsed_fraction is the fraction of the last step at which the new step begins: 1 for its end, 0 for
  * its start. */
-bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_field *field, double t,
-                                             double *elapsed_fraction);
+bool tvi_galerkin_can_predict_from_last_step(const galerkin_predictor *predictor, const galerkin_equations *equations,
+                                             double t, double *elapsed_fraction);
 /* Predicts the field's unknowns from the last step, which has another size or starts elsewhere. */
 void tvi_galerkin_predict_from_last_step(galerkin_predictor *predictor, const galerkin_coefficients *coefficients,
-                                         const galerkin_node_polynomials *polynomials, galerkin_field *field,
+                                         const galerkin_node_polynomials *polynomials, galerkin_equations *equations,
                                          double elapsed_fraction);
 /* Returns the impulses of the last step if steps_after_last is 0, of an earlier step if it is negative, and of the next
  * step if it is 1. */
@@ -79,14 +80,15 @@ static inline double *galerkin_find_impulses_of_step(const galerkin_predictor *p
 
 /* The memory for measuring the roundoff of a pass. */
 typedef struct {
-    tvi_roundoff_estimator output_displacements;
-    /* [pass_input_row_count][lanes] The rows of nodes.values before a pass, and after a pass from displaced values. */
+    tvi_roundoff_estimator tape_output_roundoff;
+    /* [node_value_row_count_read_by_pass][lanes] The rows of nodes.values before a pass, and after a pass from
+     * displaced values. */
     double *values_before_pass, *values_after_displaced_pass;
     /* [unknowns][lanes] Copies of drift_values_low and of the impulses of the nodes. */
     double *saved_drift_values_low, *saved_impulses;
 } galerkin_roundoff_probe;
 
-void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_field *field);
+void tvi_galerkin_allocate_probe(galerkin_roundoff_probe *probe, tvi_arena *arena, const galerkin_equations *equations);
 
 /* Returns the rule that ends the passes of a step, from the rule for one unknown at one node and from the user's
  * options. unknown_value_count is the number of unknowns times the number of lanes. */
@@ -95,12 +97,12 @@ tvi_stopping_rule tvi_galerkin_scale_passes_rule(const tvi_stopping_rule *rule_p
 
 /* Returns whether the nodes are still near the start of the step (tvi_roundoff_may_exceed_step_motion of roundoff.h),
  * and have not diverged. */
-bool tvi_galerkin_are_nodes_near_start(const galerkin_field *field, const tvi_step_origin *origin);
+bool tvi_galerkin_are_nodes_near_start(const galerkin_equations *equations, const tvi_step_origin *origin);
 
 /* Makes the next pass, which moves the unknowns by *movement, and measures its roundoff: the difference from a pass
  * with displaced unknowns and displaced values of the field. Both results are sums of squares, as the passes measure
  * movements. */
-TVI_NODISCARD tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, galerkin_roundoff_probe *probe,
+TVI_NODISCARD tvi_status tvi_galerkin_measure_roundoff(galerkin_equations *equations, galerkin_roundoff_probe *probe,
                                                        double *movement, double *roundoff, tvi_stats *stats);
 
 /* ---- The stepper ------------------------------------------------------------------------------------------------- */
@@ -108,7 +110,7 @@ TVI_NODISCARD tvi_status tvi_galerkin_measure_roundoff(galerkin_field *field, ga
 typedef struct {
     const tvi_options *options;
     int n;
-    galerkin_field field;
+    galerkin_equations equations;
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
     galerkin_roundoff_probe probe;
@@ -116,10 +118,10 @@ typedef struct {
     galerkin_node_polynomials node_polynomials;
     /* [2n] The factors of the sums of impulses in the increments of q and p. */
     double *increment_per_impulse;
-    galerkin_rate_tail_data tail_inputs;
-    galerkin_step_data step_data; /* pointers to the data of this stepper, for the functions of steps.h */
+    galerkin_tail_inputs tail_inputs;
+    galerkin_step_inputs step_inputs; /* pointers to the parts of this stepper, for steps.h */
     /* The system's generated code, or NULL if there is none. */
-    const galerkin_code *generated_code;
+    const galerkin_generated_code *generated_code;
 } galerkin_stepper;
 
 /* Computes the weights and scales of the nodes for the step size h, if h differs from the size of the last step. */

@@ -9,12 +9,12 @@
 #include "tvi.h"
 #include "vector.h"
 
-/* The data with which the functions of this file make steps: the kernels, the nodes, the coefficient tables and the
- * memory of a stepper. */
-typedef struct galerkin_step_data {
+/* The inputs of the functions of this file, apart from the state and the request: the kernels, the nodes, the
+ * coefficient tables and the memory of a stepper. */
+typedef struct galerkin_step_inputs {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
-    const galerkin_rate_tail_data *tail_inputs;
+    const galerkin_tail_inputs *tail_inputs;
     const galerkin_impulse_sum_weights *impulse_sum_weights;
     const tvi_stopping_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
@@ -22,14 +22,14 @@ typedef struct galerkin_step_data {
     const double *two_step_extrapolation, *last_step_extrapolation;
     /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from
      * the last step alone. */
-    double max_first_movement_square;
+    double first_movement_square_limit_for_two_steps;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
-    double *drift, *drift_low;
+    double *coordinate_drift_over_step, *coordinate_drift_over_step_low;
     /* [GALERKIN_RING_LENGTH] The impulses of the last steps, stored in the history. */
     double *const *impulse_ring;
-    /* lagrangian_passes or hamiltonian_passes, or NULL if passes use no second derivatives. */
+    /* lagrangian_pass_context or hamiltonian_pass_context, or NULL if passes use no second derivatives. */
     void *form_work;
-} galerkin_step_data;
+} galerkin_step_inputs;
 
 /* The functions that make the passes of a step and predict its unknowns. The library and generated code supply
  * different ones. */
@@ -48,7 +48,7 @@ typedef struct {
 typedef struct {
     tvi_status status; /* TVI_OK, or TVI_ENOCONV if the passes are stuck or too many */
     int pass_count;
-    tvi_convergence_test convergence_test;
+    tvi_convergence_test passes_so_far;
     /* The convergence of an earlier step of the same size when the iteration begins, and of this step when the
      * iteration has ended. */
     galerkin_convergence convergence;
@@ -80,93 +80,93 @@ typedef struct galerkin_steps_outcome {
 
 /* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
 
-JET_INLINE void galerkin_set_drift_values(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+JET_INLINE void galerkin_set_drift_values(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
                                           const tvi_step_origin *origin)
 {
-    if (step_data->tail_inputs->is_separable)
-        GALERKIN_KERNEL(step_data->kernels, set_linear_drift_values, nodes, step_data->node_abscissa, origin,
-                        step_data->drift, step_data->drift_low);
-    else GALERKIN_KERNEL(step_data->kernels, set_constant_drift_values, nodes, step_data->tail_inputs->n, origin);
+    if (step_inputs->tail_inputs->is_separable)
+        GALERKIN_KERNEL(step_inputs->kernels, set_linear_drift_values, nodes, step_inputs->node_abscissa, origin,
+                        step_inputs->coordinate_drift_over_step, step_inputs->coordinate_drift_over_step_low);
+    else GALERKIN_KERNEL(step_inputs->kernels, set_constant_drift_values, nodes, step_inputs->tail_inputs->n, origin);
 }
 
-JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_data *step_data, int ring_index)
+JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_inputs *step_inputs, int ring_index)
 {
-    return step_data->impulse_ring[ring_index < 0                      ? ring_index + GALERKIN_RING_LENGTH
-                                   : ring_index < GALERKIN_RING_LENGTH ? ring_index
-                                                                       : ring_index - GALERKIN_RING_LENGTH];
+    return step_inputs->impulse_ring[ring_index < 0                      ? ring_index + GALERKIN_RING_LENGTH
+                                     : ring_index < GALERKIN_RING_LENGTH ? ring_index
+                                                                         : ring_index - GALERKIN_RING_LENGTH];
 }
 
 /* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only one
- * earlier step has the same size, or the first movement of the last step exceeded max_first_movement_square. Otherwise
- * returns 0. */
-JET_INLINE long long galerkin_make_last_step_only_mask(const galerkin_step_data *step_data, int equal_step_count,
+ * earlier step has the same size, or the first movement of the last step exceeded
+ * first_movement_square_limit_for_two_steps. Otherwise returns 0. */
+JET_INLINE long long galerkin_make_last_step_only_mask(const galerkin_step_inputs *step_inputs, int equal_step_count,
                                                        double first_movement_square)
 {
-    return equal_step_count < 2 || first_movement_square > step_data->max_first_movement_square ? -1 : 0;
+    return equal_step_count < 2 || first_movement_square > step_inputs->first_movement_square_limit_for_two_steps ? -1
+                                                                                                                  : 0;
 }
 
-JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_data *step_data, int ring_index,
+JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_inputs *step_inputs, int ring_index,
                                                                 const long long *last_step_only_mask)
 {
-    return (galerkin_extrapolation){step_data->two_step_extrapolation, step_data->last_step_extrapolation,
-                                    galerkin_find_impulses_in_ring(step_data, ring_index),
-                                    galerkin_find_impulses_in_ring(step_data, ring_index - 1), last_step_only_mask};
+    return (galerkin_extrapolation){step_inputs->two_step_extrapolation, step_inputs->last_step_extrapolation,
+                                    galerkin_find_impulses_in_ring(step_inputs, ring_index),
+                                    galerkin_find_impulses_in_ring(step_inputs, ring_index - 1), last_step_only_mask};
 }
 
 /* Records a pass of a member with this movement, and decides whether the iteration may end. */
 JET_INLINE tvi_passes_verdict galerkin_judge_pass(const tvi_stopping_rule *rule, galerkin_member_iteration *iteration,
                                                   double movement)
 {
-    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&iteration->convergence_test, rule, movement);
+    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(&iteration->passes_so_far, rule, movement);
     if (iteration->pass_count++ == 0) iteration->convergence.first_movement_square = movement;
-    iteration->convergence.largest_contraction_ratio = iteration->convergence_test.slowest_ratio;
+    iteration->convergence.largest_contraction_ratio = iteration->passes_so_far.slowest_ratio;
     iteration->status = !(movement < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
     return iteration->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
 /* Makes passes of all members of a batch together, until each member has converged or is stuck (its movements no longer
  * shrink), or the number of passes is at its limit. A pass does not move members that have converged or are stuck. */
-JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+JET_INLINE void galerkin_make_passes_of_batch(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
                                               const galerkin_pass_functions *pass_functions,
                                               galerkin_batch_iteration *iteration)
 {
     int left = 0;
     for (int m = 0; m < nodes->member_count; m++) {
-        iteration->correction[m] = iteration->previous_correction[m] = iteration->correction_without_roundoff[m] =
-            INFINITY;
+        iteration->last_judged_movement_square[m] = iteration->previous_judged_movement_square[m] =
+            iteration->movement_square_without_roundoff[m] = INFINITY;
         iteration->contraction_ratio[m] = iteration->pass_count_as_double[m] = 0;
         iteration->converged_mask[m] = 0;
         left -= (int)iteration->moving_mask[m];
     }
-    for (int count = 1; left > 0 && count <= step_data->passes_rule->max_passes; count++) {
+    for (int count = 1; left > 0 && count <= step_inputs->passes_rule->max_passes; count++) {
         (void)pass_functions->make_pass(pass_functions->work, nodes, iteration->movement_square, NULL);
-        left = step_data->kernels->judge_passes(iteration, step_data->passes_rule, nodes->member_count, count);
+        left = step_inputs->kernels->judge_passes(iteration, step_inputs->passes_rule, nodes->member_count, count);
     }
 }
 
 /* Makes the passes of one member until they converge. If the movements no longer shrink, the roundoff of a pass is
  * measured. */
-JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
                                                const galerkin_pass_functions *pass_functions,
                                                galerkin_member_iteration *iteration, double *movement)
 {
-    const int most = step_data->passes_rule->max_passes;
+    const int most = step_inputs->passes_rule->max_passes;
     bool is_stuck = false;
-    tvi_convergence_test_begin_iteration(&iteration->convergence_test,
-                                         iteration->convergence.largest_contraction_ratio);
+    tvi_convergence_test_begin_iteration(&iteration->passes_so_far, iteration->convergence.largest_contraction_ratio);
     iteration->pass_count = 0;
     iteration->status = most > 0 ? TVI_ENOCONV : TVI_OK;
     *movement = 0;
     while (iteration->pass_count < most) {
-        const bool suspects = is_stuck && iteration->convergence_test.roundoff == 0 && iteration->pass_count + 1 < most;
+        const bool suspects = is_stuck && iteration->passes_so_far.roundoff == 0 && iteration->pass_count + 1 < most;
         const tvi_status status = pass_functions->make_pass(pass_functions->work, nodes, movement,
-                                                            suspects ? &iteration->convergence_test.roundoff : NULL);
+                                                            suspects ? &iteration->passes_so_far.roundoff : NULL);
         if (status != TVI_OK) {
             iteration->status = status;
             return;
         }
-        iteration->pass_count += suspects && iteration->convergence_test.roundoff > 0;
-        const tvi_passes_verdict verdict = galerkin_judge_pass(step_data->passes_rule, iteration, *movement);
+        iteration->pass_count += suspects && iteration->passes_so_far.roundoff > 0;
+        const tvi_passes_verdict verdict = galerkin_judge_pass(step_inputs->passes_rule, iteration, *movement);
         if (verdict == TVI_PASSES_MAY_END) return;
         is_stuck |= verdict == TVI_PASSES_STUCK;
     }
@@ -174,24 +174,25 @@ JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_data *step_da
 
 /* Computes the increments of a step from its impulses, and for each member the tail, an estimate of what the truncated
  * series leaves out, [member_count]. */
-JET_INLINE void galerkin_compute_increments(const galerkin_step_data *step_data, const galerkin_nodes *nodes,
+JET_INLINE void galerkin_compute_increments(const galerkin_step_inputs *step_inputs, const galerkin_nodes *nodes,
                                             const tvi_step_origin *origin, const tvi_increments *increments,
                                             double tail[])
 {
-    galerkin_rate_tail_data inputs = *step_data->tail_inputs;
+    galerkin_tail_inputs inputs = *step_inputs->tail_inputs;
     inputs.start_q = origin->q;
     inputs.start_p = origin->p;
     inputs.momentum_increment = increments->dp;
-    GALERKIN_KERNEL(step_data->kernels, sum_impulses, nodes, step_data->impulse_sum_weights,
+    GALERKIN_KERNEL(step_inputs->kernels, sum_impulses, nodes, step_inputs->impulse_sum_weights,
                     &inputs.impulse_sums_over_nodes);
     if (inputs.is_separable)
-        GALERKIN_KERNEL(step_data->kernels, compute_drifting_increments, nodes, &inputs.impulse_sums_over_nodes,
-                        step_data->drift, step_data->drift_low, increments);
+        GALERKIN_KERNEL(step_inputs->kernels, compute_drifting_increments, nodes, &inputs.impulse_sums_over_nodes,
+                        step_inputs->coordinate_drift_over_step, step_inputs->coordinate_drift_over_step_low,
+                        increments);
     else
-        GALERKIN_KERNEL(step_data->kernels, compute_increments, nodes, &inputs.impulse_sums_over_nodes, inputs.n,
+        GALERKIN_KERNEL(step_inputs->kernels, compute_increments, nodes, &inputs.impulse_sums_over_nodes, inputs.n,
                         increments);
     for (int m = 0; m < nodes->member_count; m++) tail[m] = 0;
-    if (nodes->node_count > 1) GALERKIN_KERNEL(step_data->kernels, compute_tails, &inputs, nodes->member_count, tail);
+    if (nodes->node_count > 1) GALERKIN_KERNEL(step_inputs->kernels, compute_tails, &inputs, nodes->member_count, tail);
 }
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
@@ -224,30 +225,30 @@ JET_INLINE bool galerkin_try_adding_step_to_state(int n, const tvi_run_request *
 
 /* Makes steps of one member in a row from the origin, and adds them to `state`. If `state` is NULL, makes a single step
  * and adds nothing. If outcome->equal_step_count is 0, the caller has set the unknowns of the first step. */
-JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerkin_nodes *nodes,
+JET_INLINE void galerkin_make_steps(const galerkin_step_inputs *step_inputs, galerkin_nodes *nodes,
                                     const galerkin_pass_functions *pass_functions, const tvi_run_request *run,
                                     const tvi_step_origin *origin, const tvi_run_state *state,
                                     galerkin_steps_outcome *outcome)
 {
-    const int n = step_data->tail_inputs->n;
+    const int n = step_inputs->tail_inputs->n;
     while (outcome->step_count < run->max_steps) {
         const double t = state ? state->q[n] : origin->t;
         galerkin_member_iteration iteration = {.convergence = outcome->convergence};
         double movement, tail;
-        nodes->impulses = galerkin_find_impulses_in_ring(step_data, outcome->last_ring_index + 1);
-        galerkin_set_drift_values(step_data, nodes, origin);
+        nodes->impulses = galerkin_find_impulses_in_ring(step_inputs, outcome->last_ring_index + 1);
+        galerkin_set_drift_values(step_inputs, nodes, origin);
         if (outcome->equal_step_count > 0) {
             const long long last_step_only_mask = galerkin_make_last_step_only_mask(
-                step_data, outcome->equal_step_count, outcome->convergence.first_movement_square);
+                step_inputs, outcome->equal_step_count, outcome->convergence.first_movement_square);
             const galerkin_extrapolation extrapolation =
-                galerkin_select_extrapolation(step_data, outcome->last_ring_index, &last_step_only_mask);
+                galerkin_select_extrapolation(step_inputs, outcome->last_ring_index, &last_step_only_mask);
             pass_functions->predict(pass_functions->work, nodes, &extrapolation);
         }
-        GALERKIN_KERNEL(step_data->kernels, set_sizes, nodes, n);
-        galerkin_make_passes_of_member(step_data, nodes, pass_functions, &iteration, &movement);
+        GALERKIN_KERNEL(step_inputs->kernels, set_sizes, nodes, n);
+        galerkin_make_passes_of_member(step_inputs, nodes, pass_functions, &iteration, &movement);
         outcome->status = iteration.status;
         if (iteration.status == TVI_OK)
-            galerkin_compute_increments(step_data, nodes, origin, &run->last_step_increments_out, &tail);
+            galerkin_compute_increments(step_inputs, nodes, origin, &run->last_step_increments_out, &tail);
         if (iteration.status != TVI_OK ||
             (state && !galerkin_try_adding_step_to_state(n, run, state, tail, iteration.pass_count))) {
             outcome->pass_count_of_failed_step = iteration.pass_count;
@@ -267,9 +268,9 @@ JET_INLINE void galerkin_make_steps(const galerkin_step_data *step_data, galerki
 }
 
 /* The entry point of generated code: `steps` makes steps, as galerkin_make_steps does. */
-typedef struct galerkin_code {
-    void (*steps)(const galerkin_step_data *step_data, const tvi_run_request *run, const tvi_step_origin *origin,
+typedef struct galerkin_generated_code {
+    void (*steps)(const galerkin_step_inputs *step_inputs, const tvi_run_request *run, const tvi_step_origin *origin,
                   const tvi_run_state *state, galerkin_steps_outcome *outcome);
-} galerkin_code;
+} galerkin_generated_code;
 
 #endif

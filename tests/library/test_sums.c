@@ -109,8 +109,9 @@ START_TEST(increments_have_two_parts)
     const jet_isa isa = (jet_isa)(_i / GALERKIN_KERNEL_TABLE_COUNT);
     double of[6][UNKNOWNS], by[4][UNKNOWNS];
     double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
-    const galerkin_nodes nodes = {
-        .lane_count = lanes_of[_i % GALERKIN_KERNEL_TABLE_COUNT], .unknown_count = UNKNOWNS, .impulse_scale = scale};
+    const galerkin_nodes nodes = {.lane_count = lanes_of[_i % GALERKIN_KERNEL_TABLE_COUNT],
+                                  .unknown_count = UNKNOWNS,
+                                  .unknown_change_per_impulse = scale};
     const galerkin_impulse_sums sums = {.rate_integral = once,
                                         .rate_double_integral = twice,
                                         .rate_integral_low = drift_low,
@@ -154,7 +155,7 @@ static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nod
             for (int j = 0; j < a->node_count; j++)
                 of_impulses += (long double)a->impulse_matrix[j * a->lane_count + i] *
                                (nodes->impulse_weight[j] * force[u * a->lane_count + j]);
-            const long double way = nodes->drift_values_low[at] + nodes->impulse_scale[u] * of_impulses;
+            const long double way = nodes->drift_values_low[at] + nodes->unknown_change_per_impulse[u] * of_impulses;
             sample_add(errors, (double)((nodes->values[at] - nodes->drift_values[at]) - way) / DBL_EPSILON);
         }
 }
@@ -168,7 +169,7 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
                                   .node_count = a->node_count,
                                   .member_count = 1,
                                   .unknown_count = unknowns,
-                                  .unknown_count_per_half = unknowns,
+                                  .coordinate_unknown_count = unknowns,
                                   .moving_unknown_count = unknowns,
                                   .values = w.x,
                                   .start_values = w.start,
@@ -176,7 +177,7 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
                                   .drift_values_low = w.base,
                                   .impulse_weight = w.weight,
                                   .impulses = w.impulse,
-                                  .impulse_scale = w.scale,
+                                  .unknown_change_per_impulse = w.scale,
                                   .inverse_unknown_size = w.inverse_size};
     uint64_t bits = 1;
     sample errors = {0};

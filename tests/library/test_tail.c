@@ -362,18 +362,18 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
     double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8], tail;
     for (int i = 0; i < n; i++) scale[i] = per_scale[i] = p[i] = 1, last[i] = 1e-4;
     p[1] = 1e-3, last[1] = 5e-4;
-    const galerkin_rate_tail_data of = {.n = n,
-                                        .is_separable = true,
-                                        .has_masses = true,
-                                        .subsystems = {1 + is_alone, member, end + !is_alone},
-                                        .impulse_sums_over_nodes = {.last_term = last, .end_impulse_size = zero},
-                                        .impulse_scale = scale,
-                                        .inverse_impulse_scale = per_scale,
-                                        .start_q = zero,
-                                        .start_p = p,
-                                        .momentum_increment = zero,
-                                        .component_motion_share = share,
-                                        .component_tail_ratio = ratio};
+    const galerkin_tail_inputs of = {.n = n,
+                                     .is_separable = true,
+                                     .has_masses = true,
+                                     .subsystems = {1 + is_alone, member, end + !is_alone},
+                                     .impulse_sums_over_nodes = {.last_term = last, .end_impulse_size = zero},
+                                     .unknown_change_per_impulse = scale,
+                                     .inverse_unknown_change_per_impulse = per_scale,
+                                     .start_q = zero,
+                                     .start_p = p,
+                                     .momentum_increment = zero,
+                                     .component_share_of_subsystem_motion = share,
+                                     .component_tail_ratio = ratio};
     tvi_galerkin_kernels_base[0]->compute_tails(&of, 1, &tail);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);
 }
