@@ -1,6 +1,6 @@
 /* members.h - computes weighted sums of rows whose lanes are members of an ensemble, with the same bits as
  * jet_combine_strided_rows (sums.h) computes for one member. It handles four vectors at once, so that each weight is
- * loaded once. The quick steps of quick_members.c call it. */
+ * loaded once. The fast-path steps of quick_members.c call it. */
 #ifndef TVI_SRC_GENERATING_MEMBERS_H
 #define TVI_SRC_GENERATING_MEMBERS_H
 
@@ -9,8 +9,9 @@
 enum { MEMBERS_PARTS = 4, MEMBERS_VECTOR = sizeof(jet_widest) / sizeof(double) };
 
 /* Computes vector_count vectors of out as weighted sums of the vectors of the rows. */
-JET_INLINE void members_combine_vectors(int vector_count, int row_count, const double *weight, size_t weight_stride,
-                                        size_t stride, const double *row, double *out)
+JET_INLINE void members_combine_rows_in_simd_vectors(int vector_count, int row_count, const double *weight,
+                                                     size_t weight_stride, size_t stride, const double *row,
+                                                     double *out)
 {
     jet_widest sum[MEMBERS_PARTS] = {{0}}, odd[MEMBERS_PARTS] = {{0}};
     int j = row_count - 1;
@@ -33,9 +34,10 @@ static inline void members_combine_rows(int row_count, const double *weight, siz
 {
     int here = 0;
     for (; here + MEMBERS_PARTS * MEMBERS_VECTOR <= width; here += MEMBERS_PARTS * MEMBERS_VECTOR)
-        members_combine_vectors(MEMBERS_PARTS, row_count, weight, weight_stride, stride, row + here, out + here);
+        members_combine_rows_in_simd_vectors(MEMBERS_PARTS, row_count, weight, weight_stride, stride, row + here,
+                                             out + here);
     for (; here < width; here += MEMBERS_VECTOR)
-        members_combine_vectors(1, row_count, weight, weight_stride, stride, row + here, out + here);
+        members_combine_rows_in_simd_vectors(1, row_count, weight, weight_stride, stride, row + here, out + here);
 }
 
 #endif

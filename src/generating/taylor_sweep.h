@@ -51,13 +51,16 @@ JET_INLINE void taylor_rescale_and_sum(const tvi_taylor_rows *rows, const double
     const int components = rows->component_count;
     int here = 0;
 #ifdef JET_WIDE
-    for (; here + 8 <= components; here += 8) taylor_eight_rows(rows, power, x, sums, has_slope_sums, here);
+    for (; here + 8 <= components; here += 8)
+        taylor_eight_rescale_and_sum_rows(rows, power, x, sums, has_slope_sums, here);
 #endif
 #ifdef __AVX__
-    for (; here + 4 <= components; here += 4) taylor_four_rows(rows, power, x, sums, has_slope_sums, here);
+    for (; here + 4 <= components; here += 4)
+        taylor_four_rescale_and_sum_rows(rows, power, x, sums, has_slope_sums, here);
 #endif
-    for (; here + 2 <= components; here += 2) taylor_two_rows(rows, power, x, sums, has_slope_sums, here);
-    for (; here < components; here++) taylor_one_rows(rows, power, x, sums, has_slope_sums, here);
+    for (; here + 2 <= components; here += 2)
+        taylor_two_rescale_and_sum_rows(rows, power, x, sums, has_slope_sums, here);
+    for (; here < components; here++) taylor_one_rescale_and_sum_rows(rows, power, x, sums, has_slope_sums, here);
 }
 
 #endif
