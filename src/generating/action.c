@@ -15,7 +15,7 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
     const int n = curve->n, points = action->node_count;
     tvi_roundoff_estimator *roundoff = &action->field_roundoff;
     if (tvi_curve_factor_velocity_hessian(curve) != TVI_OK) return 0;
-    (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_block, points, points);
+    (void)tvi_roundoff_estimate_field(roundoff, curve->system, action->field_tape_values_at_nodes, points, points);
     for (int i = 0; i < n; i++) {
         const double of_v = DBL_EPSILON * tvi_largest_magnitude(points, action->gradient_by_v + i * points, 1);
         action->node_momentum_correction[i] =
@@ -25,8 +25,8 @@ double tvi_estimate_node_momenta_roundoff(tvi_action *action, tvi_curve *curve)
     return ROUNDOFF_MAX_UNITS * tvi_largest_magnitude(n, action->node_momentum_correction, 1);
 }
 
-int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
-                              double q_roundoff[], double p_roundoff[])
+int tvi_estimate_end_state_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[],
+                                    const double p[], double q_roundoff[], double p_roundoff[])
 {
     const tvi_system *system = curve->system;
     const double *output_roundoff = action->field_roundoff.output_roundoff;
@@ -34,10 +34,11 @@ int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double
     const int n = curve->n, points = action->node_count;
     memset(q_roundoff, 0, (size_t)n * sizeof *q_roundoff);
     memset(p_roundoff, 0, (size_t)n * sizeof *p_roundoff);
-    if (!tvi_roundoff_may_exceed_step_motion(system, h, q, p, action->field_block, action->p_at_nodes, points, points))
+    if (!tvi_roundoff_may_exceed_step_motion(system, h, q, p, action->field_tape_values_at_nodes, action->p_at_nodes,
+                                             points, points))
         return 0;
-    const int values =
-        tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_block, points, points);
+    const int values = tvi_roundoff_estimate_field(&action->field_roundoff, system, action->field_tape_values_at_nodes,
+                                                   points, points);
     for (int i = 0; i < n; i++) {
         const double of_force = fabs(h) * output_roundoff[i], of_second = separable ? 0 : output_roundoff[n + i];
         p_roundoff[i] = of_force + DBL_EPSILON * fabs(p[i]);
@@ -52,28 +53,29 @@ tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tvi_curve *curve
                                             const double p[])
 {
     const size_t panel = (size_t)(curve->n * action->node_count) * sizeof *q;
-    memcpy(action->field_block, q, panel);
+    memcpy(action->field_tape_values_at_nodes, q, panel);
     memcpy(action->gradient_by_v, v, panel);
     memcpy(action->p_at_nodes, p, panel);
-    seeds_set_node_times(action, curve, action->field_block);
+    seeds_set_node_times(action, curve, action->field_tape_values_at_nodes);
     return seeds_compute_lagrange_node_gradient(action, curve);
 }
 
 /* Computes the derivatives of the action's terms at truncated nodes. There q_i lacks the highest term of the curve, and
  * q'_i = H_p(q_i, p_i). The derivatives are gradient_by_q = tau (H_qp p - H_q), gradient_by_p = tau H_pp p and
  * gradient_by_v = -p. */
-static tvi_status compute_action_gradient_at_truncated_nodes(tvi_action *action, const tvi_curve *curve)
+static tvi_status compute_action_gradient_with_truncated_q(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const int n = curve->n, points = action->node_count;
     const size_t panel = (size_t)(n * points) * sizeof(double);
     const bool separable = system->form == TVI_SEPARABLE;
-    if (!separable) memcpy(action->field_block + n * points, action->p_at_nodes, panel);
+    if (!separable) memcpy(action->field_tape_values_at_nodes + n * points, action->p_at_nodes, panel);
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
     if (status != TVI_OK) return status;
-    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
+    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->time_unit : -curve->time_unit,
+                                    action->gradient_by_q);
     if (!separable) {
-        memcpy(action->hessian_product_block, action->field_block,
+        memcpy(action->hessian_product_block, action->field_tape_values_at_nodes,
                (size_t)(2 * n + system->uses_time) * (size_t)points * sizeof(double));
         memcpy(action->hessian_product_block + (2 * n + 1) * points, action->p_at_nodes, panel);
         if (!jet_sweep_values(system->r_dot_Hp_values, action->hessian_product_block, points)) return TVI_EDOMAIN;
@@ -82,14 +84,14 @@ static tvi_status compute_action_gradient_at_truncated_nodes(tvi_action *action,
         for (int node = 0; node < points; node++) {
             const int place = i * points + node;
             if (separable) {
-                action->gradient_by_p[place] = curve->tau * action->p_at_nodes[place] / system->mass[i];
+                action->gradient_by_p[place] = curve->time_unit * action->p_at_nodes[place] / system->mass[i];
             } else {
                 action->gradient_by_q[place] +=
-                    curve->tau *
+                    curve->time_unit *
                     seeds_get_field_output_row(action, system->r_dot_Hp_values, action->hessian_product_block, i)[node];
                 action->gradient_by_p[place] =
-                    curve->tau * seeds_get_field_output_row(action, system->r_dot_Hp_values,
-                                                            action->hessian_product_block, n + i)[node];
+                    curve->time_unit * seeds_get_field_output_row(action, system->r_dot_Hp_values,
+                                                                  action->hessian_product_block, n + i)[node];
             }
             action->gradient_by_v[place] = -action->p_at_nodes[place];
         }
@@ -110,11 +112,11 @@ static tvi_status compute_seeds_without_finite_check(tvi_action *action, tvi_cur
         if (status == TVI_ENOCONV)
             return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
-            (void)jet_explain_failed_sweep(action->field_tape, action->field_block, action->node_count);
+            (void)jet_explain_failed_sweep(action->field_tape, action->field_tape_values_at_nodes, action->node_count);
         return status;
     }
-    seeds_clear_and_evaluate_curve(action, curve, seed_Q, seed_U);
-    const tvi_status status = compute_action_gradient_at_truncated_nodes(action, curve);
+    seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
+    const tvi_status status = compute_action_gradient_with_truncated_q(action, curve);
     if (status == TVI_OK) seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
     return status;
 }

@@ -34,7 +34,7 @@ TVI_NODISCARD tvi_status tvi_evaluate_lagrangian_at_nodes(tvi_action *action, tv
 /* Estimates q_roundoff and p_roundoff, [n] each: the roundoff of q and p at the ends of a step of size h from (q, p).
  * The roundoff stems from the field, as last evaluated at the nodes, and from p itself. Both roundoffs are 0 if the
  * increments of the step are larger than q and p. Returns the number of force evaluations that it made. */
-int tvi_estimate_end_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
-                              double q_roundoff[], double p_roundoff[]);
+int tvi_estimate_end_state_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[],
+                                    const double p[], double q_roundoff[], double p_roundoff[]);
 
 #endif

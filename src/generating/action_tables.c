@@ -32,7 +32,7 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
                         .p_degree = p_degree,
                         .node_count = points,
                         .order_count = degree + one_more + 1,
-                        .width = width};
+                        .member_count = width};
     if (definition->step_span_in_scaled_time.start_s == -definition->step_span_in_scaled_time.end_s &&
         seeds_need_no_second_derivatives(&sizes) && tvi_quadrature_mirror(options->quadrature) == options->quadrature) {
         sizes.half_node_count = choose_padded_half_node_count(system, points, width);
@@ -51,9 +51,9 @@ static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const t
 {
     const size_t half_rows = (size_t)seeds_round_up_to_vectors((action->order_count + 1) / 2) *
                              (size_t)seeds_round_up_to_vectors(action->half_node_count);
-    table->all_orders = tvi_arena_allocate_doubles(arena, (size_t)(action->order_count * action->node_count));
-    table->even_orders = tvi_arena_allocate_doubles(arena, half_rows);
-    table->odd_orders = tvi_arena_allocate_doubles(arena, half_rows);
+    table->values_of_all_orders = tvi_arena_allocate_doubles(arena, (size_t)(action->order_count * action->node_count));
+    table->values_of_even_orders = tvi_arena_allocate_doubles(arena, half_rows);
+    table->values_of_odd_orders = tvi_arena_allocate_doubles(arena, half_rows);
 }
 
 void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
@@ -65,14 +65,18 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
     action->field_tape = tvi_select_node_tape(system, action);
     action->node_scaled_time = tvi_arena_allocate_doubles(arena, points);
     action->node_weight = tvi_arena_allocate_doubles(arena, points);
-    tvi_node_table *const tables[] = {
-        &action->power_table,        &action->slope_table,          &action->power_second_derivative_table,
-        &action->node_q_power_table, &action->weighted_power_table, &action->weighted_slope_table};
+    tvi_node_table *const tables[] = {&action->power_table,
+                                      &action->slope_table,
+                                      &action->power_second_derivative_table,
+                                      &action->power_table_truncated_by_node_rule,
+                                      &action->weighted_power_table,
+                                      &action->weighted_slope_table};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) allocate_node_table(tables[i], arena, action);
-    action->order_sums = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
+    action->node_sums_by_order = tvi_arena_allocate_doubles(arena, orders * (size_t)width);
     if (tvi_quadrature_order(options->quadrature, options->quadrature_points) < action->q_degree + action->p_degree)
         action->summation_by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
-    action->field_block = tvi_arena_allocate_block(arena, action->field_tape, 1, action->node_count * width, 0);
+    action->field_tape_values_at_nodes =
+        tvi_arena_allocate_block(arena, action->field_tape, 1, action->node_count * width, 0);
     if (system->form == TVI_HAMILTONIAN && action->uses_hamilton_principle && action->omits_highest_order_at_nodes)
         action->hessian_product_block =
             tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->node_count, 0);
@@ -104,22 +108,22 @@ static double compute_quadrature_error(int order, int points, const long double 
 static void set_tables_of_node(tvi_action *action, int node, long double s, bool is_end_of_step)
 {
     for (int k = 2; k < action->order_count; k++)
-        action->power_second_derivative_table.all_orders[k * action->node_count + node] =
+        action->power_second_derivative_table.values_of_all_orders[k * action->node_count + node] =
             (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int place = k * action->node_count + node, weighted = node * action->order_count + k;
         const bool left_out = action->omits_highest_order_at_nodes && k == action->q_degree && !is_end_of_step;
         const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
-        action->power_table.all_orders[place] = power;
-        action->slope_table.all_orders[place] = slope;
-        action->node_q_power_table.all_orders[place] = left_out ? 0 : power;
-        action->weighted_power_table.all_orders[weighted] = action->node_weight[node] * power;
-        action->weighted_slope_table.all_orders[weighted] = action->node_weight[node] * slope;
+        action->power_table.values_of_all_orders[place] = power;
+        action->slope_table.values_of_all_orders[place] = slope;
+        action->power_table_truncated_by_node_rule.values_of_all_orders[place] = left_out ? 0 : power;
+        action->weighted_power_table.values_of_all_orders[weighted] = action->node_weight[node] * power;
+        action->weighted_slope_table.values_of_all_orders[weighted] = action->node_weight[node] * slope;
     }
 }
 
-/* Copies the rows of the table's even orders and of its odd orders, at the first half of the nodes, from all_orders to
- * even_orders and odd_orders. */
+/* Copies the rows of the table's even orders and of its odd orders, at the first half of the nodes, from
+ * values_of_all_orders to values_of_even_orders and values_of_odd_orders. */
 static void split_table_by_order_parity(const tvi_action *action, tvi_node_table *table, bool is_weighted,
                                         double mirror_sign)
 {
@@ -128,21 +132,21 @@ static void split_table_by_order_parity(const tvi_action *action, tvi_node_table
     table->mirror_sign = mirror_sign;
     for (int k = 0; k < orders; k++)
         for (int node = 0; node < half; node++) {
-            double *rows = k % 2 == 0 ? table->even_orders : table->odd_orders;
-            if (is_weighted) rows[node * width + k / 2] = table->all_orders[node * orders + k];
-            else rows[k / 2 * half + node] = table->all_orders[k * action->node_count + node];
+            double *rows = k % 2 == 0 ? table->values_of_even_orders : table->values_of_odd_orders;
+            if (is_weighted) rows[node * width + k / 2] = table->values_of_all_orders[node * orders + k];
+            else rows[k / 2 * half + node] = table->values_of_all_orders[k * action->node_count + node];
         }
 }
 
-/* Returns the node of the quadrature rule at which this point of the action lies, and sets *weight_fraction to the
- * point's fraction of the node's weight. */
-static int find_node_and_weight_fraction(const tvi_action *action, int rule_node_count, int point,
-                                         double *weight_fraction)
+/* Returns the node of the quadrature rule at which this node of the action lies, and sets *share_of_node_weight to the
+ * share of the rule's weight that the node of the action has. */
+static int find_quadrature_node_of_action_node(const tvi_action *action, int quadrature_node_count, int action_node,
+                                               double *share_of_node_weight)
 {
-    const int half = action->half_node_count, at = half > 0 ? point % half : point,
-              node = at < (rule_node_count + 1) / 2 || half == 0 ? at : 0;
-    *weight_fraction = node != at ? 0 : half > 0 && 2 * at + 1 == rule_node_count ? 0.5 : 1;
-    return half > 0 && point >= half ? rule_node_count - 1 - node : node;
+    const int half = action->half_node_count, at = half > 0 ? action_node % half : action_node,
+              node = at < (quadrature_node_count + 1) / 2 || half == 0 ? at : 0;
+    *share_of_node_weight = node != at ? 0 : half > 0 && 2 * at + 1 == quadrature_node_count ? 0.5 : 1;
+    return half > 0 && action_node >= half ? quadrature_node_count - 1 - node : node;
 }
 
 void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, tvi_step_span_in_scaled_time span)
@@ -151,13 +155,13 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
     tvi_quadrature_compute_nodes(options->quadrature, count, s, weight);
     for (int point = 0; point < action->node_count; point++) {
-        double weight_fraction;
-        const int i = find_node_and_weight_fraction(action, count, point, &weight_fraction);
+        double share_of_node_weight;
+        const int i = find_quadrature_node_of_action_node(action, count, point, &share_of_node_weight);
         const bool is_end_of_step = s[i] == -1 || s[i] == 1;
         /* Maps the node s[i] from [-1, 1] to the span. */
         const long double place = span.start_s + (span.end_s - span.start_s) * (1 + s[i]) / 2;
         action->node_scaled_time[point] = (double)place;
-        action->node_weight[point] = weight_fraction * (double)(weight[i] * (span.end_s - span.start_s) / 2);
+        action->node_weight[point] = share_of_node_weight * (double)(weight[i] * (span.end_s - span.start_s) / 2);
         set_tables_of_node(action, point, place, is_end_of_step);
     }
     for (int i = 0; i < count; i++) {
@@ -167,7 +171,7 @@ void tvi_prepare_action_tables(tvi_action *action, const tvi_options *options, t
     split_table_by_order_parity(action, &action->power_table, false, 1);
     split_table_by_order_parity(action, &action->slope_table, false, -1);
     split_table_by_order_parity(action, &action->power_second_derivative_table, false, 1);
-    split_table_by_order_parity(action, &action->node_q_power_table, false, 1);
+    split_table_by_order_parity(action, &action->power_table_truncated_by_node_rule, false, 1);
     split_table_by_order_parity(action, &action->weighted_power_table, true, 1);
     split_table_by_order_parity(action, &action->weighted_slope_table, true, -1);
     if (!action->summation_by_parts_error) return;

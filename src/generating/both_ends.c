@@ -20,8 +20,8 @@
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                               double sign)
+static void allocate_end_curve(tvi_one_end_curve *x, tvi_arena *arena, const tvi_system *system,
+                               const tvi_options *options, double sign)
 {
     /* The nodes of the action of one curve are on that curve with either node rule, since y blends whole curves. The
      * node rule only decides which of the two formulas gives v. */
@@ -32,18 +32,18 @@ static void allocate_end_curve(tvi_end_curve *x, tvi_arena *arena, const tvi_sys
     x->sign_in_curve_difference = x->other_end_scaled_time = sign;
     tvi_curve_allocate(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
     tvi_allocate_action(&x->action, arena, system, &plain, 1);
-    tvi_combination *const combinations[] = {&x->q_increment_weights, &x->u_at_own_end_weights,
-                                             &x->dense_output_q_weights, &x->dense_output_u_weights};
-    for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
-        *combinations[i] = tvi_combination_allocate(&x->curve, arena);
+    tvi_coefficient_combination *const weights[] = {&x->q_increment_weights, &x->scaled_p_at_expansion_point_weights,
+                                                    &x->dense_output_q_weights, &x->dense_output_scaled_p_weights};
+    for (size_t i = 0; i < sizeof weights / sizeof *weights; i++)
+        *weights[i] = tvi_combination_allocate(&x->curve, arena);
     x->node_blend_weight = tvi_arena_allocate_doubles(arena, (size_t)options->quadrature_points);
     x->momentum_coefficients = tvi_arena_allocate_doubles(arena, (size_t)r * n);
     x->action_gradient_by_coefficients_Q = tvi_arena_allocate_doubles(arena, ((size_t)r + 1) * n);
     x->action_gradient_by_z = tvi_arena_allocate_doubles(arena, 2 * n);
     x->q_increment_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
     x->end_condition_multiplier = tvi_arena_allocate_doubles(arena, n);
-    x->unapplied_dz = tvi_arena_allocate_doubles(arena, 2 * n);
-    tvi_factor_allocate(&x->jacobian_by_velocity_factor, arena, system->n, 1);
+    x->last_newton_dz = tvi_arena_allocate_doubles(arena, 2 * n);
+    tvi_factor_allocate(&x->q_by_velocity_jacobian_lu, arena, system->n, 1);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -57,10 +57,10 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
     allocate_end_curve(&w.start_curve, arena, system, options, 1);
     allocate_end_curve(&w.end_curve, arena, system, options, -1);
-    w.has_momentum_terms = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
+    w.action_has_momentum_terms = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
     tvi_newton_allocate(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_allocate(&w.legendre, arena, system);
+        tvi_legendre_allocate(&w.legendre_transform, arena, system);
         w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
     }
     w.q_at_end_weights = tvi_combination_allocate(&w.start_curve.curve, arena);
@@ -83,7 +83,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     return workspace;
 }
 
-static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_end_curve *x, tvi_step_span_in_scaled_time span)
+static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_one_end_curve *x, tvi_step_span_in_scaled_time span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->other_end_scaled_time, k);
@@ -91,7 +91,7 @@ static void set_end_curve_tables(tvi_both_ends_workspace *w, tvi_end_curve *x, t
     tvi_curve_set_summed_degrees(&x->curve, w->degree, w->degree - 1);
     tvi_prepare_action_tables(&x->action, w->options, span);
     tvi_combination_set_weights(&x->q_increment_weights, &x->curve, false, powers);
-    tvi_combination_set_weights(&x->u_at_own_end_weights, &x->curve, true, zeroth);
+    tvi_combination_set_weights(&x->scaled_p_at_expansion_point_weights, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++)
         x->node_blend_weight[node] = 1 - x->other_end_scaled_time * x->action.node_scaled_time[node];
 }
@@ -117,23 +117,24 @@ static void prepare_stepper(void *workspace)
 
 /* Solves B^T end_condition_multiplier = R_v. B is the Jacobian of the position at the curve's other end by the velocity
  * at its own end, and R_v is the action's gradient by that velocity. */
-static tvi_status solve_for_end_condition_multiplier(const tvi_both_ends_workspace *w, tvi_end_curve *x,
+static tvi_status solve_for_end_condition_multiplier(const tvi_both_ends_workspace *w, tvi_one_end_curve *x,
                                                      tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
     tvi_curve_sum_combination_jacobian(&x->curve, &x->q_increment_weights, x->q_increment_jacobian);
     for (size_t i = 0; i < n; i++)
-        memcpy(x->jacobian_by_velocity_factor.lu + i * n, x->q_increment_jacobian + i * 2 * n + n, n * sizeof(double));
+        memcpy(x->q_by_velocity_jacobian_lu.lu + i * n, x->q_increment_jacobian + i * 2 * n + n, n * sizeof(double));
     memcpy(x->end_condition_multiplier, x->action_gradient_by_z + n, n * sizeof(double));
     stats->factorisations++;
-    const tvi_status status = tvi_factor_compute(&x->jacobian_by_velocity_factor);
-    if (status == TVI_OK) tvi_factor_solve_transposed(&x->jacobian_by_velocity_factor, x->end_condition_multiplier);
+    const tvi_status status = tvi_factor_compute(&x->q_by_velocity_jacobian_lu);
+    if (status == TVI_OK) tvi_factor_solve_transposed(&x->q_by_velocity_jacobian_lu, x->end_condition_multiplier);
     return status;
 }
 
 /* Returns component j of (A - I)^T end_condition_multiplier, with A the Jacobian of the position at the curve's other
  * end by the position at its own end. */
-static double compute_jacobian_column_dot_multiplier(const tvi_both_ends_workspace *w, const tvi_end_curve *x, int j)
+static double compute_jacobian_column_dot_multiplier(const tvi_both_ends_workspace *w, const tvi_one_end_curve *x,
+                                                     int j)
 {
     double sum = 0;
     for (int i = 0; i < w->n; i++) sum += x->q_increment_jacobian[i * 2 * w->n + j] * x->end_condition_multiplier[i];
@@ -166,7 +167,7 @@ typedef struct {
     tvi_stats *stats;
 } step_attempt;
 
-static tvi_status expand_end_curve(const step_attempt *attempt, tvi_end_curve *x, const double z[], double centre)
+static tvi_status expand_end_curve(const step_attempt *attempt, tvi_one_end_curve *x, const double z[], double centre)
 {
     attempt->stats->expansions++;
     curve_set_time_unit(&x->curve, attempt->h);
@@ -185,8 +186,8 @@ static void compute_unknown_scales(void *self, double scale[])
     /* The size of a velocity, from the coefficients of a curve of degree 1 that starts at rest, is 0. The magnitudes of
      * the momentum corrections are therefore added to the sizes of v0 and v1. */
     for (int i = 0; i < n; i++) {
-        const double change =
-            fabs(w->start_curve.curve.kappa[i]) * (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));
+        const double change = fabs(w->start_curve.curve.momentum_scale_factor[i]) *
+                              (fabs(w->start_correction_p[i]) + fabs(w->increment_correction_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;
     }
@@ -200,10 +201,10 @@ static void compute_end_condition_residual(const step_attempt *attempt, const do
     const int n = w->n;
     tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment_weights, r);
     tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.q_increment_weights, r + n);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights, r + 2 * n);
-    const double pi = w->has_momentum_terms ? 1 : 0;
+    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.scaled_p_at_expansion_point_weights, r + 2 * n);
+    const double pi = w->action_has_momentum_terms ? 1 : 0;
     for (int i = 0; i < n; i++) {
-        const double kappa = w->start_curve.curve.kappa[i], change = q1[i] - origin->q[i];
+        const double kappa = w->start_curve.curve.momentum_scale_factor[i], change = q1[i] - origin->q[i];
         r[i] -= change - origin->q_low[i];
         r[n + i] += change - origin->q_low[i];
         r[2 * n + i] =
@@ -240,7 +241,7 @@ static bool compute_jacobian(void *self, double matrix[])
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
-    tvi_curve_sum_combination_jacobian(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights,
+    tvi_curve_sum_combination_jacobian(&w->start_curve.curve, &w->start_curve.scaled_p_at_expansion_point_weights,
                                        w->end_curve.q_increment_jacobian);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
@@ -266,23 +267,23 @@ static void estimate_residual_roundoff(void *self, double r[])
     tvi_both_ends_workspace *w = attempt->work;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    attempt->stats->force_evaluations += tvi_estimate_end_roundoff(
+    attempt->stats->force_evaluations += tvi_estimate_end_state_roundoff(
         &w->start_curve.action, &w->start_curve.curve, attempt->h, attempt->origin->q, attempt->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
-    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->start_curve.curve.kappa[i]);
+    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->start_curve.curve.momentum_scale_factor[i]);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Expands the start curve from (q0, p0), and predicts the centre state of the end curve as the end of the start curve.
- * */
+/* Expands the start curve from (q0, p0), and predicts the end curve's centre state as the end of the start curve. */
 static tvi_status predict_unknowns(const step_attempt *attempt)
 {
     tvi_both_ends_workspace *w = attempt->work;
     const size_t n = (size_t)w->n;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status = tvi_legendre_compute_initial_coefficients(
-        &w->legendre, w->system, attempt->h, origin->t, origin->q, origin->p, w->velocity_guess, w->start_curve_z);
+    tvi_status status =
+        tvi_legendre_compute_initial_coefficients(&w->legendre_transform, w->system, attempt->h, origin->t, origin->q,
+                                                  origin->p, w->velocity_guess, w->start_curve_z);
     if (status != TVI_OK) return status;
     status = expand_end_curve(attempt, &w->start_curve, w->start_curve_z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->start_curve_z + n, n * sizeof(double));
@@ -293,14 +294,14 @@ static tvi_status predict_unknowns(const step_attempt *attempt)
 
 /* Stores the correction of each curve's centre state that has not been applied: the low-order part of q0, and the
  * corrections of v0, q1 and v1 by the last pass. */
-static void store_unapplied_correction(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
+static void store_last_newton_dz_of_both_curves(tvi_both_ends_workspace *w, const tvi_step_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
-    memcpy(w->start_curve.unapplied_dz, origin->q_low, bytes);
-    memcpy(w->start_curve.unapplied_dz + n, w->newton.correction, bytes);
-    memcpy(w->end_curve.unapplied_dz, w->newton.correction + n, 2 * bytes);
-    tvi_curve_set_product_direction(&w->start_curve.curve, w->start_curve.unapplied_dz);
-    tvi_curve_set_product_direction(&w->end_curve.curve, w->end_curve.unapplied_dz);
+    memcpy(w->start_curve.last_newton_dz, origin->q_low, bytes);
+    memcpy(w->start_curve.last_newton_dz + n, w->newton.correction, bytes);
+    memcpy(w->end_curve.last_newton_dz, w->newton.correction + n, 2 * bytes);
+    tvi_curve_set_product_direction(&w->start_curve.curve, w->start_curve.last_newton_dz);
+    tvi_curve_set_product_direction(&w->end_curve.curve, w->end_curve.last_newton_dz);
 }
 
 /* Computes the increments of the step, dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa increment_correction_p, with
@@ -308,17 +309,18 @@ static void store_unapplied_correction(tvi_both_ends_workspace *w, const tvi_ste
 static void compute_increments(tvi_both_ends_workspace *w, double dq[], double dp[])
 {
     const int n = w->n;
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.q_increment_weights, dq);
-    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.q_increment_weights, w->scratch);
+    const tvi_one_end_curve *a = &w->start_curve, *b = &w->end_curve;
+    tvi_curve_sum_combination(&a->curve, &a->q_increment_weights, dq);
+    tvi_curve_multiply_jacobian_by_direction(&a->curve, &a->q_increment_weights, w->scratch);
     for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
-    tvi_curve_sum_combination(&w->end_curve.curve, &w->end_curve.u_at_own_end_weights, dp);
-    tvi_curve_sum_combination(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights, w->scratch);
-    for (int i = 0; i < n; i++) dp[i] = w->has_momentum_terms ? dp[i] - w->scratch[i] : 0;
-    tvi_curve_multiply_jacobian_by_direction(&w->end_curve.curve, &w->end_curve.u_at_own_end_weights, w->scratch);
+    tvi_curve_sum_combination(&b->curve, &b->scaled_p_at_expansion_point_weights, dp);
+    tvi_curve_sum_combination(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
+    for (int i = 0; i < n; i++) dp[i] = w->action_has_momentum_terms ? dp[i] - w->scratch[i] : 0;
+    tvi_curve_multiply_jacobian_by_direction(&b->curve, &b->scaled_p_at_expansion_point_weights, w->scratch);
     for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
-    tvi_curve_multiply_jacobian_by_direction(&w->start_curve.curve, &w->start_curve.u_at_own_end_weights, w->scratch);
+    tvi_curve_multiply_jacobian_by_direction(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
     for (int i = 0; i < n; i++)
-        dp[i] = (dp[i] - w->scratch[i]) / w->start_curve.curve.kappa[i] + w->increment_correction_p[i];
+        dp[i] = (dp[i] - w->scratch[i]) / a->curve.momentum_scale_factor[i] + w->increment_correction_p[i];
 }
 
 static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origin *origin,
@@ -335,26 +337,26 @@ static tvi_status step_both_ends(void *workspace, double h, const tvi_step_origi
     tvi_status status = predict_unknowns(&attempt);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;
-    store_unapplied_correction(w, origin);
+    store_last_newton_dz_of_both_curves(w, origin);
     compute_increments(w, increments->dq, increments->dp);
     memcpy(w->last_step_dq, increments->dq, bytes);
     memcpy(w->last_step_dp, increments->dp, bytes);
-    tvi_curve_compute_movement_sizes(&w->start_curve.curve);
-    tvi_curve_compute_movement_sizes(&w->end_curve.curve);
+    tvi_curve_compute_displacement_sizes(&w->start_curve.curve);
+    tvi_curve_compute_displacement_sizes(&w->end_curve.curve);
     stats->tail = fmax(tvi_curve_compute_tail(&w->start_curve.curve), tvi_curve_compute_tail(&w->end_curve.curve));
     return TVI_OK;
 }
 
 /* Adds weight (q(s) - q(0)) of the curve to dq, and weight (p(s) - p(0)) to dp. */
-static void add_weighted_curve_increments(tvi_both_ends_workspace *w, tvi_end_curve *x, double s, double weight,
+static void add_weighted_curve_increments(tvi_both_ends_workspace *w, tvi_one_end_curve *x, double s, double weight,
                                           double dq[], double dp[])
 {
     tvi_combination_set_power_weights(&x->dense_output_q_weights, &x->curve, false, w->degree, 1, s, -1, 0);
-    tvi_combination_set_power_weights(&x->dense_output_u_weights, &x->curve, true, w->degree - 1, 1, s, -1, 0);
+    tvi_combination_set_power_weights(&x->dense_output_scaled_p_weights, &x->curve, true, w->degree - 1, 1, s, -1, 0);
     tvi_curve_sum_combination(&x->curve, &x->dense_output_q_weights, w->scratch);
     for (int i = 0; i < w->n; i++) dq[i] += weight * w->scratch[i];
-    tvi_curve_sum_combination(&x->curve, &x->dense_output_u_weights, w->scratch);
-    for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.kappa[i];
+    tvi_curve_sum_combination(&x->curve, &x->dense_output_scaled_p_weights, w->scratch);
+    for (int i = 0; i < w->n; i++) dp[i] += weight * w->scratch[i] / x->curve.momentum_scale_factor[i];
 }
 
 /* Computes the increments at the fraction theta of the step, by a blend of the curves: the start curve has weight 1 -

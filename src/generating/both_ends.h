@@ -17,10 +17,11 @@ typedef struct {
     double sign_in_curve_difference; /* the sign of this curve in the difference a - b: 1 for a, -1 for b */
     double other_end_scaled_time;    /* the scaled time of the other end: 1 or -1 */
     /* The weights of the Q_k for the difference of q at the other end and at this end: a(1) - q0 or b(-1) - q1. */
-    tvi_combination q_increment_weights;
-    tvi_combination u_at_own_end_weights; /* the weights of the U_k for the scaled momentum at this end, which is U_0 */
+    tvi_coefficient_combination q_increment_weights;
+    /* The weights of the U_k for the scaled momentum at this end, which is U_0. */
+    tvi_coefficient_combination scaled_p_at_expansion_point_weights;
     /* The weights for the increments of q and of u from this end to one point of dense output. */
-    tvi_combination dense_output_q_weights, dense_output_u_weights;
+    tvi_coefficient_combination dense_output_q_weights, dense_output_scaled_p_weights;
     double *node_blend_weight; /* [points] the weight of this curve in the blend at each node: w or 1 - w */
     /* [degree + 1][n] The derivatives of the action by the coefficients Q_k. */
     double *action_gradient_by_coefficients_Q;
@@ -31,23 +32,23 @@ typedef struct {
     /* [n] The Lagrange multiplier of the condition that this curve ends where the other curve starts: l of the start
      * curve, and m of the end curve (both_ends.c). */
     double *end_condition_multiplier;
-    double *unapplied_dz; /* [2n] the correction of z that is applied to first order after the passes */
+    double *last_newton_dz; /* [2n] the correction of z that is applied to first order after the passes */
     /* The factors of the Jacobian of the position at the other end by the velocity at this end. */
-    tvi_lu_factor jacobian_by_velocity_factor;
-} tvi_end_curve;
+    tvi_lu_factor q_by_velocity_jacobian_lu;
+} tvi_one_end_curve;
 
 typedef struct {
     const tvi_system *system;
     const tvi_options *options;
     int n, degree, points;
     /* Whether the action has the terms with pi; if not, pi = 0 in the formulas of both_ends.c. */
-    bool has_momentum_terms;
-    tvi_end_curve start_curve, end_curve;
+    bool action_has_momentum_terms;
+    tvi_one_end_curve start_curve, end_curve;
     tvi_newton newton; /* the corrector; its unknowns are v0, q1, v1, scaled as the z of the curves */
-    tvi_legendre legendre;
+    tvi_legendre legendre_transform;
     /* The weights of the start curve's coefficients for q and tau v (of a Hamiltonian p) at the end of the step. They
      * predict the centre state of the end curve. */
-    tvi_combination q_at_end_weights, velocity_at_end_weights;
+    tvi_coefficient_combination q_at_end_weights, velocity_at_end_weights;
     /* [n][points] The blend of both curves at the nodes: coordinates y, velocities v, momenta pi and dpi/ds. */
     double *q_at_nodes, *v_at_nodes, *p_at_nodes, *dp_ds_at_nodes;
     /* [n][points] The derivatives of the action by y_i, v_i and by the difference a - b of the curves at node i. */

@@ -5,19 +5,19 @@
 #include <string.h>
 
 /* Sums a series of one component at the nodes: series_value_at_node = sum of coefficient_k * table_k for the orders k =
- * lowest_order .. degree. coefficient_k is at coefficients + k * stride, and table_k are the powers s^k at the nodes,
- * or their derivatives. */
-static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int lowest_order, int degree,
+ * lowest_summed_order .. degree. coefficient_k is at coefficients + k * stride, and table_k are the powers s^k at the
+ * nodes, or their derivatives. */
+static void evaluate_series_at_nodes(tvi_both_ends_workspace *w, int lowest_summed_order, int degree,
                                      const double *coefficients, size_t stride, const double *table)
 {
     for (int node = 0; node < w->points; node++) w->series_value_at_node[node] = 0;
-    for (int k = degree; k >= lowest_order; k--)
+    for (int k = degree; k >= lowest_summed_order; k--)
         for (int node = 0; node < w->points; node++)
             w->series_value_at_node[node] += coefficients[(size_t)k * stride] * table[k * w->points + node];
 }
 
 /* Adds the series of one curve at the nodes, times the curve's weight in the blend, to out: w a, or (1 - w) b. */
-static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
+static void add_blended_series(tvi_both_ends_workspace *w, const tvi_one_end_curve *x, int degree,
                                const double *coefficients, size_t stride, const double *table, double out[])
 {
     evaluate_series_at_nodes(w, 0, degree, coefficients, stride, table);
@@ -26,34 +26,35 @@ static void add_blended_series(tvi_both_ends_workspace *w, const tvi_end_curve *
 }
 
 /* Adds one curve's part to the difference out = b - a at the nodes: it subtracts the terms of a, or adds those of b,
- * from order 1 on. `order_zero_difference` is a_0 - b_0, the difference of the coefficients of order 0, which nearly
- * cancel; the call for either curve subtracts half of it. */
-static void add_curve_to_difference(tvi_both_ends_workspace *w, const tvi_end_curve *x, int degree,
-                                    const double *coefficients, size_t stride, double order_zero_difference,
-                                    double out[])
+ * from order 1 on. `order_zero_start_minus_end` is a_0 - b_0, the difference of the coefficients of order 0, which
+ * nearly cancel; the call for either curve subtracts half of it. */
+static void add_to_end_curve_minus_start_curve(tvi_both_ends_workspace *w, const tvi_one_end_curve *x, int degree,
+                                               const double *coefficients, size_t stride,
+                                               double order_zero_start_minus_end, double out[])
 {
-    evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.all_orders);
+    evaluate_series_at_nodes(w, 1, degree, coefficients, stride, x->action.power_table.values_of_all_orders);
     for (int node = 0; node < w->points; node++)
-        out[node] -= x->sign_in_curve_difference * w->series_value_at_node[node] + order_zero_difference / 2;
+        out[node] -= x->sign_in_curve_difference * w->series_value_at_node[node] + order_zero_start_minus_end / 2;
 }
 
 /* Adds one curve's part to component i of the blended position y, velocity v (dy/ds), momentum pi and its derivative
  * dpi/ds at the nodes. */
-static void add_curve_to_blend(tvi_both_ends_workspace *w, tvi_end_curve *x, int i)
+static void add_curve_to_blend(tvi_both_ends_workspace *w, tvi_one_end_curve *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slot_count;
     const double *Q = tvi_curve_position_coefficients(&x->curve, 0) + i, *P = x->momentum_coefficients + i;
-    const double *power = x->action.power_table.all_orders, *slope = x->action.slope_table.all_orders;
+    const double *power = x->action.power_table.values_of_all_orders,
+                 *slope = x->action.slope_table.values_of_all_orders;
     const double Q0_difference = tvi_curve_position_coefficients(&w->start_curve.curve, 0)[i] -
                                  tvi_curve_position_coefficients(&w->end_curve.curve, 0)[i];
     const double P0_difference = w->start_curve.momentum_coefficients[i] - w->end_curve.momentum_coefficients[i];
     add_blended_series(w, x, w->degree, Q, stride, power, w->q_at_nodes + place);
     add_blended_series(w, x, w->degree, Q, stride, slope, w->v_at_nodes + place);
     if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_curve_to_difference(w, x, w->degree, Q, stride, Q0_difference, w->v_at_nodes + place);
+        add_to_end_curve_minus_start_curve(w, x, w->degree, Q, stride, Q0_difference, w->v_at_nodes + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, power, w->p_at_nodes + place);
     add_blended_series(w, x, w->degree - 1, P, (size_t)w->n, slope, w->dp_ds_at_nodes + place);
-    add_curve_to_difference(w, x, w->degree - 1, P, (size_t)w->n, P0_difference, w->dp_ds_at_nodes + place);
+    add_to_end_curve_minus_start_curve(w, x, w->degree - 1, P, (size_t)w->n, P0_difference, w->dp_ds_at_nodes + place);
 }
 
 /* Computes the blended position y, velocity v, momentum pi and its derivative dpi/ds at the nodes. */
@@ -68,16 +69,16 @@ static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
         add_curve_to_blend(w, &w->start_curve, i);
         add_curve_to_blend(w, &w->end_curve, i);
     }
-    for (int i = 0; i < w->n * w->points; i++) w->v_at_nodes[i] /= w->start_curve.curve.tau;
+    for (int i = 0; i < w->n * w->points; i++) w->v_at_nodes[i] /= w->start_curve.curve.time_unit;
 }
 
 /* Computes the seeds of one curve: the derivatives of the action by each coefficient Q_k of its position. */
-static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_end_curve *x)
+static void compute_end_curve_seeds(const tvi_both_ends_workspace *w, tvi_one_end_curve *x)
 {
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k <= w->degree; k++) {
-            const double *power = x->action.power_table.all_orders + k * w->points,
-                         *slope = x->action.slope_table.all_orders + k * w->points;
+            const double *power = x->action.power_table.values_of_all_orders + k * w->points,
+                         *slope = x->action.slope_table.values_of_all_orders + k * w->points;
             double sum = 0;
             for (int node = 0; node < w->points; node++) {
                 const int place = i * w->points + node;
@@ -100,11 +101,12 @@ tvi_status tvi_both_ends_compute_action_gradient(tvi_both_ends_workspace *w, tvi
                                                                w->q_at_nodes, w->v_at_nodes, w->p_at_nodes);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n * w->points; i++) {
-        w->action_gradient_by_q[i] = nodes->gradient_by_q[i] - (w->has_momentum_terms ? w->dp_ds_at_nodes[i] : 0);
-        w->action_gradient_by_v[i] = nodes->gradient_by_v[i] + (w->has_momentum_terms ? 0 : w->p_at_nodes[i]);
-        w->action_gradient_by_difference[i] = on_curve                ? -w->action_gradient_by_v[i]
-                                              : w->has_momentum_terms ? w->p_at_nodes[i]
-                                                                      : 0;
+        w->action_gradient_by_q[i] =
+            nodes->gradient_by_q[i] - (w->action_has_momentum_terms ? w->dp_ds_at_nodes[i] : 0);
+        w->action_gradient_by_v[i] = nodes->gradient_by_v[i] + (w->action_has_momentum_terms ? 0 : w->p_at_nodes[i]);
+        w->action_gradient_by_difference[i] = on_curve                       ? -w->action_gradient_by_v[i]
+                                              : w->action_has_momentum_terms ? w->p_at_nodes[i]
+                                                                             : 0;
     }
     compute_end_curve_seeds(w, &w->start_curve);
     compute_end_curve_seeds(w, &w->end_curve);

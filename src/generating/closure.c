@@ -1,24 +1,26 @@
 /* closure.c - solves the equations of the generating functions, and computes from their solution the small corrections
  * by which the ends of the step differ from those of the Taylor curve (closure.h). The methods' functions
- * `correct_ends` call it. */
+ * `solve_end_corrections` call it. */
 #include "generating/closure.h"
 
-static tvi_status correct_ends(tvi_closure *closure, const tvi_correction_equations *equations)
+static tvi_status solve_for_end_corrections(tvi_corrected_curve *corrected,
+                                            const tvi_end_correction_equations *equations)
 {
-    const tvi_status status = closure->solver->solve(closure, equations);
-    if (status == TVI_OK) closure_set_end_corrections(closure);
+    const tvi_status status = corrected->solver->solve(corrected, equations);
+    if (status == TVI_OK) ends_compute_corrections_from_solution(corrected);
     return status;
 }
 
-tvi_status tvi_correct_ends_by_mean(tvi_closure *closure)
+tvi_status tvi_solve_end_corrections_by_mean_q_jacobian(tvi_corrected_curve *corrected)
 {
-    return correct_ends(closure,
-                        &(tvi_correction_equations){&closure->q_mean_weights, closure_get_second_combination(closure),
-                                                    TVI_FIRST_COLUMNS});
+    return solve_for_end_corrections(
+        corrected, &(tvi_end_correction_equations){&corrected->q_mean_weights,
+                                                   ends_get_lower_jacobian_combination(corrected), TVI_FIRST_COLUMNS});
 }
 
-tvi_status tvi_correct_ends_by_block(tvi_closure *closure, const tvi_combination *combination,
-                                     tvi_column_half column_half)
+tvi_status tvi_solve_end_corrections_by_jacobian_block(tvi_corrected_curve *corrected,
+                                                       const tvi_coefficient_combination *combination,
+                                                       tvi_column_half column_half)
 {
-    return correct_ends(closure, &(tvi_correction_equations){combination, NULL, column_half});
+    return solve_for_end_corrections(corrected, &(tvi_end_correction_equations){combination, NULL, column_half});
 }

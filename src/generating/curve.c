@@ -18,9 +18,9 @@
 #include <string.h>
 
 /* Returns the system's generated code if it was made for this highest order, otherwise NULL. */
-static const tvi_curve_code *find_generated_code(const tvi_system *system, int highest_order)
+static const tvi_generated_curve_functions *find_generated_code(const tvi_system *system, int highest_order)
 {
-    const tvi_curve_code *code = system->code ? system->code->taylor_curve : NULL;
+    const tvi_generated_curve_functions *code = system->code ? system->code->taylor_curve : NULL;
     return code && code->highest_order == highest_order ? code : NULL;
 }
 
@@ -28,10 +28,10 @@ static const tvi_curve_code *find_generated_code(const tvi_system *system, int h
 static void allocate_tangents_and_hessian(tvi_curve *curve, tvi_arena *arena)
 {
     const tvi_system *system = curve->system;
-    const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n, numbers = n * (size_t)curve->width,
-                 jacobian = orders * n * 2 * numbers,
-                 slots = (size_t)system->field_series->slot_count * (size_t)curve->width,
-                 tangent_lanes = curve->width > 1 ? 1 : (size_t)tvi_choose_tangent_lane_count(system);
+    const size_t orders = (size_t)curve->highest_order + 1, n = (size_t)curve->n,
+                 numbers = n * (size_t)curve->member_count, jacobian = orders * n * 2 * numbers,
+                 slots = (size_t)system->field_series->slot_count * (size_t)curve->member_count,
+                 tangent_lanes = curve->member_count > 1 ? 1 : (size_t)tvi_choose_tangent_lane_count(system);
     if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS) {
         curve->tangent_block = tvi_arena_allocate_doubles(arena, orders * slots);
         curve->adjoint_block = tvi_arena_allocate_doubles(arena, orders * slots);
@@ -61,17 +61,17 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
     curve->generated_code = width > 1 ? NULL : find_generated_code(system, highest_order);
     curve->jacobian_method = jacobians;
     curve->n = system->n;
-    curve->width = width;
+    curve->member_count = width;
     curve->highest_order = highest_order;
-    curve->kappa = tvi_arena_allocate_doubles(arena, n);
-    curve->movement_size = tvi_arena_allocate_doubles(arena, numbers);
+    curve->momentum_scale_factor = tvi_arena_allocate_doubles(arena, n);
+    curve->displacement_size = tvi_arena_allocate_doubles(arena, numbers);
     curve->momentum_size = tvi_arena_allocate_doubles(arena, numbers);
-    curve->tail_share = tvi_arena_allocate_doubles(arena, numbers);
-    curve->tail_ratio = tvi_arena_allocate_doubles(arena, numbers);
+    curve->motion_share_for_tail = tvi_arena_allocate_doubles(arena, numbers);
+    curve->last_term_ratio_for_tail = tvi_arena_allocate_doubles(arena, numbers);
     curve->due_jacobian_mask =
         tvi_arena_allocate(arena, width > 1 ? (size_t)width * sizeof *curve->due_jacobian_mask : 0);
-    curve->q_size_weights = tvi_combination_allocate(curve, arena);
-    curve->u_size_weights = tvi_combination_allocate(curve, arena);
+    curve->displacement_size_weights = tvi_combination_allocate(curve, arena);
+    curve->momentum_size_weights = tvi_combination_allocate(curve, arena);
     curve->reciprocal_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->log_integer = tvi_arena_allocate_doubles(arena, orders + 1);
     curve->series_block = tvi_arena_allocate_block(arena, system->field_series, highest_order + 1, width, 0);
@@ -80,7 +80,7 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
 
 void tvi_curve_fill_constant_tables(tvi_curve *curve)
 {
-    for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
+    for (int i = 0; i < curve->n; i++) curve->momentum_scale_factor[i] = 1;
     for (int k = 1; k <= curve->highest_order + 1; k++) {
         curve->reciprocal_integer[k] = 1.0 / k;
         curve->log_integer[k] = log(k);
@@ -89,12 +89,12 @@ void tvi_curve_fill_constant_tables(tvi_curve *curve)
 
 /* ---- Combinations ------------------------------------------------------------------------------------------------ */
 
-tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena)
+tvi_coefficient_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena)
 {
-    return (tvi_combination){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
+    return (tvi_coefficient_combination){false, tvi_arena_allocate_doubles(arena, (size_t)curve->highest_order + 1)};
 }
 
-void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
+void tvi_combination_set_weights(tvi_coefficient_combination *combination, const tvi_curve *curve, bool of_momentum,
                                  const double weight[])
 {
     const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
@@ -104,8 +104,8 @@ void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *
         combination->order_weight[k] = shifts ? k * weight[k - 1] : weight[k];
 }
 
-void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
-                                       int degree, double a, double s_a, double b, double s_b)
+void tvi_combination_set_power_weights(tvi_coefficient_combination *combination, const tvi_curve *curve,
+                                       bool of_momentum, int degree, double a, double s_a, double b, double s_b)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     for (int k = 0; k <= degree; k++) weight[k] = a * pow(s_a, k) + b * pow(s_b, k);
@@ -142,7 +142,7 @@ void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
     else curve_compute_centre_state_sizes(curve, size);
 }
 
-void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
+void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[])
 {
     if (curve->generated_code) curve->generated_code->sum_combination(curve, combination, out);
     else curve_sum_combination(curve, combination, out);
@@ -154,15 +154,15 @@ void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree)
     curve->q_degree = q_degree;
     curve->p_degree = p_degree;
     for (int k = 0; k <= q_degree; k++) weight[k] = k;
-    tvi_combination_set_weights(&curve->q_size_weights, curve, false, weight);
+    tvi_combination_set_weights(&curve->displacement_size_weights, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_combination_set_weights(&curve->u_size_weights, curve, true, weight);
+    tvi_combination_set_weights(&curve->momentum_size_weights, curve, true, weight);
 }
 
-void tvi_curve_compute_movement_sizes(const tvi_curve *curve)
+void tvi_curve_compute_displacement_sizes(const tvi_curve *curve)
 {
-    curve->generated_code ? curve->generated_code->movement_sizes(curve) : curve_compute_movement_sizes(curve);
+    curve->generated_code ? curve->generated_code->displacement_sizes(curve) : curve_compute_displacement_sizes(curve);
 }
 
 double tvi_curve_compute_tail(const tvi_curve *curve)

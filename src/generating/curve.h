@@ -17,15 +17,15 @@ void tvi_curve_allocate(tvi_curve *curve, tvi_arena *arena, const tvi_system *sy
                         tvi_jacobians jacobians, int width);
 void tvi_curve_fill_constant_tables(tvi_curve *curve); /* called once, after allocation */
 
-tvi_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
+tvi_coefficient_combination tvi_combination_allocate(const tvi_curve *curve, tvi_arena *arena);
 /* Sets a combination to sum_k weight_k Q_k, or to sum_k weight_k U_k, which becomes a combination of Q_k for a
  * separable system. */
-void tvi_combination_set_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
+void tvi_combination_set_weights(tvi_coefficient_combination *combination, const tvi_curve *curve, bool of_momentum,
                                  const double weight[]);
 
 /* Sets the weights to weight_k = a s_a^k + b s_b^k for k <= degree, and to 0 above. */
-void tvi_combination_set_power_weights(tvi_combination *combination, const tvi_curve *curve, bool of_momentum,
-                                       int degree, double a, double s_a, double b, double s_b);
+void tvi_combination_set_power_weights(tvi_coefficient_combination *combination, const tvi_curve *curve,
+                                       bool of_momentum, int degree, double a, double s_a, double b, double s_b);
 
 /* Computes the curve's coefficients from its centre state; `centre` is the time at the centre. Returns TVI_EDOMAIN,
  * TVI_ENONFINITE, or TVI_ESINGULAR if L_vv is singular. */
@@ -47,23 +47,25 @@ tvi_jacobians tvi_curve_choose_jacobian_method(const tvi_system *system);
 tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi_options *options, int highest_order,
                                              int points, tvi_jacobians jacobians);
 
-/* Emit the functions of a curve (tvi_curve_code, seeds.h) into generated code: without Jacobians, with products by
- * Jacobians, and with Jacobian matrices. tvi_tapes_of_steps.emit_loops points to one of them. */
-void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options);
-void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options);
-void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);
+/* Emit the functions of a curve (tvi_generated_curve_functions, seeds.h) into generated code: without Jacobians, with
+ * products by Jacobians, and with Jacobian matrices. tvi_tapes_of_steps.emit_loops points to one of them. */
+void tvi_curve_emit_code_without_jacobians(jet_text *text, const tvi_system *system, const tvi_options *options);
+void tvi_curve_emit_code_with_jacobian_products(jet_text *text, const tvi_system *system, const tvi_options *options);
+void tvi_curve_emit_code_with_jacobian_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);
 
 /* Computes the natural sizes of the numbers of the centre state z [2n], relative to which their corrections are
  * measured: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[]);
 /* Compute out[n], the sum of a combination of the curve's coefficients, and matrix[n][2n], the Jacobian of that sum by
  * the centre state; small terms are added first. */
-void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[]);
+void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                        double matrix[]);
 /* Sets the direction dz for tvi_curve_multiply_jacobian_by_direction, which computes out[n], the Jacobian of the
  * combination's sum by the centre state, times dz. */
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[]);
-void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                              double out[]);
 
 /* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], the transposed Jacobians of the coefficients
  * times seeds [highest_order + 1][n]. seed_U may be NULL, and is not read for a separable system, whose U_k = (k+1)
@@ -72,15 +74,16 @@ void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const do
                                                       double out[]);
 
 /* tvi_curve_set_summed_degrees is called once, and sets the degrees to which Q and P are summed.
- * tvi_curve_compute_movement_sizes computes movement_size and momentum_size of each component. tvi_curve_compute_tail
- * computes from these sizes tvi_stats.tail of a single member (tail.h); the tail is 0 if p' has one term only. */
+ * tvi_curve_compute_displacement_sizes computes displacement_size and momentum_size of each component.
+ * tvi_curve_compute_tail computes from these sizes tvi_stats.tail of a single member (tail.h); the tail is 0 if p' has
+ * one term only. */
 void tvi_curve_set_summed_degrees(tvi_curve *curve, int q_degree, int p_degree);
-void tvi_curve_compute_movement_sizes(const tvi_curve *curve);
+void tvi_curve_compute_displacement_sizes(const tvi_curve *curve);
 double tvi_curve_compute_tail(const tvi_curve *curve);
 
 /* Returns an upper bound of the energy change by the terms that a plain Taylor step omits, or INFINITY if the curve has
- * too few terms for a bound. The function reads movement_size and momentum_size, which tvi_curve_compute_movement_sizes
- * or tvi_curve_rescale_and_sum must have computed. */
+ * too few terms for a bound. The function reads displacement_size and momentum_size, which
+ * tvi_curve_compute_displacement_sizes or tvi_curve_rescale_and_sum must have computed. */
 double tvi_curve_bound_energy_change(const tvi_curve *curve);
 
 /* ---- Steps of adapted size (step_size.h) ------------------------------------------------------------------------- */
@@ -91,7 +94,7 @@ double tvi_curve_bound_energy_change(const tvi_curve *curve);
 double tvi_curve_estimate_largest_usable_s(const tvi_curve *curve, double log_tolerance);
 
 /* Rescales tau and the coefficients of q and p to the time unit factor * tau. In the same sweep it computes the
- * increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_movement_sizes. */
+ * increments dq = q(1) - q(0) and du = u(1) - u(0), [n], and the sizes of tvi_curve_compute_displacement_sizes. */
 void tvi_curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[]);
 
 #endif

@@ -1,7 +1,7 @@
 /* curve_batch.c - makes one step of several members of an ensemble at once, each a curve in one vector lane. Ensembles
- * call it through tvi_curve_batch (method/stepper.h). It uses the quick step of curve_step.h. Member m has lane m in
- * sweeps of the series, and lane node * width + m in sweeps of the field at the quadrature nodes. A member for which
- * the quick step fails, or that is outside of the domain, makes its step alone. */
+ * call it through tvi_curve_batch (method/stepper.h). It uses the fast-path step of curve_step.h. Member m has lane m
+ * in sweeps of the series, and lane node * width + m in sweeps of the field at the quadrature nodes. A member for which
+ * the fast-path step fails, or that is outside of the domain, makes its step alone. */
 #include "generating/curve.h"
 #include "generating/curve_stepper.h"
 #include "method/method.h"
@@ -10,10 +10,10 @@
 typedef struct {
     tvi_member_stepper single_stepper;
     tvi_curve_workspace *work_of_members;
-    long long *iterating_mask; /* [width] */
-    double *dq, *dp;           /* [n][width] the increments of the step */
-    double *tail, *residual;   /* [width] */
-    int *pass_counts;          /* [width] */
+    long long *iterating_mask; /* [member_count] */
+    double *dq, *dp;           /* [n][member_count] the increments of the step */
+    double *tail, *residual;   /* [member_count] */
+    int *pass_counts;          /* [member_count] */
 } batch;
 
 static bool is_plain_taylor_method(const tvi_options *options)
@@ -21,20 +21,21 @@ static bool is_plain_taylor_method(const tvi_options *options)
     return !tvi_find_method(options)->curve.correct_ends_by_generating_function;
 }
 
-/* Returns whether a batch can make the steps of a method with corrections: the method has a quick step, and the momenta
- * at the nodes need no iteration of their own. */
-static bool can_batch_corrected_steps(const tvi_system *system, const tvi_options *options)
+/* Returns whether a batch can make the steps of a method with corrections: the method has a fast-path step, and the
+ * momenta at the nodes need no iteration of their own. */
+static bool can_batch_steps_with_symplectic_corrections(const tvi_system *system, const tvi_options *options)
 {
     const bool uses_hamilton_principle = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
     const bool has_field =
         system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && uses_hamilton_principle);
-    return tvi_has_quick_step(system, options) && has_field && options->nodes == TVI_NODES_ON_CURVE &&
+    return tvi_has_fast_path_step(system, options) && has_field && options->nodes == TVI_NODES_ON_CURVE &&
            options->degree > 1;
 }
 
 static int choose_batch_width(const tvi_system *system, const tvi_options *options)
 {
-    if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN : !can_batch_corrected_steps(system, options))
+    if (is_plain_taylor_method(options) ? system->form == TVI_LAGRANGIAN
+                                        : !can_batch_steps_with_symplectic_corrections(system, options))
         return 1;
     const int orders = tvi_create_unallocated_action(system, options, 1).order_count,
               blocks = is_plain_taylor_method(options) ? 1 : 2;
@@ -72,28 +73,30 @@ static void prepare_batch(void *work)
     tvi_curve_workspace_fill_tables(members->work_of_members);
 }
 
-/* Returns the history of all members, [width]. The history of a member is one number: the largest growth of the
+/* Returns the history of all members, [member_count]. The history of a member is one number: the largest growth of the
  * contraction ratio of its passes, or, for the plain Taylor method, the size of its last step to a tolerance, from
  * which it continues in later runs. Plain Taylor steps of a given size do not use their history. */
-static double *get_history_of_members(const tvi_curve_workspace *work)
+static double *get_contraction_growth_or_step_of_members(const tvi_curve_workspace *work)
 {
-    return work->has_end_corrections ? work->newton.max_contraction_ratio_growth_of_member
-                                     : work->last_adapted_step_size;
+    return work->has_symplectic_end_corrections ? work->newton.max_contraction_ratio_growth_of_member
+                                                : work->last_adapted_step_size;
 }
 
 static void copy_lane_history_to_member(const void *work, int lane, void *member_work)
 {
-    *get_history_of_members(member_work) = get_history_of_members(((const batch *)work)->work_of_members)[lane];
+    *get_contraction_growth_or_step_of_members(member_work) =
+        get_contraction_growth_or_step_of_members(((const batch *)work)->work_of_members)[lane];
 }
 
 static void copy_member_history_to_lane(void *work, int lane, const void *member_work)
 {
-    get_history_of_members(((const batch *)work)->work_of_members)[lane] = *get_history_of_members(member_work);
+    get_contraction_growth_or_step_of_members(((const batch *)work)->work_of_members)[lane] =
+        *get_contraction_growth_or_step_of_members(member_work);
 }
 
 static void forget_lane_history(void *work, int lane)
 {
-    get_history_of_members(((const batch *)work)->work_of_members)[lane] = 0;
+    get_contraction_growth_or_step_of_members(((const batch *)work)->work_of_members)[lane] = 0;
 }
 
 static void step_single_member(batch *members, double h, const tvi_batch_origin *origin,
@@ -101,8 +104,8 @@ static void step_single_member(batch *members, double h, const tvi_batch_origin 
 {
     const tvi_member_stepper *single = &members->single_stepper;
     copy_lane_history_to_member(members, m, single->stepper_work);
-    if (tvi_step_member(single, single->system->field_series, members->work_of_members->closure.curve.series_block, 1,
-                        h, origin, results, m, stats))
+    if (tvi_step_member(single, single->system->field_series,
+                        members->work_of_members->corrected_curve.curve.series_block, 1, h, origin, results, m, stats))
         copy_member_history_to_lane(members, m, single->stepper_work);
 }
 
@@ -112,10 +115,10 @@ static void step_batch(void *work, double h, const tvi_batch_origin *origin, con
     batch *members = work;
     const int n = members->single_stepper.system->n, width = members->single_stepper.batch_width;
     for (int m = 0; m < width; m++) members->iterating_mask[m] = results->status[m] == TVI_OK ? -1 : 0;
-    const tvi_quick_step_results quick = {members->dq,       members->dp,          members->tail,
-                                          members->residual, members->pass_counts, members->iterating_mask};
-    (void)members->work_of_members->quick_step(
-        members->work_of_members, members->work_of_members->closure.span.tau_over_h * h, origin, &quick, stats);
+    const tvi_fast_path_step_results fast = {members->dq,       members->dp,          members->tail,
+                                             members->residual, members->pass_counts, members->iterating_mask};
+    (void)members->work_of_members->fast_path_step(
+        members->work_of_members, members->work_of_members->corrected_curve.span.tau_over_h * h, origin, &fast, stats);
     for (int m = 0; m < width; m++) {
         if (results->status[m] != TVI_OK) continue;
         if (members->pass_counts[m] == TVI_NOT_MADE) {

@@ -1,8 +1,8 @@
-/* curve_step.h - makes the quick step of a method that expands one Taylor curve, and computes the parts of all other
- * steps of such a method. The quick step is the common case of a whole step, whose passes converge as usual. It has no
- * fallbacks, such as row exchanges or Jacobians by differences. If a step needs a fallback, the quick step reports
- * failure, and curve_stepper.c makes the step. curve_stepper.c, quick.c, quick_members.c and generated code
- * (generated_curve.h) call this file; generated code has every size as a constant. */
+/* curve_step.h - makes the fast-path step of a method that expands one Taylor curve, and computes the parts of all
+ * other steps of such a method. The fast-path step is the common case of a whole step, whose passes converge as usual.
+ * It has no fallbacks, such as row exchanges or Jacobians by differences. If a step needs a fallback, the fast-path
+ * step reports failure, and curve_stepper.c makes the step. curve_stepper.c, quick.c, quick_members.c and generated
+ * code (generated_curve.h) call this file; generated code has every size as a constant. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 
@@ -14,25 +14,26 @@
 /* Computes z, the state at the centre, as the value of the curve that was expanded at the start of the step. */
 static inline void step_compute_state_at_centre(const tvi_curve_workspace *work, double z[])
 {
-    const tvi_closure *closure = &work->closure;
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_at_centre_weights, z);
-    CURVE_CALL(sum_combination, &closure->curve, &work->velocity_at_centre_weights,
-               z + curve_vector_length(&closure->curve));
+    const tvi_corrected_curve *corrected = &work->corrected_curve;
+    CURVE_CALL(sum_combination, &corrected->curve, &work->q_at_centre_weights, z);
+    CURVE_CALL(sum_combination, &corrected->curve, &work->velocity_at_centre_weights,
+               z + curve_coefficient_row_length(&corrected->curve));
 }
 
 /* Computes the natural sizes of the unknowns, by which their corrections are measured. A curve of degree 0 or 1 from a
  * state of rest has size 0. For these degrees the sizes of the last corrections of the ends are added. The sizes of a
  * Lagrangian's unknowns stay unchanged, since these corrections have another unit. */
-static inline void step_compute_unknown_scales(const tvi_closure *closure, double scale[])
+static inline void step_compute_unknown_scales(const tvi_corrected_curve *corrected, double scale[])
 {
-    const tvi_curve *curve = &closure->curve;
-    const int numbers = curve_vector_length(curve);
+    const tvi_curve *curve = &corrected->curve;
+    const int numbers = curve_coefficient_row_length(curve);
     CURVE_CALL(compute_centre_state_sizes, curve, scale);
-    if (curve_highest_order(curve) > 1 || curve_form(&closure->curve) == TVI_LAGRANGIAN) return;
+    if (curve_highest_order(curve) > 1 || curve_system_form(&corrected->curve) == TVI_LAGRANGIAN) return;
     for (int i = 0; i < numbers; i++) {
-        const double kappa = fabs(closure->curve.kappa[i / curve_width(curve)]);
-        scale[i] += fabs(closure->start_correction_q[i]) + fabs(closure->increment_correction_q[i]);
-        scale[numbers + i] += kappa * (fabs(closure->start_correction_p[i]) + fabs(closure->increment_correction_p[i]));
+        const double kappa = fabs(corrected->curve.momentum_scale_factor[i / curve_member_count(curve)]);
+        scale[i] += fabs(corrected->start_correction_q[i]) + fabs(corrected->increment_correction_q[i]);
+        scale[numbers + i] +=
+            kappa * (fabs(corrected->start_correction_p[i]) + fabs(corrected->increment_correction_p[i]));
     }
 }
 
@@ -41,70 +42,72 @@ static inline void step_compute_unknown_scales(const tvi_closure *closure, doubl
 static inline void step_compute_residual(const tvi_curve_workspace *work, const tvi_batch_origin *origin,
                                          double *restrict r)
 {
-    const tvi_closure *closure = &work->closure;
-    const int numbers = curve_vector_length(&closure->curve), width = curve_width(&closure->curve);
-    const double *Q0 = tvi_curve_position_coefficients(&closure->curve, 0);
-    CURVE_CALL(sum_combination, &closure->curve, &work->q_start_minus_centre_weights, r);
-    CURVE_CALL(sum_combination, &closure->curve, &closure->u_at_start_weights, r + numbers);
-    for (int i = 0; i < curve_dimension(&closure->curve); i++) {
-        const double kappa = closure->curve.kappa[i];
+    const tvi_corrected_curve *corrected = &work->corrected_curve;
+    const int numbers = curve_coefficient_row_length(&corrected->curve), width = curve_member_count(&corrected->curve);
+    const double *Q0 = tvi_curve_position_coefficients(&corrected->curve, 0);
+    CURVE_CALL(sum_combination, &corrected->curve, &work->q_start_minus_centre_weights, r);
+    CURVE_CALL(sum_combination, &corrected->curve, &corrected->scaled_p_at_start_weights, r + numbers);
+    for (int i = 0; i < curve_dimension(&corrected->curve); i++) {
+        const double kappa = corrected->curve.momentum_scale_factor[i];
         for (int at = i * width; at < (i + 1) * width; at++) {
-            r[at] += (Q0[at] - origin->q[at]) + (closure->start_correction_q[at] - origin->q_low[at]);
+            r[at] += (Q0[at] - origin->q[at]) + (corrected->start_correction_q[at] - origin->q_low[at]);
             r[numbers + at] = (r[numbers + at] - kappa * origin->p[at]) +
-                              kappa * (closure->start_correction_p[at] - origin->p_low[at]);
+                              kappa * (corrected->start_correction_p[at] - origin->p_low[at]);
         }
     }
 }
 
-/* Returns whether the method corrects the ends of the curve. Generated code has quick steps only of methods that do,
- * and returns true. */
-static inline bool step_has_end_corrections(const tvi_curve_workspace *work)
+/* Returns whether the method corrects the ends of the curve. Generated code has fast-path steps only of methods that
+ * do, and returns true. */
+static inline bool step_has_symplectic_end_corrections(const tvi_curve_workspace *work)
 {
-    return CURVE_SIZE(true, work->has_end_corrections);
+    return CURVE_SIZE(true, work->has_symplectic_end_corrections);
 }
 
 /* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
  * of the passes, which has not been added to z. */
-static inline void step_sum_combination_with_correction(const tvi_curve_workspace *work,
-                                                        const tvi_combination *combination, double out[])
+static inline void step_sum_combination_with_last_newton_dz(const tvi_curve_workspace *work,
+                                                            const tvi_coefficient_combination *combination,
+                                                            double out[])
 {
-    CURVE_CALL(sum_combination, &work->closure.curve, combination, out);
-    if (!step_has_end_corrections(work)) return;
-    CURVE_CALL(multiply_jacobian_by_direction, &work->closure.curve, combination, work->scratch);
-    for (int i = 0; i < curve_vector_length(&work->closure.curve); i++) out[i] += work->scratch[i];
+    CURVE_CALL(sum_combination, &work->corrected_curve.curve, combination, out);
+    if (!step_has_symplectic_end_corrections(work)) return;
+    CURVE_CALL(multiply_jacobian_by_direction, &work->corrected_curve.curve, combination, work->scratch);
+    for (int i = 0; i < curve_coefficient_row_length(&work->corrected_curve.curve); i++) out[i] += work->scratch[i];
 }
 
 /* Computes the increments dq = (q+ - q-) + increment_correction_q and dp = (p+ - p-) + increment_correction_p. For
- * increments to a point within the step (dense output), q_increment_weights and u_increment_weights end there, and
- * correction_fraction of the corrections is added. */
-static inline void step_compute_increments(const tvi_curve_workspace *work, const tvi_combination *q_increment_weights,
-                                           const tvi_combination *u_increment_weights, double correction_fraction,
-                                           double dq[], double dp[])
+ * increments to a point within the step (dense output), q_increment_weights and scaled_p_increment_weights end there,
+ * and correction_fraction of the corrections is added. */
+static inline void step_compute_increments(const tvi_curve_workspace *work,
+                                           const tvi_coefficient_combination *q_increment_weights,
+                                           const tvi_coefficient_combination *scaled_p_increment_weights,
+                                           double correction_fraction, double dq[], double dp[])
 {
-    const tvi_closure *closure = &work->closure;
-    const int width = curve_width(&closure->curve);
-    step_sum_combination_with_correction(work, q_increment_weights, dq);
-    step_sum_combination_with_correction(work, u_increment_weights, dp);
-    for (int i = 0; i < curve_vector_length(&closure->curve); i++) {
-        dp[i] /= closure->curve.kappa[i / width];
-        if (!step_has_end_corrections(work)) continue;
-        dq[i] += correction_fraction * closure->increment_correction_q[i];
-        dp[i] += correction_fraction * closure->increment_correction_p[i];
+    const tvi_corrected_curve *corrected = &work->corrected_curve;
+    const int width = curve_member_count(&corrected->curve);
+    step_sum_combination_with_last_newton_dz(work, q_increment_weights, dq);
+    step_sum_combination_with_last_newton_dz(work, scaled_p_increment_weights, dp);
+    for (int i = 0; i < curve_coefficient_row_length(&corrected->curve); i++) {
+        dp[i] /= corrected->curve.momentum_scale_factor[i / width];
+        if (!step_has_symplectic_end_corrections(work)) continue;
+        dq[i] += correction_fraction * corrected->increment_correction_q[i];
+        dp[i] += correction_fraction * corrected->increment_correction_p[i];
     }
 }
 
 /* Stores the velocity at the end of a Lagrangian's curve, from which the next step searches its initial velocity. */
 static inline void step_store_end_velocity(const tvi_curve_workspace *work)
 {
-    const tvi_curve *curve = &work->closure.curve;
-    if (curve_form(curve) != TVI_LAGRANGIAN) return;
+    const tvi_curve *curve = &work->corrected_curve.curve;
+    if (curve_system_form(curve) != TVI_LAGRANGIAN) return;
     CURVE_CALL(sum_combination, curve, &work->scaled_end_velocity_weights, work->velocity_guess);
-    for (int i = 0; i < curve_dimension(curve); i++) work->velocity_guess[i] /= curve->tau;
+    for (int i = 0; i < curve_dimension(curve); i++) work->velocity_guess[i] /= curve->time_unit;
 }
 
 static inline void step_compute_tails(const tvi_curve *curve, double tail[])
 {
-    if (curve_width(curve) == 1) tail[0] = CURVE_CALL(compute_tail, curve);
+    if (curve_member_count(curve) == 1) tail[0] = CURVE_CALL(compute_tail, curve);
     else curve_compute_tails(curve, tail);
 }
 
@@ -112,68 +115,70 @@ static inline void step_compute_tails(const tvi_curve *curve, double tail[])
 static inline void step_compute_increments_and_tails(const tvi_curve_workspace *work, double dq[], double dp[],
                                                      double tail[])
 {
-    const tvi_curve *curve = &work->closure.curve;
-    step_compute_increments(work, &work->closure.q_increment_weights, &work->closure.u_increment_weights, 1, dq, dp);
+    const tvi_curve *curve = &work->corrected_curve.curve;
+    step_compute_increments(work, &work->corrected_curve.q_increment_weights,
+                            &work->corrected_curve.scaled_p_increment_weights, 1, dq, dp);
     step_store_end_velocity(work);
-    CURVE_CALL(compute_movement_sizes, curve);
+    CURVE_CALL(compute_displacement_sizes, curve);
     step_compute_tails(curve, tail);
 }
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* The functions that a quick step calls: they expand the curve, without and with its Jacobians, and compute the seeds
- * of the action's gradient. The seeds are not checked to be finite. */
+/* The functions that a fast-path step calls: they expand the curve, without and with its Jacobians, and compute the
+ * seeds of the action's gradient. The seeds are not checked to be finite. */
 typedef struct {
     tvi_status (*expand)(tvi_curve *curve), (*expand_with_tangents)(tvi_curve *curve);
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* For several members, clears iterating_mask of each member for which the tape of the nodes (at_nodes is true) or
      * of the series has no values. */
     void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long iterating_mask[]);
-} step_curve_functions;
+} fast_path_expansion_and_seed_functions;
 
-/* The progress of a quick step while its passes run. iterating_mask [width] has all bits set for a member whose passes
- * have not ended, and is 0 for the others. */
+/* The progress of a fast-path step while its passes run. iterating_mask [member_count] has all bits set for a member
+ * whose passes have not ended, and is 0 for the others. */
 typedef struct {
     tvi_curve_workspace *work;
-    const step_curve_functions *functions;
+    const fast_path_expansion_and_seed_functions *functions;
     const tvi_batch_origin *origin;
     long long *iterating_mask;
     long factorisation_count;
-} quick_step_progress;
+} fast_path_step_progress;
 
 /* Returns the number of members whose passes have not ended. */
-static inline int step_count_iterating_members(const quick_step_progress *progress)
+static inline int step_count_iterating_members(const fast_path_step_progress *progress)
 {
     int count = 0;
-    for (int m = 0; m < curve_width(&progress->work->closure.curve); m++) count += progress->iterating_mask[m] != 0;
+    for (int m = 0; m < curve_member_count(&progress->work->corrected_curve.curve); m++)
+        count += progress->iterating_mask[m] != 0;
     return count;
 }
 
 /* Ends the passes of members for which an evaluation, at the nodes or of the series, failed with this status. Returns
  * whether the step continues. After a failure a step of a single member does not; in a step of several members only
  * those outside of the domain are dropped, and the step continues. */
-static inline bool step_continue_without_failed_members(const quick_step_progress *progress, tvi_status status,
+static inline bool step_continue_without_failed_members(const fast_path_step_progress *progress, tvi_status status,
                                                         bool at_nodes)
 {
     if (status == TVI_OK) return true;
-    if (curve_width(&progress->work->closure.curve) == 1) return false;
+    if (curve_member_count(&progress->work->corrected_curve.curve) == 1) return false;
     progress->functions->drop_members_outside_domain(progress->work, at_nodes, progress->iterating_mask);
     return true;
 }
 
 /* Finds the members whose Jacobians must be computed anew at z, and returns their number. */
-static inline int step_find_members_with_due_jacobians(const quick_step_progress *progress, const double z[])
+static inline int step_find_members_with_due_jacobians(const fast_path_step_progress *progress, const double z[])
 {
-    tvi_closure *closure = &progress->work->closure;
-    const int width = curve_width(&closure->curve);
-    long long is_one_due, *due_jacobian_mask = width > 1 ? closure->curve.due_jacobian_mask : &is_one_due;
+    tvi_corrected_curve *corrected = &progress->work->corrected_curve;
+    const int width = curve_member_count(&corrected->curve);
+    long long is_one_due, *due_jacobian_mask = width > 1 ? corrected->curve.due_jacobian_mask : &is_one_due;
     int count = 0;
-    matrices_find_members_with_due_jacobians(closure, z, progress->work->newton.scale, progress->iterating_mask,
+    matrices_find_members_with_due_jacobians(corrected, z, progress->work->newton.scale, progress->iterating_mask,
                                              due_jacobian_mask);
     for (int m = 0; m < width; m++) count += (due_jacobian_mask[m] & progress->iterating_mask[m]) != 0;
     if (width > 1)
-        closure->curve.keeps_old_jacobians =
-            count < width && matrices_get_factors(closure)->jacobian_computations_in_step > 0;
+        corrected->curve.keeps_old_jacobians =
+            count < width && matrices_get_factors(corrected)->jacobian_computations_in_step > 0;
     return count;
 }
 
@@ -181,17 +186,18 @@ static inline int step_find_members_with_due_jacobians(const quick_step_progress
  * Rows of one unit are scaled together. In two cases the rows of the second half have another unit than those of the
  * first: in a Hamiltonian's equations, if the second equations are of coordinates, and in a Lagrangian's corrector. The
  * passes of a member end if its factors need row exchanges. */
-static inline void step_factor_jacobians(quick_step_progress *progress, int due_count, const double z[])
+static inline void step_factor_jacobians(fast_path_step_progress *progress, int due_count, const double z[])
 {
-    const tvi_closure *closure = &progress->work->closure;
-    const tvi_form form = curve_form(&closure->curve);
-    const int n = curve_dimension(&closure->curve), size = 2 * n, width = curve_width(&closure->curve);
-    const bool uses_momenta = closure->end_factors->uses_mean_momentum;
-    tvi_lu_factor *full = &matrices_get_factors(closure)->full_jacobian_factor, *back = &progress->work->newton.factor;
-    matrices_record_z_of_jacobians(closure, z);
-    matrices_stack_combination_jacobians(closure, &closure->q_mean_weights, closure_get_second_combination(closure),
-                                         full->lu);
-    const int renewed = matrices_renew_corrector_jacobians(closure, progress->iterating_mask, back->lu);
+    const tvi_corrected_curve *corrected = &progress->work->corrected_curve;
+    const tvi_form form = curve_system_form(&corrected->curve);
+    const int n = curve_dimension(&corrected->curve), size = 2 * n, width = curve_member_count(&corrected->curve);
+    const bool uses_momenta = corrected->end_correction_factors->uses_mean_momentum;
+    tvi_lu_factor *full = &matrices_get_factors(corrected)->full_jacobian_factor,
+                  *back = &progress->work->newton.factor;
+    matrices_record_z_of_jacobians(corrected, z);
+    matrices_stack_combination_jacobians(corrected, &corrected->q_mean_weights,
+                                         ends_get_lower_jacobian_combination(corrected), full->lu);
+    const int renewed = matrices_renew_corrector_jacobians(corrected, progress->iterating_mask, back->lu);
     linear_unpivoted_factor_in_place(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
                                      progress->iterating_mask);
     if (renewed > 0)
@@ -201,31 +207,31 @@ static inline void step_factor_jacobians(quick_step_progress *progress, int due_
 }
 
 /* Computes the corrections of the unknowns in one pass, but does not add them. Returns false if no member continues. */
-static inline bool step_run_corrector_pass(quick_step_progress *progress, bool is_first)
+static inline bool step_run_corrector_pass(fast_path_step_progress *progress, bool is_first)
 {
     tvi_curve_workspace *work = progress->work;
-    const step_curve_functions *functions = progress->functions;
-    tvi_closure *closure = &work->closure;
+    const fast_path_expansion_and_seed_functions *functions = progress->functions;
+    tvi_corrected_curve *corrected = &work->corrected_curve;
     tvi_newton *newton = &work->newton;
-    const int size = 2 * curve_dimension(&closure->curve), width = curve_width(&closure->curve);
+    const int size = 2 * curve_dimension(&corrected->curve), width = curve_member_count(&corrected->curve);
     double *x = newton->x, *r = newton->correction;
     const int due_count = step_find_members_with_due_jacobians(progress, x);
-    curve_set_centre_state(&closure->curve, x);
-    tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&closure->curve);
+    curve_set_centre_state(&corrected->curve, x);
+    tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&corrected->curve);
     if (!step_continue_without_failed_members(progress, status, false)) return false;
-    status = functions->compute_seeds(&work->action, &closure->curve, closure->action_gradient_by_coefficients_Q,
-                                      closure->action_gradient_by_coefficients_U);
+    status = functions->compute_seeds(&work->action, &corrected->curve, corrected->action_gradient_by_coefficients_Q,
+                                      corrected->action_gradient_by_coefficients_U);
     if (!step_continue_without_failed_members(progress, status, true)) return false;
     if (due_count > 0) step_factor_jacobians(progress, due_count, x);
     if (step_count_iterating_members(progress) == 0) return false;
-    CURVE_CALL(multiply_transposed_jacobians_by_seeds, &closure->curve, closure->action_gradient_by_coefficients_Q,
-               closure->action_gradient_by_coefficients_U, closure->gradient_then_solution);
-    linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(closure)->full_jacobian_factor,
-                                      closure->gradient_then_solution);
-    closure_set_end_corrections(closure);
+    CURVE_CALL(multiply_transposed_jacobians_by_seeds, &corrected->curve, corrected->action_gradient_by_coefficients_Q,
+               corrected->action_gradient_by_coefficients_U, corrected->gradient_then_solution);
+    linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(corrected)->full_jacobian_factor,
+                                      corrected->gradient_then_solution);
+    ends_compute_corrections_from_solution(corrected);
     step_compute_residual(work, progress->origin, r);
     if (is_first) {
-        step_compute_unknown_scales(closure, newton->scale);
+        step_compute_unknown_scales(corrected, newton->scale);
         for (int m = 0; m < width; m++) newton_raise_scales_of_small_unknowns(newton, m);
     }
     for (int i = 0; i < size * width; i++) r[i] = -r[i];
@@ -235,9 +241,9 @@ static inline bool step_run_corrector_pass(quick_step_progress *progress, bool i
 
 /* Judges the correction of member m. The passes of the member end if this was its last correction, or if its step is
  * left to curve_stepper.c, for example because a number is not finite. */
-static inline void step_judge_correction(const quick_step_progress *progress, tvi_newton_passes *passes,
+static inline void step_judge_correction(const fast_path_step_progress *progress, tvi_newton_passes *passes,
                                          const tvi_correction_sizes *sizes, int m,
-                                         const tvi_quick_step_results *results)
+                                         const tvi_fast_path_step_results *results)
 {
     const tvi_newton *newton = &progress->work->newton;
     tvi_passes_verdict verdict = TVI_PASSES_STUCK;
@@ -248,14 +254,14 @@ static inline void step_judge_correction(const quick_step_progress *progress, tv
     newton->max_contraction_ratio_growth_of_member[m] =
         tvi_larger(newton->max_contraction_ratio_growth_of_member[m], passes->contraction_ratio_growth);
     results->residual[m] = sizes->largest_relative_correction[m];
-    results->pass_counts[m] = passes->by_unknown.count;
+    results->pass_counts[m] = passes->passes_measured_per_unknown.count;
 }
 
 /* Adds the corrections to the unknowns of the members whose passes continue. */
-static inline void step_apply_corrections(const quick_step_progress *progress)
+static inline void step_apply_corrections(const fast_path_step_progress *progress)
 {
     const tvi_newton *newton = &progress->work->newton;
-    const int width = curve_width(&progress->work->closure.curve);
+    const int width = curve_member_count(&progress->work->corrected_curve.curve);
     const double *correction = newton->correction;
     double *restrict x = newton->x;
     for (int i = 0; i < newton_count_unknowns(newton); i++, x += width, correction += width)
@@ -263,16 +269,17 @@ static inline void step_apply_corrections(const quick_step_progress *progress)
 }
 
 /* Runs passes of the corrector until those of every member have ended, or until the greatest number of passes. */
-static inline void step_run_corrector_passes(quick_step_progress *progress, const tvi_quick_step_results *results)
+static inline void step_run_corrector_passes(fast_path_step_progress *progress,
+                                             const tvi_fast_path_step_results *results)
 {
     const tvi_newton *newton = &progress->work->newton;
-    const int width = curve_width(&progress->work->closure.curve);
+    const int width = curve_member_count(&progress->work->corrected_curve.curve);
     tvi_newton_passes passes[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
         tvi_newton_begin_passes(&passes[m], newton->max_contraction_ratio_growth_of_member[m], &newton->rules,
-                                newton->needs_extra_pass);
-    matrices_discard_factors(&progress->work->closure);
-    for (int count = 1; count <= newton->rules.by_unknown.max_passes; count++) {
+                                newton->confirms_convergence_by_extra_pass);
+    matrices_discard_factors(&progress->work->corrected_curve);
+    for (int count = 1; count <= newton->rules.per_unknown_correction_rule.max_passes; count++) {
         tvi_correction_sizes sizes;
         if (!step_run_corrector_pass(progress, count == 1)) return;
         newton_measure_corrections(newton, newton->scale, &sizes);
@@ -287,7 +294,7 @@ static inline void step_run_corrector_passes(quick_step_progress *progress, cons
  * begins with the velocity at the end of the last step. Returns true if it has converged within a few corrections. */
 static inline bool step_try_to_find_velocity(tvi_curve_workspace *work, const double p[], double v[])
 {
-    tvi_curve *curve = &work->closure.curve;
+    tvi_curve *curve = &work->corrected_curve.curve;
     const int n = curve_dimension(curve);
     double largest = INFINITY, size = 0;
     for (int i = 0; i < n; i++) v[i] = work->velocity_guess[i];
@@ -309,44 +316,47 @@ static inline bool step_try_to_find_velocity(tvi_curve_workspace *work, const do
  * from its momentum. */
 static inline bool step_set_centre_state_to_start(tvi_curve_workspace *work, const tvi_batch_origin *origin, double z[])
 {
-    tvi_curve *curve = &work->closure.curve;
-    const int n = curve_dimension(curve), width = curve_width(curve);
+    tvi_curve *curve = &work->corrected_curve.curve;
+    const int n = curve_dimension(curve), width = curve_member_count(curve);
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             z[at] = origin->q[at];
-            z[n * width + at] = curve->kappa[i] * origin->p[at];
+            z[n * width + at] = curve->momentum_scale_factor[i] * origin->p[at];
         }
     curve_set_centre_state(curve, z);
     curve_set_centre_time(curve, origin->t, origin->t_low, 0);
-    if (curve_form(curve) != TVI_LAGRANGIAN) return true;
+    if (curve_system_form(curve) != TVI_LAGRANGIAN) return true;
     return step_try_to_find_velocity(work, origin->p, tvi_curve_field_inputs_of_order(curve, 0) + n);
 }
 
 /* Makes the steps of the members whose passes converge as usual, for the generating functions that
- * tvi_correct_ends_by_mean serves. Returns whether any member's step was made; curve_stepper.c makes the other steps.
+ * tvi_solve_end_corrections_by_mean_q_jacobian serves. Returns whether any member's step was made; curve_stepper.c
+ * makes the other steps.
  * */
-static inline bool step_try_quick_steps(tvi_curve_workspace *work, const step_curve_functions *functions, double tau,
-                                        const tvi_batch_origin *origin, const tvi_quick_step_results *results,
-                                        tvi_stats *stats)
+static inline bool step_try_fast_path_steps(tvi_curve_workspace *work,
+                                            const fast_path_expansion_and_seed_functions *functions, double tau,
+                                            const tvi_batch_origin *origin, const tvi_fast_path_step_results *results,
+                                            tvi_stats *stats)
 {
-    tvi_curve *curve = &work->closure.curve;
-    quick_step_progress progress = {work, functions, origin, results->iterating_mask, 0};
+    tvi_curve *curve = &work->corrected_curve.curve;
+    fast_path_step_progress progress = {work, functions, origin, results->iterating_mask, 0};
     int steps = 0, passes = 0;
     curve_set_time_unit(curve, tau);
-    for (int m = 0; m < curve_width(curve); m++) results->pass_counts[m] = TVI_NOT_MADE;
+    for (int m = 0; m < curve_member_count(curve); m++) results->pass_counts[m] = TVI_NOT_MADE;
     if (!step_set_centre_state_to_start(work, origin, work->newton.x) ||
         !step_continue_without_failed_members(&progress, functions->expand(curve), false))
         return false;
     step_compute_state_at_centre(work, work->newton.x);
-    curve_set_centre_time(curve, origin->t, origin->t_low, -work->closure.span.start_s * tau);
+    curve_set_centre_time(curve, origin->t, origin->t_low, -work->corrected_curve.span.start_s * tau);
     step_run_corrector_passes(&progress, results);
-    for (int m = 0; m < curve_width(curve); m++) {
+    for (int m = 0; m < curve_member_count(curve); m++) {
         if (results->pass_counts[m] == TVI_NOT_MADE) continue;
         steps++;
         passes += results->pass_counts[m];
     }
     if (steps == 0) return false;
-    for (int i = 0; i < 2 * curve_vector_length(curve); i++) curve->product_direction[i] = work->newton.correction[i];
+    for (int i = 0; i < 2 * curve_coefficient_row_length(curve); i++)
+        curve->product_direction[i] = work->newton.correction[i];
     step_compute_increments_and_tails(work, results->dq, results->dp, results->tail);
     stats->passes += passes;
     stats->expansions += steps + passes;

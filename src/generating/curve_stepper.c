@@ -15,7 +15,7 @@ typedef tvi_curve_workspace work;
 typedef struct {
     work *work;
     const tvi_step_origin *origin;
-    double tau;
+    double time_unit;
     tvi_stats *stats;
 } step_attempt;
 
@@ -23,9 +23,9 @@ typedef struct {
 
 static tvi_status expand_curve(const step_attempt *attempt, const double z[], double centre)
 {
-    tvi_curve *curve = &attempt->work->closure.curve;
+    tvi_curve *curve = &attempt->work->corrected_curve.curve;
     attempt->stats->expansions++;
-    curve_set_time_unit(curve, attempt->tau);
+    curve_set_time_unit(curve, attempt->time_unit);
     curve_set_centre_state(curve, z);
     return tvi_curve_expand(curve, centre);
 }
@@ -35,10 +35,10 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
 {
     work *w = attempt->work;
     const tvi_step_origin *origin = attempt->origin;
-    tvi_status status =
-        tvi_legendre_compute_initial_coefficients(&w->legendre, w->closure.system, attempt->tau, origin->t, origin->q,
-                                                  origin->p, w->velocity_guess, w->predicted_state);
-    if (status != TVI_OK || w->closure.span.start_s == 0) return status;
+    tvi_status status = tvi_legendre_compute_initial_coefficients(&w->legendre_transform, w->corrected_curve.system,
+                                                                  attempt->time_unit, origin->t, origin->q, origin->p,
+                                                                  w->velocity_guess, w->predicted_state);
+    if (status != TVI_OK || w->corrected_curve.span.start_s == 0) return status;
     status = expand_curve(attempt, w->predicted_state, origin->t + origin->t_low);
     step_compute_state_at_centre(w, w->predicted_state);
     return status;
@@ -46,21 +46,22 @@ static tvi_status predict_centre_state(const step_attempt *attempt)
 
 static double compute_centre_time(const step_attempt *attempt)
 {
-    return attempt->origin->t + (attempt->origin->t_low + -attempt->work->closure.span.start_s * attempt->tau);
+    return attempt->origin->t +
+           (attempt->origin->t_low + -attempt->work->corrected_curve.span.start_s * attempt->time_unit);
 }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 static void compute_unknown_scales(void *self, double scale[])
 {
-    step_compute_unknown_scales(&((const step_attempt *)self)->work->closure, scale);
+    step_compute_unknown_scales(&((const step_attempt *)self)->work->corrected_curve, scale);
 }
 
 static tvi_status compute_residual(void *self, const double z[], double r[])
 {
     const step_attempt *attempt = self;
     work *w = attempt->work;
-    tvi_closure *c = &w->closure;
+    tvi_corrected_curve *c = &w->corrected_curve;
     tvi_status status = expand_curve(attempt, z, compute_centre_time(attempt));
     if (status != TVI_OK) return status;
     attempt->stats->force_evaluations += w->options->quadrature_points;
@@ -76,7 +77,7 @@ static tvi_status compute_residual(void *self, const double z[], double r[])
 /* Computes d(q-, kappa p-)/dz, the Jacobian of the residual without the derivatives of the small corrections. */
 static bool compute_jacobian(void *self, double matrix[])
 {
-    tvi_closure *c = &((step_attempt *)self)->work->closure;
+    tvi_corrected_curve *c = &((step_attempt *)self)->work->corrected_curve;
     return c->solver->jacobian(c, matrix);
 }
 
@@ -84,17 +85,17 @@ static bool compute_jacobian(void *self, double matrix[])
 static void estimate_residual_roundoff(void *self, double r[])
 {
     const step_attempt *attempt = self;
-    const tvi_closure *c = &attempt->work->closure;
-    const double h = (c->span.end_s - c->span.start_s) * attempt->tau;
-    attempt->stats->force_evaluations += tvi_estimate_end_roundoff(&attempt->work->action, &c->curve, h,
-                                                                   attempt->origin->q, attempt->origin->p, r, r + c->n);
-    for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
+    const tvi_corrected_curve *c = &attempt->work->corrected_curve;
+    const double h = (c->span.end_s - c->span.start_s) * attempt->time_unit;
+    attempt->stats->force_evaluations += tvi_estimate_end_state_roundoff(
+        &attempt->work->action, &c->curve, h, attempt->origin->q, attempt->origin->p, r, r + c->n);
+    for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.momentum_scale_factor[i]);
 }
 
 /* Multiplies the correction by the approximate inverse of the residual's Jacobian. */
 static void apply_inverse_jacobian(void *self, double correction[])
 {
-    tvi_closure *c = &((step_attempt *)self)->work->closure;
+    tvi_corrected_curve *c = &((step_attempt *)self)->work->corrected_curve;
     c->solver->correct(c, correction);
 }
 
@@ -105,63 +106,64 @@ static tvi_status run_corrector(step_attempt *attempt)
     work *w = attempt->work;
     /* If the step starts at s = 0, (q-, kappa p-) is z, and its Jacobian is the identity. A Lagrangian is an exception:
      * its z has v in place of p. */
-    const bool is_identity = w->closure.span.start_s == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    const tvi_closure_solver *solver = w->closure.solver;
+    const bool is_identity = w->corrected_curve.span.start_s == 0 && w->corrected_curve.system->form != TVI_LAGRANGIAN;
+    const tvi_end_correction_solver *solver = w->corrected_curve.solver;
     const tvi_equations equations = {.self = attempt,
                                      .residual = compute_residual,
                                      .scale = compute_unknown_scales,
                                      .jacobian = is_identity || !solver->jacobian ? NULL : compute_jacobian,
                                      .solve = is_identity || !solver->correct ? NULL : apply_inverse_jacobian,
                                      .roundoff = estimate_residual_roundoff};
-    solver->begin(&w->closure);
-    memcpy(w->newton.x, w->predicted_state, 2 * (size_t)w->closure.n * sizeof *w->predicted_state);
+    solver->begin(&w->corrected_curve);
+    memcpy(w->newton.x, w->predicted_state, 2 * (size_t)w->corrected_curve.n * sizeof *w->predicted_state);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, attempt->stats);
-    if (status == TVI_OK) tvi_curve_set_product_direction(&w->closure.curve, w->newton.correction);
+    if (status == TVI_OK) tvi_curve_set_product_direction(&w->corrected_curve.curve, w->newton.correction);
     return status;
 }
 
-/* Tries to make the quick step of the method (curve_step.h). Returns whether there is one and its passes converged. */
-static bool try_quick_step(const step_attempt *attempt, double dq[], double dp[])
+/* Tries to make the fast-path step of the method (curve_step.h). Returns whether there is one and its passes converged.
+ * */
+static bool try_fast_path_step(const step_attempt *attempt, double dq[], double dp[])
 {
     work *w = attempt->work;
     tvi_stats *stats = attempt->stats;
     int passes;
     long long iterating_mask = -1;
-    const tvi_quick_step_results out = {dq, dp, &stats->tail, &stats->residual, &passes, &iterating_mask};
+    const tvi_fast_path_step_results out = {dq, dp, &stats->tail, &stats->residual, &passes, &iterating_mask};
     const tvi_batch_origin origin = tvi_batch_origin_of_one(attempt->origin);
-    return w->quick_step && w->quick_step(w, attempt->tau, &origin, &out, attempt->stats);
+    return w->fast_path_step && w->fast_path_step(w, attempt->time_unit, &origin, &out, attempt->stats);
 }
 
 /* Rescales the curve of the plain Taylor method to tau = h, and computes the increments of its step. */
 static void compute_plain_taylor_increments(work *w, double h, const tvi_increments *increments)
 {
-    tvi_curve *curve = &w->closure.curve;
-    tvi_curve_rescale_and_sum(curve, h / curve->tau, increments->dq, increments->dp);
-    for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->kappa[i];
+    tvi_curve *curve = &w->corrected_curve.curve;
+    tvi_curve_rescale_and_sum(curve, h / curve->time_unit, increments->dq, increments->dp);
+    for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->momentum_scale_factor[i];
 }
 
 /* Returns whether the step is that of the plain Taylor method: the curve is expanded at the start of the step, all of
  * its orders are summed, and its ends are not corrected. */
 static bool is_step_plain_taylor_curve(const work *w)
 {
-    return !w->has_end_corrections && w->closure.span.start_s == 0 && w->q_degree > 1 &&
-           w->closure.curve.highest_order == w->q_degree;
+    return !w->has_symplectic_end_corrections && w->corrected_curve.span.start_s == 0 && w->q_degree > 1 &&
+           w->corrected_curve.curve.highest_order == w->q_degree;
 }
 
-static tvi_status step_curve(void *workspace, double h, const tvi_step_origin *origin, const tvi_increments *increments,
-                             tvi_stats *stats)
+static tvi_status step_with_one_taylor_curve(void *workspace, double h, const tvi_step_origin *origin,
+                                             const tvi_increments *increments, tvi_stats *stats)
 {
     work *w = workspace;
-    step_attempt attempt = {w, origin, w->closure.span.tau_over_h * h, stats};
-    if (try_quick_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
+    step_attempt attempt = {w, origin, w->corrected_curve.span.tau_over_h * h, stats};
+    if (try_fast_path_step(&attempt, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict_centre_state(&attempt);
-    if (status == TVI_OK && w->has_end_corrections) status = run_corrector(&attempt);
+    if (status == TVI_OK && w->has_symplectic_end_corrections) status = run_corrector(&attempt);
     else if (status == TVI_OK) status = expand_curve(&attempt, w->predicted_state, compute_centre_time(&attempt));
     if (status != TVI_OK) return status;
     if (is_step_plain_taylor_curve(w)) {
         compute_plain_taylor_increments(w, h, increments);
         step_store_end_velocity(w);
-        stats->tail = tvi_curve_compute_tail(&w->closure.curve);
+        stats->tail = tvi_curve_compute_tail(&w->corrected_curve.curve);
     } else step_compute_increments_and_tails(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
@@ -175,7 +177,7 @@ static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double g
                                                  double *usable_step)
 {
     const work *w = attempt->work;
-    const tvi_curve *curve = &w->closure.curve;
+    const tvi_curve *curve = &w->corrected_curve.curve;
     int exponent, highest;
     /* The least usable step that expansions with a too large tau have shown. A large tau shows terms that underflow
      * with a smaller one, so that the last expansion may not show them. */
@@ -183,13 +185,13 @@ static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double g
     (void)frexp(guess, &exponent);
     (void)frexp(largest_step, &highest);
     for (int count = 0; count < STEP_SIZE_MAX_EXPANSIONS; count++) {
-        attempt->tau = copysign(ldexp(1, exponent), largest_step);
+        attempt->time_unit = copysign(ldexp(1, exponent), largest_step);
         tvi_status status = predict_centre_state(attempt);
         if (status == TVI_OK) status = expand_curve(attempt, w->predicted_state, compute_centre_time(attempt));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
-        if (status == TVI_OK) usable_s = tvi_curve_estimate_largest_usable_s(curve, w->log_tolerance);
-        *usable_step = fmin(usable_s * fabs(attempt->tau), least_usable_step);
+        if (status == TVI_OK) usable_s = tvi_curve_estimate_largest_usable_s(curve, w->log_adapted_step_tolerance);
+        *usable_step = fmin(usable_s * fabs(attempt->time_unit), least_usable_step);
         if (usable_s >= 1 / STEP_SIZE_MAX_TAU_RATIO && (usable_s <= STEP_SIZE_MAX_TAU_RATIO || exponent >= highest))
             return TVI_OK;
         if (usable_s < 1 / STEP_SIZE_MAX_TAU_RATIO && usable_s > 0) {
@@ -208,17 +210,17 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
                                     const tvi_increments *increments, tvi_stats *stats)
 {
     work *w = workspace;
-    tvi_curve *curve = &w->closure.curve;
+    tvi_curve *curve = &w->corrected_curve.curve;
     step_attempt attempt = {w, origin, 0, stats};
     const double before = *w->last_adapted_step_size;
     double usable_step;
-    if (tolerance != w->tolerance) {
-        w->tolerance = tolerance;
-        w->log_tolerance = log(tolerance);
+    if (tolerance != w->adapted_step_tolerance) {
+        w->adapted_step_tolerance = tolerance;
+        w->log_adapted_step_tolerance = log(tolerance);
     }
     const tvi_status status = expand_with_suitable_time_unit(&attempt, before != 0 ? before : *h, *h, &usable_step);
     if (status != TVI_OK) { /* the curve could not be expanded with this tau */
-        *h = attempt.tau;
+        *h = attempt.time_unit;
         return status;
     }
     const bool must_check_end = usable_step > STEP_SIZE_CHECKED_GROWTH * before;
@@ -235,7 +237,7 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
     if (is_chosen) *w->last_adapted_step_size = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_compute_tail(curve);
-    if (tvi_needs_refined_increments(w->closure.system, tolerance))
+    if (tvi_needs_refined_increments(w->corrected_curve.system, tolerance))
         tvi_compute_refined_increments(&w->refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
@@ -245,28 +247,29 @@ static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h
 static void compute_dense_output(void *workspace, double theta, double dq[], double dp[])
 {
     work *w = workspace;
-    const tvi_closure *c = &w->closure;
+    const tvi_corrected_curve *c = &w->corrected_curve;
     const double at = c->span.start_s + theta * (c->span.end_s - c->span.start_s);
     tvi_combination_set_power_weights(&w->dense_output_q_weights, &c->curve, false, w->q_degree, 1, at, -1,
                                       c->span.start_s);
-    tvi_combination_set_power_weights(&w->dense_output_u_weights, &c->curve, true, w->closure.p_degree, 1, at, -1,
-                                      c->span.start_s);
-    step_compute_increments(w, &w->dense_output_q_weights, &w->dense_output_u_weights, theta, dq, dp);
+    tvi_combination_set_power_weights(&w->dense_output_scaled_p_weights, &c->curve, true, w->corrected_curve.p_degree,
+                                      1, at, -1, c->span.start_s);
+    step_compute_increments(w, &w->dense_output_q_weights, &w->dense_output_scaled_p_weights, theta, dq, dp);
 }
 
 static double bound_energy_change(const void *workspace)
 {
-    return tvi_curve_bound_energy_change(&((const work *)workspace)->closure.curve);
+    return tvi_curve_bound_energy_change(&((const work *)workspace)->corrected_curve.curve);
 }
 
 static tvi_tapes_of_steps find_used_tapes(const tvi_system *system, const tvi_options *options)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_end_corrections =
+    const bool has_symplectic_end_corrections =
         definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_create_unallocated_action(system, options, 1);
     return tvi_curve_find_used_tapes(system, options, shape.order_count - 1, shape.node_count,
-                                     has_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS);
+                                     has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system)
+                                                                    : TVI_NO_JACOBIANS);
 }
 
 static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -276,13 +279,13 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 
 const tvi_stepper tvi_stepper_curve = {.allocate = allocate_stepper,
                                        .set_tables = tvi_curve_workspace_fill_tables,
-                                       .step = step_curve,
+                                       .step = step_with_one_taylor_curve,
                                        .interpolate = compute_dense_output,
                                        .list_tapes = find_used_tapes,
                                        .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.allocate = allocate_stepper,
                                         .set_tables = tvi_curve_workspace_fill_tables,
-                                        .step = step_curve,
+                                        .step = step_with_one_taylor_curve,
                                         .interpolate = compute_dense_output,
                                         .step_within_tolerance = step_to_tolerance,
                                         .bound_energy_change = bound_energy_change,

@@ -8,37 +8,40 @@
 
 typedef tvi_curve_workspace work;
 
-static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                             bool has_end_corrections, int width)
+static void allocate_corrected_curve(tvi_corrected_curve *c, tvi_arena *arena, const tvi_system *system,
+                                     const tvi_options *options, bool has_symplectic_end_corrections, int width)
 {
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const tvi_action sizes = tvi_create_unallocated_action(system, options, 1);
     const size_t n = (size_t)system->n * (size_t)width;
-    const tvi_jacobians jacobians = has_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
+    const tvi_jacobians jacobians =
+        has_symplectic_end_corrections ? tvi_curve_choose_jacobian_method(system) : TVI_NO_JACOBIANS;
     c->system = system;
     c->n = system->n;
     c->span = definition->step_span_in_scaled_time;
     c->p_degree = sizes.p_degree;
-    c->correct_ends = definition->correct_ends_by_generating_function;
-    c->end_factors = &definition->end_correction_factors;
+    c->solve_end_corrections = definition->correct_ends_by_generating_function;
+    c->end_correction_factors = &definition->end_correction_factors;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
-    const tvi_closure_solver *solver = has_products
-                                           ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
-                                           : &tvi_solver_by_matrices;
+    const tvi_end_correction_solver *solver =
+        has_products ? tvi_choose_curve_isa_functions(system->field_series)->matrix_free_solver
+                     : &tvi_solver_by_matrices;
     tvi_curve_allocate(&c->curve, arena, system, sizes.order_count - 1, jacobians, width);
     c->solver = c->curve.generated_code && c->curve.generated_code->matrix_free_solver
                     ? c->curve.generated_code->matrix_free_solver
                     : solver;
-    tvi_combination *const combinations[] = {&c->q_at_start_weights,  &c->q_at_end_weights,   &c->q_increment_weights,
-                                             &c->q_mean_weights,      &c->u_at_start_weights, &c->u_at_end_weights,
-                                             &c->u_increment_weights, &c->u_mean_weights,     &c->momentum_abs_weights};
+    tvi_coefficient_combination *const combinations[] = {&c->q_at_start_weights,           &c->q_at_end_weights,
+                                                         &c->q_increment_weights,          &c->q_mean_weights,
+                                                         &c->scaled_p_at_start_weights,    &c->scaled_p_at_end_weights,
+                                                         &c->scaled_p_increment_weights,   &c->scaled_p_mean_weights,
+                                                         &c->momentum_term_abs_sum_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(&c->curve, arena);
     double **const corrections[] = {&c->start_correction_q, &c->start_correction_p, &c->increment_correction_q,
                                     &c->increment_correction_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++)
         *corrections[i] = tvi_arena_allocate_doubles(arena, n);
-    if (!has_end_corrections) return;
+    if (!has_symplectic_end_corrections) return;
     const size_t seeds = ((size_t)c->curve.highest_order + 1) * n;
     c->momentum_term_abs_sum = tvi_arena_allocate_doubles(arena, n);
     c->gradient_then_solution = tvi_arena_allocate_doubles(arena, 2 * n);
@@ -50,13 +53,13 @@ static void allocate_closure(tvi_closure *c, tvi_arena *arena, const tvi_system 
 /* Allocates what the method "taylor" has: a curve without corrections, whose steps may adapt to a tolerance. */
 static void allocate_plain_taylor_step(work *w, tvi_arena *arena, int width)
 {
-    const tvi_curve *curve = &w->closure.curve;
+    const tvi_curve *curve = &w->corrected_curve.curve;
     const tvi_system *system = curve->system;
     w->last_adapted_step_size = tvi_arena_allocate_restored_if_step_fails(arena, (size_t)width * sizeof(double));
-    if (width > 1) w->quick_step = tvi_choose_curve_isa_functions(system->field_series)->taylor_step_of_members;
+    if (width > 1) w->fast_path_step = tvi_choose_curve_isa_functions(system->field_series)->taylor_step_of_members;
     else tvi_allocate_increment_refinement(&w->refinement, arena, curve);
     if (width > 1 || system->form != TVI_SEPARABLE) return;
-    w->end_field_block = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
+    w->field_tape_values_at_step_end = tvi_arena_allocate_block(arena, system->field_values, 1, 1, 0);
     tvi_roundoff_allocate(&w->end_field_roundoff, arena, system);
 }
 
@@ -64,31 +67,31 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
 {
     work *workspace = tvi_arena_allocate(arena, sizeof *workspace);
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
-    const bool has_end_corrections =
+    const bool has_symplectic_end_corrections =
         definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY;
     const size_t n = (size_t)system->n * (size_t)width;
-    work w = {.has_end_corrections = has_end_corrections,
-              .needs_extra_pass = definition->needs_extra_newton_pass,
+    work w = {.has_symplectic_end_corrections = has_symplectic_end_corrections,
+              .confirms_convergence_by_extra_pass = definition->needs_extra_newton_pass,
               .options = options,
               .q_degree = options->degree};
-    allocate_closure(&w.closure, arena, system, options, has_end_corrections, width);
-    const tvi_curve *curve = &w.closure.curve;
-    tvi_combination *const combinations[] = {&w.q_start_minus_centre_weights, &w.q_at_centre_weights,
-                                             &w.velocity_at_centre_weights,   &w.scaled_end_velocity_weights,
-                                             &w.dense_output_q_weights,       &w.dense_output_u_weights};
+    allocate_corrected_curve(&w.corrected_curve, arena, system, options, has_symplectic_end_corrections, width);
+    const tvi_curve *curve = &w.corrected_curve.curve;
+    tvi_coefficient_combination *const combinations[] = {
+        &w.q_start_minus_centre_weights, &w.q_at_centre_weights,    &w.velocity_at_centre_weights,
+        &w.scaled_end_velocity_weights,  &w.dense_output_q_weights, &w.dense_output_scaled_p_weights};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_allocate(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
-        tvi_legendre_allocate(&w.legendre, arena, system);
+        tvi_legendre_allocate(&w.legendre_transform, arena, system);
         w.velocity_guess = tvi_arena_allocate_restored_if_step_fails(arena, n * sizeof *w.velocity_guess);
     }
     if (!definition->correct_ends_by_generating_function) allocate_plain_taylor_step(&w, arena, width);
     w.scratch = tvi_arena_allocate_doubles(arena, n);
     w.predicted_state = tvi_arena_allocate_doubles(arena, 2 * n);
-    if (has_end_corrections) {
+    if (has_symplectic_end_corrections) {
         tvi_allocate_action(&w.action, arena, system, options, width);
-        tvi_newton_allocate(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
-        w.quick_step = tvi_choose_quick_step(&w.closure, options);
+        tvi_newton_allocate(&w.newton, arena, 2, system, w.corrected_curve.solver->jacobian != NULL, width);
+        w.fast_path_step = tvi_choose_fast_path_step(&w.corrected_curve, options);
     }
     if (workspace) *workspace = w;
     return workspace;
@@ -100,24 +103,26 @@ void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, c
  * Lagrangian's velocity at the end of the step. */
 static void set_predictor_combinations(work *w)
 {
-    const tvi_curve *curve = &w->closure.curve;
-    const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
-    const double s = -w->closure.span.start_s;
+    const tvi_curve *curve = &w->corrected_curve.curve;
+    const bool hamiltonian = w->corrected_curve.system->form == TVI_HAMILTONIAN;
+    const double s = -w->corrected_curve.span.start_s;
     double weight[TVI_MAX_DEGREE + 2];
     for (int k = 0; k <= curve->highest_order; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
     tvi_combination_set_weights(&w->velocity_at_centre_weights, curve, hamiltonian, weight);
     tvi_combination_set_power_weights(&w->q_at_centre_weights, curve, false, curve->highest_order, 1, s, 0, 0);
-    for (int k = 0; k <= curve->highest_order; k++) weight[k] = k > 0 ? k * pow(w->closure.span.end_s, k - 1) : 0;
+    for (int k = 0; k <= curve->highest_order; k++)
+        weight[k] = k > 0 ? k * pow(w->corrected_curve.span.end_s, k - 1) : 0;
     tvi_combination_set_weights(&w->scaled_end_velocity_weights, curve, false, weight);
 }
 
 void tvi_curve_workspace_fill_tables(void *workspace)
 {
     work *w = workspace;
-    tvi_closure *c = &w->closure;
-    tvi_combination *const ends[2][4] = {
+    tvi_corrected_curve *c = &w->corrected_curve;
+    tvi_coefficient_combination *const ends[2][4] = {
         {&c->q_at_start_weights, &c->q_at_end_weights, &c->q_increment_weights, &c->q_mean_weights},
-        {&c->u_at_start_weights, &c->u_at_end_weights, &c->u_increment_weights, &c->u_mean_weights}};
+        {&c->scaled_p_at_start_weights, &c->scaled_p_at_end_weights, &c->scaled_p_increment_weights,
+         &c->scaled_p_mean_weights}};
     const double from = c->span.start_s, to = c->span.end_s;
     const double factor[4][2] = {{0, 1}, {1, 0}, {1, -1}, {-from / (to - from), to / (to - from)}};
     tvi_curve_fill_constant_tables(&c->curve);
@@ -128,12 +133,12 @@ void tvi_curve_workspace_fill_tables(void *workspace)
             tvi_combination_set_power_weights(ends[of_momentum][i], &c->curve, of_momentum,
                                               of_momentum ? c->p_degree : w->q_degree, factor[i][0], to, factor[i][1],
                                               from);
-    tvi_combination_set_power_weights(&c->momentum_abs_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
+    tvi_combination_set_power_weights(&c->momentum_term_abs_sum_weights, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_power_weights(&w->q_start_minus_centre_weights, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_predictor_combinations(w);
-    if (!w->has_end_corrections) return;
+    if (!w->has_symplectic_end_corrections) return;
     tvi_prepare_action_tables(&w->action, w->options, c->span);
     /* A curve of degree 0 is constant, so that passes correct q and p alternately. The contraction of the first pass
      * then does not show that of the later ones. */
-    tvi_newton_set_pass_rules(&w->newton, w->options, w->needs_extra_pass || w->q_degree == 0);
+    tvi_newton_set_pass_rules(&w->newton, w->options, w->confirms_convergence_by_extra_pass || w->q_degree == 0);
 }

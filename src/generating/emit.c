@@ -97,7 +97,7 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     const tvi_action action = tvi_create_unallocated_action(system, options, 1);
     const bool has_seeds = definition->correct_ends_by_generating_function && options->passes != TVI_PREDICT_ONLY &&
                            seeds_need_no_second_derivatives(&action);
-    const bool has_step = lanes > 0 && tvi_has_quick_step(system, options);
+    const bool has_step = lanes > 0 && tvi_has_fast_path_step(system, options);
     if (has_step) jet_text_append(text, "JET_SIDE_BY_SIDE\n");
     emit_curve_sizes(text, system, options, lanes);
     emit_output_slot_table(text, system->field_series, "code_output", "CURVE_SLOT");
@@ -113,17 +113,17 @@ static void emit_curve_functions(jet_text *text, const tvi_system *system, const
     emit_text_lines(text, tvi_embedded_generated_curve);
 }
 
-void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options)
+void tvi_curve_emit_code_without_jacobians(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
     emit_curve_functions(text, system, options, 0, false);
 }
 
-void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options)
+void tvi_curve_emit_code_with_jacobian_products(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
     emit_curve_functions(text, system, options, 0, true);
 }
 
-void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options)
+void tvi_curve_emit_code_with_jacobian_matrices(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
     emit_curve_functions(text, system, options, tvi_choose_tangent_lane_count(system), false);
 }

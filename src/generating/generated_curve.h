@@ -1,8 +1,8 @@
-/* generated_curve.h - defines the functions of tvi_curve_code for one system and degree. Only generated code includes
- * it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h; CURVE_LANES,
- * the number of directions in one block of tangents; CURVE_REST, the number of directions in a smaller last block, or
- * 0; and CURVE_ACTION, the sizes of the action. It also defines the switches CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS,
- * CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_STEP_SIZE, which say which functions are defined. */
+/* generated_curve.h - defines the functions of tvi_generated_curve_functions for one system and degree. Only generated
+ * code includes it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h;
+ * CURVE_LANES, the number of directions in one block of tangents; CURVE_REST, the number of directions in a smaller
+ * last block, or 0; and CURVE_ACTION, the sizes of the action. It also defines the switches CURVE_HAS_MATRICES,
+ * CURVE_HAS_PRODUCTS, CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_STEP_SIZE, which say which functions are defined. */
 #ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
 #define TVI_SRC_GENERATING_GENERATED_CURVE_H
 
@@ -29,7 +29,7 @@ JET_APART tvi_status code_expand_series(tvi_curve *curve)
 }
 #undef EXPAND
 
-static inline tvi_status code_expand_checked_series(tvi_curve *curve)
+static inline tvi_status code_expand_series_and_check_finite(tvi_curve *curve)
 {
     const tvi_status status = code_expand_series(curve);
     return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
@@ -107,30 +107,30 @@ JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, do
 #endif
 #if CURVE_HAS_STEP
 
-static inline bool code_try_quick_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                                       const tvi_quick_step_results *results, tvi_stats *stats)
+static inline bool code_try_fast_path_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                           const tvi_fast_path_step_results *results, tvi_stats *stats)
 {
-    static const step_curve_functions functions = {code_expand_series, code_expand_with_tangents, code_compute_seeds,
-                                                   NULL};
-    return step_try_quick_steps(work, &functions, tau, origin, results, stats);
+    static const fast_path_expansion_and_seed_functions functions = {code_expand_series, code_expand_with_tangents,
+                                                                     code_compute_seeds, NULL};
+    return step_try_fast_path_steps(work, &functions, tau, origin, results, stats);
 }
 
 #endif
 #if CURVE_HAS_PRODUCTS
 
-static const tvi_closure_solver code_solver = {.begin = products_discard_guess,
-                                               .compute_corrections = products_compute_corrections,
-                                               .solve = products_solve_correction_equations,
-                                               .correct = products_apply_inverse_flow_jacobian};
+static const tvi_end_correction_solver code_solver = {.begin = products_discard_guess,
+                                                      .compute_corrections = products_compute_corrections,
+                                                      .solve = products_solve_correction_equations,
+                                                      .correct = products_apply_inverse_flow_jacobian};
 
 #endif
 
-static const tvi_curve_code tvi_loops = {
+static const tvi_generated_curve_functions tvi_loops = {
     .highest_order = CURVE_TOP,
-    .expand = code_expand_checked_series,
+    .expand = code_expand_series_and_check_finite,
     .sum_combination = curve_sum_combination,
     .centre_state_sizes = curve_compute_centre_state_sizes,
-    .movement_sizes = curve_compute_movement_sizes,
+    .displacement_sizes = curve_compute_displacement_sizes,
     .tail = curve_compute_tail,
 #if CURVE_HAS_MATRICES
     .differentiate = code_compute_jacobians,
@@ -147,7 +147,7 @@ static const tvi_curve_code tvi_loops = {
     .compute_seeds = code_compute_seeds,
 #endif
 #if CURVE_HAS_STEP
-    .quick_step = code_try_quick_step,
+    .fast_path_step = code_try_fast_path_step,
 #endif
 #if CURVE_HAS_STEP_SIZE
     .largest_usable_s = curve_estimate_largest_usable_s,

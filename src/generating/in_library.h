@@ -12,7 +12,7 @@
  * mask -BATCH_MIN_WIDTH tells the compiler that a width is a multiple of the least width. */
 #ifdef CURVE_MEMBERS
 enum { CURVE_MOST_WIDTH = BATCH_MAX_WIDTH };
-#define CURVE_WIDTH(work)  ((work)->width & -BATCH_MIN_WIDTH)
+#define CURVE_WIDTH(work)  ((work)->member_count & -BATCH_MIN_WIDTH)
 #define CURVE_COMBINE_EACH members_combine_rows
 #else
 enum { CURVE_MOST_WIDTH = 1 };

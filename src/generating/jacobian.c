@@ -23,7 +23,8 @@ void tvi_curve_compute_jacobians(tvi_curve *curve)
     else curve_compute_jacobians(curve);
 }
 
-void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
+void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                        double matrix[])
 {
     if (curve->generated_code) curve->generated_code->sum_combination_jacobian(curve, combination, matrix);
     else curve_sum_combination_jacobian(curve, combination, matrix);
@@ -41,7 +42,7 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
                                                         .top_order = highest_order,
                                                         .needs_series_sweep = !is_whole},
                                .loops_pointer_name = "taylor_curve",
-                               .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
+                               .emit_loops = is_whole ? tvi_curve_emit_code_without_jacobians : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series_tape_emission.needs_adjoint_sweep = jacobians == TVI_JACOBIAN_PRODUCTS;
     if (used.series_tape_emission.needs_adjoint_sweep) used.series_tape_emission.tangent_direction_counts[0] = 1;
@@ -51,8 +52,8 @@ tvi_tapes_of_steps tvi_curve_find_used_tapes(const tvi_system *system, const tvi
         used.series_tape_emission.tangent_direction_counts[0] = CURVE_TANGENT_DIRECTIONS,
         used.series_tape_emission.tangent_direction_counts[1] = left;
     if (is_whole)
-        used.emit_loops =
-            used.series_tape_emission.needs_adjoint_sweep ? tvi_curve_emit_products : tvi_curve_emit_matrices;
+        used.emit_loops = used.series_tape_emission.needs_adjoint_sweep ? tvi_curve_emit_code_with_jacobian_products
+                                                                        : tvi_curve_emit_code_with_jacobian_matrices;
     if (system->form == TVI_HAMILTONIAN)
         used.series_tape_emission.value_lane_counts[1] = points; /* for H_pp at the nodes, one lane for each node */
     used.value_tape_emission = (jet_emission_request){.name_prefix = "tvi_values", .value_lane_counts = {points}};
@@ -71,7 +72,8 @@ void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
     else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
-void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination, double out[])
+void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                              double out[])
 {
     if (curve->generated_code && curve->generated_code->multiply_jacobian_by_direction)
         curve->generated_code->multiply_jacobian_by_direction(curve, combination, out);
@@ -85,7 +87,7 @@ void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const do
 {
     if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
         products_multiply_by_transposed_jacobians(curve, curve->highest_order,
-                                                  &(tvi_transposed_product_terms){.seed_Q = seed_Q}, out);
+                                                  &(tvi_transposed_jacobian_operands){.seed_Q = seed_Q}, out);
     else if (curve->generated_code)
         curve->generated_code->multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);
     else curve_multiply_transposed_jacobians_by_seeds(curve, seed_Q, seed_U, out);

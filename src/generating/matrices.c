@@ -10,99 +10,102 @@
  * passes of the member run. */
 static const long long single_iterating_mask = -1;
 
-static void allocate_jacobian_factors(tvi_closure *closure, tvi_arena *arena)
+static void allocate_jacobian_factors(tvi_corrected_curve *corrected, tvi_arena *arena)
 {
-    const size_t n = (size_t)closure->n, width = (size_t)closure->curve.width;
+    const size_t n = (size_t)corrected->n, width = (size_t)corrected->curve.member_count;
     tvi_jacobian_factors *allocated = tvi_arena_allocate(arena, sizeof *allocated), m = {0};
     m.z_of_last_jacobians = tvi_arena_allocate_doubles(arena, 2 * n * width);
     m.relative_distance_since_jacobian = tvi_arena_allocate_doubles(arena, width);
     if (width > 1) m.corrector_jacobian = tvi_arena_allocate_doubles(arena, 2 * n * 2 * n * width);
-    m.end_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
-    tvi_factor_allocate(&m.jacobian_block_factor, arena, closure->n, 1);
-    tvi_factor_allocate(&m.full_jacobian_factor, arena, 2 * closure->n, closure->curve.width);
+    m.scratch_end_state_jacobian = tvi_arena_allocate_doubles(arena, n * 2 * n);
+    tvi_factor_allocate(&m.jacobian_block_factor, arena, corrected->n, 1);
+    tvi_factor_allocate(&m.full_jacobian_factor, arena, 2 * corrected->n, corrected->curve.member_count);
     if (allocated) *allocated = m;
-    closure->solver_data = allocated;
+    corrected->solver_data = allocated;
 }
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-static tvi_status factor_jacobian_block(tvi_closure *closure, const tvi_correction_equations *equations)
+static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
 {
-    const size_t n = (size_t)closure->n, first = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n;
-    tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_sum_combination_jacobian(&closure->curve, equations->first_combination, factors->end_jacobian);
+    const size_t n = (size_t)corrected->n, first = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n;
+    tvi_jacobian_factors *factors = matrices_get_factors(corrected);
+    tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination,
+                                       factors->scratch_end_state_jacobian);
     for (size_t i = 0; i < n; i++)
-        memcpy(factors->jacobian_block_factor.lu + i * n, factors->end_jacobian + i * 2 * n + first,
+        memcpy(factors->jacobian_block_factor.lu + i * n, factors->scratch_end_state_jacobian + i * 2 * n + first,
                n * sizeof(double));
     return tvi_factor_compute(&factors->jacobian_block_factor);
 }
 
-static tvi_status factor_full_matrix(tvi_closure *closure, const tvi_correction_equations *equations)
+static tvi_status factor_full_matrix(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
 {
-    tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    matrices_stack_combination_jacobians(closure, equations->first_combination, equations->second_combination,
-                                         factors->full_jacobian_factor.lu);
+    tvi_jacobian_factors *factors = matrices_get_factors(corrected);
+    matrices_stack_combination_jacobians(corrected, equations->upper_jacobian_combination,
+                                         equations->lower_jacobian_combination, factors->full_jacobian_factor.lu);
     return tvi_factor_compute(&factors->full_jacobian_factor);
 }
 
 /* Subtracts K^T x from the half of gradient_then_solution that was not solved for. The other half is the solution x,
  * and K is the n x n block of the Jacobian whose columns are not jacobian_column_half. */
-static void compute_residual_in_rows_not_solved(tvi_closure *closure, const tvi_correction_equations *equations)
+static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corrected,
+                                                       const tvi_end_correction_equations *equations)
 {
-    const size_t n = (size_t)closure->n, solved = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n,
+    const size_t n = (size_t)corrected->n, solved = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n,
                  other = n - solved;
-    double *G = matrices_get_factors(closure)->end_jacobian;
-    tvi_curve_sum_combination_jacobian(&closure->curve, equations->first_combination, G);
+    double *G = matrices_get_factors(corrected)->scratch_end_state_jacobian;
+    tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination, G);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
-            closure->gradient_then_solution[other + j] -=
-                closure->gradient_then_solution[solved + i] * G[i * 2 * n + other + j];
+            corrected->gradient_then_solution[other + j] -=
+                corrected->gradient_then_solution[solved + i] * G[i * 2 * n + other + j];
 }
 
-static tvi_status solve_by_factors(tvi_closure *closure, const tvi_correction_equations *equations)
+static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
 {
-    tvi_jacobian_factors *factors = matrices_get_factors(closure);
-    tvi_curve_multiply_transposed_jacobians_by_seeds(&closure->curve, closure->action_gradient_by_coefficients_Q,
-                                                     closure->action_gradient_by_coefficients_U,
-                                                     closure->gradient_then_solution);
-    if (factors->jacobian_computations_at_factorisation != factors->jacobian_computations_in_step) {
-        factors->jacobian_computations_at_factorisation = factors->jacobian_computations_in_step;
-        const tvi_status status = equations->second_combination ? factor_full_matrix(closure, equations)
-                                                                : factor_jacobian_block(closure, equations);
+    tvi_jacobian_factors *factors = matrices_get_factors(corrected);
+    tvi_curve_multiply_transposed_jacobians_by_seeds(&corrected->curve, corrected->action_gradient_by_coefficients_Q,
+                                                     corrected->action_gradient_by_coefficients_U,
+                                                     corrected->gradient_then_solution);
+    if (factors->jacobian_computations_when_last_factored != factors->jacobian_computations_in_step) {
+        factors->jacobian_computations_when_last_factored = factors->jacobian_computations_in_step;
+        const tvi_status status = equations->lower_jacobian_combination ? factor_full_matrix(corrected, equations)
+                                                                        : factor_jacobian_block(corrected, equations);
         if (status != TVI_OK) return status;
     }
-    if (equations->second_combination) {
-        tvi_factor_solve_transposed(&factors->full_jacobian_factor, closure->gradient_then_solution);
+    if (equations->lower_jacobian_combination) {
+        tvi_factor_solve_transposed(&factors->full_jacobian_factor, corrected->gradient_then_solution);
     } else {
         tvi_factor_solve_transposed(&factors->jacobian_block_factor,
-                                    closure->gradient_then_solution +
-                                        (equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : closure->n));
-        compute_residual_in_rows_not_solved(closure, equations);
+                                    corrected->gradient_then_solution +
+                                        (equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : corrected->n));
+        compute_residual_in_unsolved_gradient_half(corrected, equations);
     }
     return TVI_OK;
 }
 
 /* Computes the corrector's Jacobian anew if the stored one is outdated. Returns true if it did, and false if the
  * corrector may reuse the stored one. */
-static bool renew_jacobian_if_outdated(const tvi_closure *closure, double jacobian[])
+static bool renew_jacobian_if_outdated(const tvi_corrected_curve *corrected, double jacobian[])
 {
-    return matrices_renew_corrector_jacobians(closure, &single_iterating_mask, jacobian) > 0;
+    return matrices_renew_corrector_jacobians(corrected, &single_iterating_mask, jacobian) > 0;
 }
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-static tvi_status compute_corrections(tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats)
+static tvi_status compute_corrections(tvi_corrected_curve *corrected, const double z[], const double scale[],
+                                      tvi_stats *stats)
 {
     long long due_jacobian_mask;
-    matrices_find_members_with_due_jacobians(closure, z, scale, &single_iterating_mask, &due_jacobian_mask);
+    matrices_find_members_with_due_jacobians(corrected, z, scale, &single_iterating_mask, &due_jacobian_mask);
     if (due_jacobian_mask) {
-        tvi_curve_compute_jacobians(&closure->curve);
-        matrices_record_z_of_jacobians(closure, z);
+        tvi_curve_compute_jacobians(&corrected->curve);
+        matrices_record_z_of_jacobians(corrected, z);
         stats->factorisations++;
     }
-    return closure->correct_ends(closure);
+    return corrected->solve_end_corrections(corrected);
 }
 
-const tvi_closure_solver tvi_solver_by_matrices = {allocate_jacobian_factors,  matrices_discard_factors,
-                                                   compute_corrections,        solve_by_factors,
-                                                   renew_jacobian_if_outdated, NULL};
+const tvi_end_correction_solver tvi_solver_by_matrices = {allocate_jacobian_factors,  matrices_discard_factors,
+                                                          compute_corrections,        solve_by_factors,
+                                                          renew_jacobian_if_outdated, NULL};

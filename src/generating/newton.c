@@ -11,15 +11,16 @@
 /* The rule for the corrections relative to each unknown's scale: passes end if the next correction is expected to be
  * half a unit of roundoff or less. If each correction is PASSES_STALL_RATIO times the one before it, this takes 53
  * passes. */
-static const tvi_stopping_rule by_unknown = {.max_passes = NEWTON_MAX_PASSES,
-                                             .correction_goal = DBL_EPSILON / 2,
-                                             .max_trusted_contraction_ratio = 1,
-                                             .stall_contraction_ratio = PASSES_STALL_RATIO,
-                                             .stall_comparison_lag = 1};
+static const tvi_stopping_rule per_unknown_correction_rule = {.max_passes = NEWTON_MAX_PASSES,
+                                                              .correction_goal = DBL_EPSILON / 2,
+                                                              .max_trusted_contraction_ratio = 1,
+                                                              .stall_contraction_ratio = PASSES_STALL_RATIO,
+                                                              .stall_comparison_lag = 1};
 /* The rule for the largest correction of a group, relative to the largest scale of the group. Passes without a Jacobian
  * are not stuck as long as these corrections shrink. In each pass corrections spread from a body to its neighbours
  * only; the corrections of the bodies that are reached last also shrink last. */
-static const tvi_stopping_rule by_group = {.stall_contraction_ratio = PASSES_STALL_RATIO, .stall_comparison_lag = 2};
+static const tvi_stopping_rule per_group_correction_rule = {.stall_contraction_ratio = PASSES_STALL_RATIO,
+                                                            .stall_comparison_lag = 2};
 
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
                          bool allocates_jacobian, int width)
@@ -28,8 +29,8 @@ void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, 
     const size_t count = (size_t)size * (size_t)width;
     newton->is_jacobian_allocated = allocates_jacobian;
     newton->unknown_count = size;
-    newton->width = width;
-    newton->group_size = system->n;
+    newton->member_count = width;
+    newton->unknowns_per_group = system->n;
     newton->subsystems = &system->subsystems;
     newton->x = tvi_arena_allocate_doubles(arena, count);
     newton->correction = tvi_arena_allocate_doubles(arena, count);
@@ -87,9 +88,9 @@ static void solve_with_jacobian(const tvi_newton *newton, const tvi_equations *e
  * separately, and the magnitudes of the solutions are added, so that the groups cannot cancel each other. */
 static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equations)
 {
-    const size_t bytes = (size_t)newton->group_size * sizeof(double);
+    const size_t bytes = (size_t)newton->unknowns_per_group * sizeof(double);
     equations->roundoff(equations->self, newton->trial_residual);
-    for (int first = 0; first < newton->unknown_count; first += newton->group_size) {
+    for (int first = 0; first < newton->unknown_count; first += newton->unknowns_per_group) {
         memset(newton->trial_unknowns, 0, (size_t)newton->unknown_count * sizeof *newton->trial_unknowns);
         memcpy(newton->trial_unknowns + first, newton->trial_residual + first, bytes);
         solve_with_jacobian(newton, equations, newton->trial_unknowns);
@@ -100,15 +101,18 @@ static void compute_roundoff_scales(tvi_newton *newton, const tvi_equations *equ
     }
 }
 
-void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass)
+void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool confirms_convergence_by_extra_pass)
 {
     tvi_newton_rules *rules = &newton->rules;
-    *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&by_unknown, options, options->tolerance), by_group};
-    newton->needs_extra_pass = needs_extra_pass;
-    if (newton->is_jacobian_allocated) rules->by_group = (tvi_stopping_rule){.stall_comparison_lag = 1};
+    *rules = (tvi_newton_rules){tvi_passes_rule_with_options(&per_unknown_correction_rule, options, options->tolerance),
+                                per_group_correction_rule};
+    newton->confirms_convergence_by_extra_pass = confirms_convergence_by_extra_pass;
+    if (newton->is_jacobian_allocated)
+        rules->per_group_correction_rule = (tvi_stopping_rule){.stall_comparison_lag = 1};
     /* A correction is compared with the two before it, since corrections of q follow from those of p, and those of p
      * from those of q. */
-    if (!newton->is_jacobian_allocated || needs_extra_pass) rules->by_unknown.stall_comparison_lag = 2;
+    if (!newton->is_jacobian_allocated || confirms_convergence_by_extra_pass)
+        rules->per_unknown_correction_rule.stall_comparison_lag = 2;
 }
 
 /* Returns whether the last correction, which did not shrink, is as small as the corrections that the residual's
@@ -155,10 +159,10 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes passes;
     tvi_newton_begin_passes(&passes, *newton->max_contraction_ratio_growth_of_member, &newton->rules,
-                            newton->needs_extra_pass);
+                            newton->confirms_convergence_by_extra_pass);
     int refreshes = 0;
     bool by_differences = false;
-    for (int count = 1; count <= rules->by_unknown.max_passes; count++) {
+    for (int count = 1; count <= rules->per_unknown_correction_rule.max_passes; count++) {
         refreshes += by_differences;
         newton->is_jacobian_by_differences = newton->is_jacobian_allocated && refreshes > 0;
         const tvi_status status =

@@ -34,15 +34,17 @@ typedef struct {
     double largest_relative_correction[CURVE_MOST_WIDTH], relative_group_correction[CURVE_MOST_WIDTH];
 } tvi_correction_sizes;
 
-/* The rules by which passes end: by_unknown judges largest_relative_correction, and by_group judges
+/* The rules by which passes end: per_unknown_correction_rule judges largest_relative_correction, and
+ * per_group_correction_rule judges
  * relative_group_correction. */
 typedef struct {
-    tvi_stopping_rule by_unknown, by_group;
+    tvi_stopping_rule per_unknown_correction_rule, per_group_correction_rule;
 } tvi_newton_rules;
-/* The passes of a solution so far: by_unknown records largest_relative_correction, and by_group records
+/* The passes of a solution so far: passes_measured_per_unknown records largest_relative_correction, and
+ * passes_measured_per_group records
  * relative_group_correction. */
 typedef struct {
-    tvi_convergence_test by_unknown, by_group;
+    tvi_convergence_test passes_measured_per_unknown, passes_measured_per_group;
     /* The contraction ratio of a pass is the size of its correction divided by that of the correction before it.
      * contraction_ratio_growth is the factor by which this ratio may grow from one pass to the next; the expected size
      * of the next correction allows for it. unconfirmed_ratio_growth is a greater factor that the last correction
@@ -55,29 +57,30 @@ typedef struct {
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
 static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max_contraction_ratio_growth,
-                                           const tvi_newton_rules *rules, bool needs_extra_pass)
+                                           const tvi_newton_rules *rules, bool confirms_convergence_by_extra_pass)
 {
-    tvi_convergence_test_begin_iteration(&passes->by_unknown, 0);
-    tvi_convergence_test_begin_iteration(&passes->by_group, 0);
+    tvi_convergence_test_begin_iteration(&passes->passes_measured_per_unknown, 0);
+    tvi_convergence_test_begin_iteration(&passes->passes_measured_per_group, 0);
     passes->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
     passes->unconfirmed_ratio_growth = 0;
-    passes->must_confirm_convergence = rules->by_unknown.exact_passes == 0 &&
-                                       rules->by_unknown.max_trusted_contraction_ratio > 0 &&
-                                       (max_contraction_ratio_growth == 0 || needs_extra_pass);
+    passes->must_confirm_convergence = rules->per_unknown_correction_rule.exact_passes == 0 &&
+                                       rules->per_unknown_correction_rule.max_trusted_contraction_ratio > 0 &&
+                                       (max_contraction_ratio_growth == 0 || confirms_convergence_by_extra_pass);
 }
 
 /* Updates the factor by which the contraction ratio may grow. A greater factor that one correction suggests is accepted
  * only if the next correction contracts again, because roundoff does not contract. */
-static inline void tvi_newton_update_ratio_growth(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
+static inline void tvi_newton_update_contraction_ratio_growth(tvi_newton_passes *passes, const tvi_newton_rules *rules,
+                                                              double relative_correction)
 {
-    const tvi_convergence_test *each = &passes->by_unknown;
-    const bool shows = size <= rules->by_unknown.stall_contraction_ratio * each->size;
+    const tvi_convergence_test *each = &passes->passes_measured_per_unknown;
+    const bool shows = relative_correction <= rules->per_unknown_correction_rule.stall_contraction_ratio * each->size;
     if (each->count < 2) return;
     if (shows)
         passes->contraction_ratio_growth = tvi_smaller(
             tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth), NEWTON_MAX_RATIO_GROWTH);
-    const double growth = each->contraction_ratio_growth * size / each->expected_next_size;
-    passes->unconfirmed_ratio_growth = shows && size > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
+    const double growth = each->contraction_ratio_growth * relative_correction / each->expected_next_size;
+    passes->unconfirmed_ratio_growth = shows && relative_correction > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
 }
 
 /* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
@@ -87,16 +90,16 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 {
     const double largest_relative_correction = sizes->largest_relative_correction[m],
                  relative_group_correction = sizes->relative_group_correction[m];
-    const double expected = passes->by_unknown.expected_next_size;
-    tvi_newton_update_ratio_growth(passes, rules, largest_relative_correction);
-    passes->by_unknown.contraction_ratio_growth =
+    const double expected = passes->passes_measured_per_unknown.expected_next_size;
+    tvi_newton_update_contraction_ratio_growth(passes, rules, largest_relative_correction);
+    passes->passes_measured_per_unknown.contraction_ratio_growth =
         tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth);
-    const tvi_passes_verdict verdict =
-        tvi_convergence_test_add_pass(&passes->by_unknown, &rules->by_unknown, largest_relative_correction);
-    const tvi_passes_verdict settled =
-        tvi_convergence_test_add_pass(&passes->by_group, &rules->by_group, relative_group_correction);
-    const bool is_confirmed =
-        expected <= rules->by_unknown.correction_goal && largest_relative_correction <= NEWTON_CHECK_MAX_CORRECTION;
+    const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(
+        &passes->passes_measured_per_unknown, &rules->per_unknown_correction_rule, largest_relative_correction);
+    const tvi_passes_verdict settled = tvi_convergence_test_add_pass(
+        &passes->passes_measured_per_group, &rules->per_group_correction_rule, relative_group_correction);
+    const bool is_confirmed = expected <= rules->per_unknown_correction_rule.correction_goal &&
+                              largest_relative_correction <= NEWTON_CHECK_MAX_CORRECTION;
     if (verdict == TVI_PASSES_MAY_END && passes->must_confirm_convergence && largest_relative_correction > 0 &&
         !is_confirmed)
         return TVI_PASSES_GO_ON;
@@ -106,21 +109,22 @@ static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes
 }
 
 typedef struct {
-    bool is_jacobian_allocated;      /* whether memory for a Jacobian matrix was allocated */
-    bool is_jacobian_by_differences; /* whether the Jacobian in that memory was computed by differences */
-    bool needs_extra_pass;
+    bool is_jacobian_allocated;              /* whether memory for a Jacobian matrix was allocated */
+    bool is_jacobian_by_differences;         /* whether the Jacobian in that memory was computed by differences */
+    bool confirms_convergence_by_extra_pass; /* whether each solution makes one pass more than seems needed */
     tvi_newton_rules rules;
     int unknown_count;                /* the number of unknowns of one member */
-    int group_size;                   /* the number of unknowns in one group; all unknowns of a group have one unit */
-    int width;                        /* the number of members; the member is the fastest index */
+    int unknowns_per_group;           /* the number of unknowns in one group; all unknowns of a group have one unit */
+    int member_count;                 /* the number of members; the member is the fastest index */
     const tvi_subsystems *subsystems; /* the subsystems of the components */
-    double *x, *correction, *scale; /* [unknown_count][width] the unknowns, their last corrections and natural sizes */
-    double *roundoff_scale;         /* the scale plus a multiple of the unknown's change by the residual's roundoff */
+    double *x, *correction,
+        *scale;             /* [unknown_count][member_count] the unknowns, their last corrections and natural sizes */
+    double *roundoff_scale; /* the scale plus a multiple of the unknown's change by the residual's roundoff */
     /* Scratch for the Jacobian by differences: the unknowns with one of them shifted, and the residual there. */
     double *trial_unknowns, *trial_residual;
     tvi_lu_factor factor;
-    /* [width] For each member, the largest factor by which the contraction ratio grew from one pass to the next in
-     * earlier solutions, or 0 if there was none; part of the history. */
+    /* [member_count] For each member, the largest factor by which the contraction ratio grew from one pass to the next
+     * in earlier solutions, or 0 if there was none; part of the history. */
     double *max_contraction_ratio_growth_of_member;
 } tvi_newton;
 
@@ -133,7 +137,7 @@ static inline int newton_count_unknowns(const tvi_newton *newton)
 
 static inline int newton_count_unknowns_per_group(const tvi_newton *newton)
 {
-    return CURVE_SIZE(CURVE_N, newton->group_size);
+    return CURVE_SIZE(CURVE_N, newton->unknowns_per_group);
 }
 
 /* Measures the corrections of one subsystem in each group of unknowns, for the entries begin .. end - 1 of the list of
@@ -182,7 +186,7 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
  * largest scale of the group in the subsystem, or 1 if all are 0. Any other scale is raised to at least
  * NEWTON_MIN_SCALE times the largest one. An unknown that is much smaller than the others of its group, such as a body
  * that a wave has not reached, is thus measured by these. */
-static inline void newton_raise_scales_in_subsystem(const tvi_newton *newton, int member, int begin, int end)
+static inline void newton_raise_small_scales_in_subsystem(const tvi_newton *newton, int member, int begin, int end)
 {
     const int width = CURVE_WIDTH(newton);
     for (int first = 0; first < newton_count_unknowns(newton); first += newton_count_unknowns_per_group(newton)) {
@@ -203,7 +207,7 @@ static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newto
     const tvi_subsystems *subsystems = newton->subsystems;
     for (int k = 0, begin = 0, end; k < subsystems->count; k++, begin = end) {
         end = tvi_subsystems_end_in_component_list(subsystems, k, newton_count_unknowns_per_group(newton));
-        newton_raise_scales_in_subsystem(newton, member, begin, end);
+        newton_raise_small_scales_in_subsystem(newton, member, begin, end);
     }
 }
 
@@ -212,9 +216,9 @@ static inline void newton_raise_scales_of_small_unknowns(const tvi_newton *newto
 void tvi_newton_allocate(tvi_newton *newton, tvi_arena *arena, int group_count, const tvi_system *system,
                          bool allocates_jacobian, int width);
 
-/* Sets the rules, once. needs_extra_pass says that the first contraction is no measure of the later ones, so that there
- * is always one more pass than seems needed. */
-void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool needs_extra_pass);
+/* Sets the rules, once. confirms_convergence_by_extra_pass says that the first contraction is no measure of the later
+ * ones, so that there is always one more pass than seems needed. */
+void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, bool confirms_convergence_by_extra_pass);
 
 /* Solves the equations from the predictor in newton->x. On success newton->x is the point of the last residual, and
  * newton->correction is the last correction, which has not been added. The caller applies it to first order, which

@@ -21,7 +21,7 @@ static inline void momenta_compute_H_pp(const tvi_action *action, const tvi_curv
     for (int j = 0; j < n; j++) {
         double *direction = action->field_tangent_block + (n + j) * points;
         for (int node = 0; node < points; node++) direction[node] = 1;
-        SEEDS_TANGENTS(tape, action->field_block, action->field_tangent_block, points);
+        SEEDS_TANGENTS(tape, action->field_tape_values_at_nodes, action->field_tangent_block, points);
         for (int i = 0; i < n; i++)
             memcpy(action->H_pp + (i * n + j) * points,
                    seeds_get_field_output_row(action, tape, action->field_tangent_block, n + i),
@@ -76,7 +76,8 @@ static inline double momenta_compute_corrections(const tvi_action *action, const
     double *correction = action->node_momentum_correction, rest[MOMENTA_MOST_NODES];
     memset(correction, 0, (size_t)(n * points) * sizeof *correction);
     for (int j = 0; j < n; j++) {
-        const double *H_p = seeds_get_field_output_row(action, action->field_tape, action->field_block, n + j);
+        const double *H_p =
+            seeds_get_field_output_row(action, action->field_tape, action->field_tape_values_at_nodes, n + j);
         JET_IN_VECTORS
         for (int node = 0; node < points; node++) rest[node] = action->gradient_by_v[j * points + node] - H_p[node];
         for (int i = 0; i < n; i++) JET_IN_VECTORS
@@ -98,11 +99,11 @@ static inline bool momenta_are_corrections_roundoff(const tvi_action *action, in
 }
 
 /* Finds momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method. The momenta are
- * left in the second input of field_block, and the field is evaluated with them. */
+ * left in the second input of field_tape_values_at_nodes, and the field is evaluated with them. */
 static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *curve)
 {
     const int count = curve_dimension(curve) * action->node_count;
-    double *p = action->field_block + count;
+    double *p = action->field_tape_values_at_nodes + count;
     tvi_convergence_test passes;
     tvi_convergence_test_begin_iteration(&passes, 0);
     memcpy(p, action->p_at_nodes, (size_t)count * sizeof *p);

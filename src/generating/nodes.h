@@ -9,13 +9,14 @@
 #include "system/roundoff.h"
 #include "vector.h"
 
-/* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. all_orders has the rows of
- * nodes, [highest_order + 1][node_count]. If nodes mirror each other, even_orders and odd_orders have the even and the
- * odd k at the first half of the nodes, [(order_count + 1) / 2][half_node_count]; the values at the other half differ
- * by a sign only. Weighted tables are for sums over the nodes; they are transposed, [node_count][highest_order + 1] and
- * [half_node_count][seeds_round_up_to_vectors((order_count + 1) / 2)]. */
+/* The powers s_i^k of the nodes s_i, or their derivatives, or these times the weights. values_of_all_orders has the
+ * rows of nodes, [highest_order + 1][node_count]. If nodes mirror each other, values_of_even_orders and
+ * values_of_odd_orders have the even and the odd k at the first half of the nodes, [(order_count + 1) /
+ * 2][half_node_count]; the values at the other half differ by a sign only. Weighted tables are for sums over the nodes;
+ * they are transposed, [node_count][highest_order + 1] and [half_node_count][seeds_round_up_to_vectors((order_count +
+ * 1) / 2)]. */
 typedef struct {
-    double *all_orders, *even_orders, *odd_orders;
+    double *values_of_all_orders, *values_of_even_orders, *values_of_odd_orders;
     /* The sign by which the rows of even k at a node are multiplied to get those at its mirror node, 1 or -1. It is 1
      * for powers and second derivatives, and -1 for first derivatives. */
     double mirror_sign;
@@ -31,7 +32,7 @@ typedef struct tvi_action {
     int q_degree, p_degree; /* the degrees to which position and momentum are summed */
     int node_count;         /* the number of nodes, with those that pad a half */
     int order_count;        /* the number of orders of the curve, highest_order + 1 */
-    int width;              /* the number of members; rows of nodes are [node_count][width] */
+    int member_count;       /* the number of members; rows of nodes are [node_count][member_count] */
     /* [node_count] The nodes s_i in scaled time, and their weights, whose sum is end_s - start_s. */
     double *node_scaled_time, *node_weight;
     /* The number of nodes in a mirrored half, padded to whole vectors, or 0 if the nodes do not mirror each other or if
@@ -45,15 +46,15 @@ typedef struct tvi_action {
     tvi_node_table power_second_derivative_table;
     /* The powers s_i^k by which Q_k is multiplied in the sum q_i; for truncated nodes those of the highest order are 0.
      */
-    tvi_node_table node_q_power_table;
+    tvi_node_table power_table_truncated_by_node_rule;
     /* power_table and slope_table times the weights of the nodes. */
     tvi_node_table weighted_power_table, weighted_slope_table;
-    double *order_sums; /* [highest_order + 1] scratch: sums over the nodes for each order */
+    double *node_sums_by_order; /* [highest_order + 1] scratch: sums over the nodes for each order */
     /* [highest_order + 1][highest_order + 1] (j+k) times the error of the quadrature for s^(j+k-1), for the orders j of
      * the momentum and k of the position. The summation by parts of seeds.h adds these numbers to the action's
      * gradient. NULL if all of them are 0. */
     double *summation_by_parts_error;
-    double *field_block; /* the block of the field's tape, with one lane for each node */
+    double *field_tape_values_at_nodes; /* the values of all slots of the field's tape, with one lane for each node */
     /* The block of the tape that computes the products H_qp p and H_pp p of a Hamiltonian at the nodes, for positions
      * that omit the highest order. */
     double *hessian_product_block;
@@ -99,13 +100,14 @@ static inline void seeds_evaluate_series_at_nodes(const tvi_action *action, int 
     const int lanes = seeds_count_lanes(action) / 2;
     double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (action->half_node_count == 0) {
-        seeds_combine_rows(action, degree + 1, coefficients, stride, action->node_count, table->all_orders, row);
+        seeds_combine_rows(action, degree + 1, coefficients, stride, action->node_count, table->values_of_all_orders,
+                           row);
         return;
     }
-    seeds_combine_rows(action, degree / 2 + 1, coefficients, 2 * stride, action->half_node_count, table->even_orders,
-                       even);
+    seeds_combine_rows(action, degree / 2 + 1, coefficients, 2 * stride, action->half_node_count,
+                       table->values_of_even_orders, even);
     seeds_combine_rows(action, (degree + 1) / 2, coefficients + stride, 2 * stride, action->half_node_count,
-                       table->odd_orders, odd);
+                       table->values_of_odd_orders, odd);
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) row[i] = even[i] + odd[i];
     JET_IN_VECTORS
@@ -117,17 +119,17 @@ static inline void seeds_set_node_times(const tvi_action *action, const tvi_curv
     double *t = x + curve_field_input_count(curve) * seeds_count_lanes(action);
     if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->node_count; node++)
-        for (int m = 0; m < curve_width(curve); m++)
-            *t++ = JET_FUSED(jet_v1, curve->tau, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
+        for (int m = 0; m < curve_member_count(curve); m++)
+            *t++ = JET_FUSED(jet_v1, curve->time_unit, action->node_scaled_time[node], curve_time_slot(curve, 0)[m]);
 }
 
 /* Writes the curve's coordinates q_i at the nodes, and the times of the nodes, into the inputs of the block x. */
 static inline void seeds_set_node_coordinates_and_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    const int width = curve_width(curve);
+    const int width = curve_member_count(curve);
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
-                                       tvi_curve_order_stride(curve), &action->node_q_power_table,
+                                       tvi_curve_order_stride(curve), &action->power_table_truncated_by_node_rule,
                                        x + i * seeds_count_lanes(action));
     seeds_set_node_times(action, curve, x);
 }
@@ -135,11 +137,11 @@ static inline void seeds_set_node_coordinates_and_times(const tvi_action *action
 /* Computes the velocities v = (dq/ds)/tau at the nodes. */
 static inline void seeds_set_node_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
-    const int lanes = seeds_count_lanes(action), width = curve_width(curve);
+    const int lanes = seeds_count_lanes(action), width = curve_member_count(curve);
     for (int i = 0; i < curve_dimension(curve); i++) {
         seeds_evaluate_series_at_nodes(action, action->q_degree, tvi_curve_position_coefficients(curve, 0) + i * width,
                                        tvi_curve_order_stride(curve), &action->slope_table, v + i * lanes);
-        for (int at = i * lanes; at < (i + 1) * lanes; at++) v[at] /= curve->tau;
+        for (int at = i * lanes; at < (i + 1) * lanes; at++) v[at] /= curve->time_unit;
     }
 }
 
@@ -148,14 +150,14 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
  */
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
-    const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
+    const int width = curve_member_count(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
     const bool has_momenta = action->uses_hamilton_principle || action->has_gradient_by_v;
-    if (!has_momenta && !action->summation_by_parts_error && curve_form(curve) == TVI_SEPARABLE) return;
+    if (!has_momenta && !action->summation_by_parts_error && curve_system_form(curve) == TVI_SEPARABLE) return;
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
     if (!has_momenta) return;
     for (int i = 0; i < curve_dimension(curve); i++)
         seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                       (size_t)curve_vector_length(curve), &action->power_table,
+                                       (size_t)curve_coefficient_row_length(curve), &action->power_table,
                                        action->p_at_nodes + i * lanes);
 }
 
@@ -175,17 +177,17 @@ static inline void seeds_divide_row(int lanes, double divisor, double row[])
  * q'' / tau, with q'' the second derivative in s. */
 static inline void seeds_compute_dp_ds_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
-    const int width = curve_width(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
+    const int width = curve_member_count(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
     const size_t stride = tvi_curve_order_stride(curve);
     double *force = action->dp_ds_at_nodes;
     for (int i = 0; i < curve_dimension(curve); i++, force += lanes)
-        if (curve_form(curve) == TVI_SEPARABLE) {
+        if (curve_system_form(curve) == TVI_SEPARABLE) {
             seeds_evaluate_series_at_nodes(action, degree + 1, tvi_curve_position_coefficients(curve, 0) + i * width,
                                            stride, &action->power_second_derivative_table, force);
-            seeds_divide_row(lanes, curve->kappa[i], force);
+            seeds_divide_row(lanes, curve->momentum_scale_factor[i], force);
         } else {
             seeds_evaluate_series_at_nodes(action, degree, action->momentum_coefficients + i * width,
-                                           (size_t)curve_vector_length(curve), &action->slope_table, force);
+                                           (size_t)curve_coefficient_row_length(curve), &action->slope_table, force);
         }
 }
 
@@ -199,7 +201,9 @@ static inline const double *seeds_get_field_output_row(const tvi_action *action,
 
 static inline tvi_status seeds_evaluate_field_at_nodes(const tvi_action *action)
 {
-    return SEEDS_VALUES(action->field_tape, action->field_block, seeds_count_lanes(action)) ? TVI_OK : TVI_EDOMAIN;
+    return SEEDS_VALUES(action->field_tape, action->field_tape_values_at_nodes, seeds_count_lanes(action))
+               ? TVI_OK
+               : TVI_EDOMAIN;
 }
 
 /* Copies n outputs of the field at the nodes, from number first_output on, times `factor`, to out [n][node_count]. */
@@ -208,8 +212,8 @@ static inline void seeds_copy_scaled_field_outputs(const tvi_action *action, con
 {
     const int lanes = seeds_count_lanes(action);
     for (int i = 0; i < curve_dimension(curve); i++) {
-        const double *row =
-            seeds_get_field_output_row(action, action->field_tape, action->field_block, first_output + i);
+        const double *row = seeds_get_field_output_row(action, action->field_tape, action->field_tape_values_at_nodes,
+                                                       first_output + i);
         JET_IN_VECTORS
         for (int node = 0; node < lanes; node++) out[i * lanes + node] = factor * row[node];
     }

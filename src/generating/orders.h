@@ -1,5 +1,5 @@
-/* orders.h - computes the coefficients of one order of a curve and of its tangents. curve.c, jacobian.c and the quick
- * steps call it. Generated code includes this text (emit.c) with every size as a constant.
+/* orders.h - computes the coefficients of one order of a curve and of its tangents. curve.c, jacobian.c and the
+ * fast-path steps call it. Generated code includes this text (emit.c) with every size as a constant.
  *
  * A Lagrangian's order k needs three computations, with V_k the coefficient k of the velocity. First the field is
  * computed with V_k = 0, which omits the term L_vv V_k of [s^k] L_v. Then the equations are solved for V_k. Last, each
@@ -34,7 +34,7 @@
 #endif
 
 /* Returns the first slot that the tape computes; before it are the inputs, the time and the constants. */
-static inline int orders_first_computed_slot(const tvi_curve *curve)
+static inline int orders_get_first_slot_computed_by_tape(const tvi_curve *curve)
 {
     return curve_field_input_count(curve) + curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve);
 }
@@ -46,7 +46,7 @@ static inline void orders_differentiate_slots_by_velocity(tvi_curve *curve)
 {
     const int n = curve_dimension(curve);
     memset(curve->slot_derivatives_by_velocity, 0,
-           (size_t)(orders_first_computed_slot(curve) * n) * sizeof *curve->slot_derivatives_by_velocity);
+           (size_t)(orders_get_first_slot_computed_by_tape(curve) * n) * sizeof *curve->slot_derivatives_by_velocity);
     for (int i = 0; i < n; i++) curve->slot_derivatives_by_velocity[(n + i) * n + i] = 1;
     ORDERS_TANGENTS(curve, curve->slot_derivatives_by_velocity, 0, n);
 }
@@ -103,21 +103,22 @@ static inline void orders_solve_with_velocity_hessian(const tvi_curve *curve, in
 #define ORDERS_ADD_VELOCITY(V, S)                                                                                      \
     {                                                                                                                  \
         V sum = JET_OF(V, row, 0);                                                                                     \
-        for (int i = 0; i < n; i++) sum += column[i] * JET_OF(V, velocity, i);                                         \
+        for (int i = 0; i < n; i++) sum += column[i] * JET_OF(V, velocity_coefficient, i);                             \
         JET_AT(V, row, 0) = sum;                                                                                       \
     }
 
 /* Adds the term with the velocity coefficient V_k to all slots of the order, [slots][lanes], that depend on the
  * velocity. */
-static inline void orders_add_velocity_terms(const tvi_curve *curve, int lanes, const double velocity[], double order[])
+static inline void orders_add_velocity_terms_to_slots(const tvi_curve *curve, int lanes,
+                                                      const double velocity_coefficient[], double slots_of_order[])
 {
     const int n = curve_dimension(curve), slots = (int)tvi_curve_order_stride(curve);
     const size_t stride = (size_t)lanes;
-    ORDERS_UNROLLED for (int slot = orders_first_computed_slot(curve); slot < slots; slot++)
+    ORDERS_UNROLLED for (int slot = orders_get_first_slot_computed_by_tape(curve); slot < slots; slot++)
     {
         if (!CURVE_FOLLOWS(slot)) continue;
         const double *column = curve->slot_derivatives_by_velocity + slot * n;
-        double *row = order + slot * lanes;
+        double *row = slots_of_order + slot * lanes;
         JET_BLOCKS(lanes, ORDERS_ADD_VELOCITY, );
     }
 }
@@ -141,7 +142,7 @@ static inline void orders_set_position_coefficients(const tvi_curve *curve, int 
                                                     double *order)
 {
     const int n = curve_dimension(curve);
-    const double tau = curve->tau, divisor = k;
+    const double tau = curve->time_unit, divisor = k;
     const size_t stride = (size_t)lanes;
     for (int i = 0; i < n; i++, previous += lanes, order += lanes) JET_BLOCKS(lanes, ORDERS_SET_POSITION, );
 }
@@ -150,7 +151,7 @@ static inline void orders_compute_velocity_coefficients(const tvi_curve *curve, 
                                                         const double *previous, double *order)
 {
     const int n = curve_dimension(curve);
-    const double tau = curve->tau, divisor = k;
+    const double tau = curve->time_unit, divisor = k;
     const size_t stride = (size_t)lanes;
     double *right_side = curve->velocity_right_sides;
     for (int i = 0; i < n; i++, right_side += lanes) {
@@ -158,7 +159,7 @@ static inline void orders_compute_velocity_coefficients(const tvi_curve *curve, 
         JET_BLOCKS(lanes, ORDERS_SET_RIGHT_SIDE, );
     }
     orders_solve_with_velocity_hessian(curve, lanes, curve->velocity_right_sides, order + n * lanes);
-    if (k < curve_highest_order(curve)) orders_add_velocity_terms(curve, lanes, order + n * lanes, order);
+    if (k < curve_highest_order(curve)) orders_add_velocity_terms_to_slots(curve, lanes, order + n * lanes, order);
 }
 
 /* ---- The recurrence ---------------------------------------------------------------------------------------------- */
@@ -212,8 +213,8 @@ static inline void orders_compute_coefficient_of_members(int width, double facto
 static inline void orders_compute_separable_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
-    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_field_output_slots(curve);
-    const double divisor = (k + 1) * (k + 2), tau = curve->tau, *kappa = curve->kappa,
+    const int n = curve_dimension(curve), width = curve_member_count(curve), *output = curve_field_output_slots(curve);
+    const double divisor = (k + 1) * (k + 2), tau = curve->time_unit, *kappa = curve->momentum_scale_factor,
                  *field = tvi_curve_field_inputs_of_order(curve, k);
     double *next = tvi_curve_field_inputs_of_order(curve, k + 2);
     if (width == 1) JET_BLOCKS(n, ORDERS_SET_SEPARABLE, );
@@ -224,8 +225,8 @@ static inline void orders_compute_separable_coefficients(const tvi_curve *curve,
 static inline void orders_compute_hamiltonian_coefficients(const tvi_curve *curve, int k)
 {
     enum { stride = 0 };
-    const int n = curve_dimension(curve), width = curve_width(curve), *output = curve_field_output_slots(curve);
-    const double divisor = k + 1, tau = curve->tau, *field = tvi_curve_field_inputs_of_order(curve, k);
+    const int n = curve_dimension(curve), width = curve_member_count(curve), *output = curve_field_output_slots(curve);
+    const double divisor = k + 1, tau = curve->time_unit, *field = tvi_curve_field_inputs_of_order(curve, k);
     double *q = tvi_curve_field_inputs_of_order(curve, k + 1), *p = q + n;
     if (width == 1) JET_BLOCKS(n, ORDERS_SET_HAMILTONIAN, );
     for (int i = 0; width > 1 && i < n; i++) {
@@ -246,16 +247,17 @@ static inline void orders_compute_tangent_row(int lanes, double factor, const do
 static inline void orders_compute_separable_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
     const int lanes = (int)block->lane_count, *output = curve_field_output_slots(curve);
-    const double factor = curve->tau / ((k + 1) * (k + 2)), *field = curve_tangent_row(curve, block, k, 0);
+    const double factor = curve->time_unit / ((k + 1) * (k + 2)), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 2, 0);
     for (int i = 0; i < curve_dimension(curve); i++)
-        orders_compute_tangent_row(lanes, curve->kappa[i] * factor, field + output[i] * lanes, next + i * lanes);
+        orders_compute_tangent_row(lanes, curve->momentum_scale_factor[i] * factor, field + output[i] * lanes,
+                                   next + i * lanes);
 }
 
 static inline void orders_compute_hamiltonian_tangents(const tvi_curve *curve, const curve_tangent_block *block, int k)
 {
     const int n = curve_dimension(curve), lanes = (int)block->lane_count, *output = curve_field_output_slots(curve);
-    const double factor = curve->tau / (k + 1), *field = curve_tangent_row(curve, block, k, 0);
+    const double factor = curve->time_unit / (k + 1), *field = curve_tangent_row(curve, block, k, 0);
     double *next = curve_tangent_row(curve, block, k + 1, 0);
     for (int i = 0; i < n; i++) {
         orders_compute_tangent_row(lanes, factor, field + output[n + i] * lanes, next + i * lanes);
@@ -268,18 +270,18 @@ static inline void orders_compute_hamiltonian_tangents(const tvi_curve *curve, c
 /* Returns whether order k of the field is needed, because a coefficient of the curve follows from it. */
 static inline bool curve_needs_field_order(const tvi_curve *curve, int k)
 {
-    return k + (curve_form(curve) == TVI_SEPARABLE ? 2 : 1) <= curve_highest_order(curve);
+    return k + (curve_system_form(curve) == TVI_SEPARABLE ? 2 : 1) <= curve_highest_order(curve);
 }
 
 /* Evaluates order k of the field, and computes the coefficients of the curve that follow from it. After a failure the
  * expansion of a Lagrangian's curve ends; other systems continue, because other members may be valid. */
 static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *status)
 {
-    if (curve_form(curve) == TVI_LAGRANGIAN) {
+    if (curve_system_form(curve) == TVI_LAGRANGIAN) {
         if (*status == TVI_OK) *status = orders_expand_lagrangian_order(curve, k);
     } else if (curve_needs_field_order(curve, k)) {
         if (!ORDERS_SERIES(curve, k)) *status = TVI_EDOMAIN;
-        if (curve_form(curve) == TVI_SEPARABLE) orders_compute_separable_coefficients(curve, k);
+        if (curve_system_form(curve) == TVI_SEPARABLE) orders_compute_separable_coefficients(curve, k);
         else orders_compute_hamiltonian_coefficients(curve, k);
     }
 }
@@ -296,11 +298,11 @@ static inline tvi_status curve_expand_series(tvi_curve *curve)
 /* Computes order k of the tangents of a block of directions. */
 static inline void curve_compute_tangents_of_order(tvi_curve *curve, const curve_tangent_block *block, int k)
 {
-    if (curve_form(curve) == TVI_LAGRANGIAN) {
+    if (curve_system_form(curve) == TVI_LAGRANGIAN) {
         orders_compute_lagrangian_tangents(curve, block, k);
     } else if (curve_needs_field_order(curve, k)) {
         ORDERS_TANGENTS(curve, curve->tangent_block, k, (int)block->lane_count);
-        if (curve_form(curve) == TVI_SEPARABLE) orders_compute_separable_tangents(curve, block, k);
+        if (curve_system_form(curve) == TVI_SEPARABLE) orders_compute_separable_tangents(curve, block, k);
         else orders_compute_hamiltonian_tangents(curve, block, k);
     }
 }
@@ -309,7 +311,7 @@ static inline void curve_compute_tangents_of_order(tvi_curve *curve, const curve
  * direction after the other. */
 static inline void curve_compute_jacobians(tvi_curve *curve)
 {
-    const int directions = 2 * curve_dimension(curve), width = curve_width(curve),
+    const int directions = 2 * curve_dimension(curve), width = curve_member_count(curve),
               most = width > 1 ? 1 : CURVE_TANGENT_DIRECTIONS;
     for (int first = 0; first < directions; first += most) {
         const int left = directions - first, count = left < most ? left : most;

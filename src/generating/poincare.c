@@ -26,7 +26,7 @@ const tvi_descriptor tvi_poincare = {
     .curve = {.step_span_in_scaled_time = {-1, 1, 0.5},
               .action = TVI_ACTION_HAMILTON,
               .uses_highest_momentum_term = true,
-              .correct_ends_by_generating_function = tvi_correct_ends_by_mean,
+              .correct_ends_by_generating_function = tvi_solve_end_corrections_by_mean_q_jacobian,
               .end_correction_factors = {true, .start_q_correction_factor = 0.5, .increment_q_correction_factor = -1,
                                          .start_p_correction_factor = {-0.5, 0},
                                          .increment_p_correction_factor = {1, 0}}},

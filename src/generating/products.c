@@ -5,9 +5,9 @@
 
 #include "generating/products.h"
 
-static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
+static void allocate_conjugate_residuals(tvi_corrected_curve *corrected, tvi_arena *arena)
 {
-    const size_t width = (size_t)products_get_padded_row_count(closure);
+    const size_t width = (size_t)products_get_padded_row_count(corrected);
     tvi_conjugate_residuals *allocated = tvi_arena_allocate(arena, sizeof *allocated);
     const tvi_conjugate_residuals iteration = {
         .solution = tvi_arena_allocate_doubles(arena, width),
@@ -17,15 +17,16 @@ static void allocate_conjugate_residuals(tvi_closure *closure, tvi_arena *arena)
         .inverse_unknown_size = tvi_arena_allocate_doubles(arena, width),
         .scratch = tvi_arena_allocate_doubles(arena, width),
         .product = tvi_arena_allocate_doubles(arena, width),
-        .max_norm_of_Q = tvi_arena_allocate_doubles(arena, (size_t)closure->curve.highest_order + 1),
+        .max_norm_of_coefficient_Q_by_order =
+            tvi_arena_allocate_doubles(arena, (size_t)corrected->curve.highest_order + 1),
     };
     if (allocated) *allocated = iteration;
-    closure->solver_data = allocated;
+    corrected->solver_data = allocated;
 }
 
-const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_conjugate_residuals,
-                                                                products_discard_guess,
-                                                                products_compute_corrections,
-                                                                products_solve_correction_equations,
-                                                                NULL,
-                                                                products_apply_inverse_flow_jacobian};
+const tvi_end_correction_solver JET_FOR_ISA(tvi_solver_by_products) = {allocate_conjugate_residuals,
+                                                                       products_discard_guess,
+                                                                       products_compute_corrections,
+                                                                       products_solve_correction_equations,
+                                                                       NULL,
+                                                                       products_apply_inverse_flow_jacobian};

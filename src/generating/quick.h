@@ -1,5 +1,5 @@
-/* quick.h - expands a curve with its tangents by the sweeps compiled for one instruction set. The quick steps of one
- * member (quick.c) and of several members (quick_members.c) call it. */
+/* quick.h - expands a curve with its tangents by the sweeps compiled for one instruction set. The fast-path steps of
+ * one member (quick.c) and of several members (quick_members.c) call it. */
 #ifndef TVI_SRC_GENERATING_QUICK_H
 #define TVI_SRC_GENERATING_QUICK_H
 
@@ -8,13 +8,13 @@
 
 #include "generating/curve_step.h"
 
-tvi_quick_step_fn JET_FOR_ISA(tvi_quick_step_of_members), JET_FOR_ISA(tvi_taylor_step_of_members);
-extern const tvi_closure_solver JET_FOR_ISA(tvi_solver_by_products);
+tvi_fast_path_step_fn JET_FOR_ISA(tvi_fast_path_step_of_members), JET_FOR_ISA(tvi_taylor_step_of_members);
+extern const tvi_end_correction_solver JET_FOR_ISA(tvi_solver_by_products);
 
-static inline tvi_status quick_expand_with_tangents(tvi_curve *curve)
+static inline tvi_status fast_path_expand_with_tangents(tvi_curve *curve)
 {
     const tvi_status status = curve_expand_series(curve);
-    if (status == TVI_OK || curve_width(curve) > 1) curve_compute_jacobians(curve);
+    if (status == TVI_OK || curve_member_count(curve) > 1) curve_compute_jacobians(curve);
     return status;
 }
 

@@ -40,11 +40,11 @@ void tvi_allocate_increment_refinement(tvi_increment_refinement *refinement, tvi
     const tvi_system *system = curve->system;
     const size_t inputs = (size_t)system->input_count, slots = (size_t)system->field_values->slot_count;
     long double **const vectors[] = {
-        &refinement->order_zero_terms, &refinement->order_one_terms,       &refinement->coefficient_sum,
+        &refinement->order_zero_terms, &refinement->order_one_terms,       &refinement->weighted_series_sum,
         &refinement->ode_residual,     &refinement->ode_residual_integral, &refinement->ode_residual_double_integral,
         &refinement->field_slots};
     for (int i = 0; i < 7; i++) *vectors[i] = tvi_arena_allocate(arena, (i < 6 ? inputs : slots) * sizeof **vectors[i]);
-    refinement->lowest_order = system->form == TVI_SEPARABLE ? 2 : 1;
+    refinement->lowest_summed_order = system->form == TVI_SEPARABLE ? 2 : 1;
     refinement->high_order_weight =
         tvi_arena_allocate_doubles(arena, TVI_REFINE_SUMS * ((size_t)curve->highest_order + 1));
     refinement->high_order_sum = tvi_arena_allocate_doubles(arena, inputs);
@@ -58,11 +58,11 @@ void tvi_prepare_increment_refinement(tvi_increment_refinement *refinement, cons
         long double weight[TVI_REFINE_SUMS] = {[END] = 1, [SLOPE] = k};
         for (int j = 0; j < NODES; j++) {
             weight[VALUE + j] = power[j];
-            weight[RATE + j] =
-                refinement->lowest_order == 2 ? k * (k - 1) * power[j] / (node[j] * node[j]) : k * power[j] / node[j];
+            weight[RATE + j] = refinement->lowest_summed_order == 2 ? k * (k - 1) * power[j] / (node[j] * node[j])
+                                                                    : k * power[j] / node[j];
             power[j] *= node[j];
         }
-        for (int sum = 0; sum < TVI_REFINE_SUMS && k >= refinement->lowest_order; sum++)
+        for (int sum = 0; sum < TVI_REFINE_SUMS && k >= refinement->lowest_summed_order; sum++)
             if (k <= LOW) refinement->low_order_weight[sum][k] = weight[sum];
             else refinement->high_order_weight[sum * (curve->highest_order + 1) + k] = (double)weight[sum];
     }
@@ -70,25 +70,25 @@ void tvi_prepare_increment_refinement(tvi_increment_refinement *refinement, cons
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-/* Returns the sum, [inputs], of the terms of order lowest_order and higher of one quantity: of X, X' or Q'' at a node,
- * or of X or Q' at the end of the step. quantity_index is the index of the quantity: VALUE + j, RATE + j, END or SLOPE.
- * The terms above the order LOW are added in double precision. */
-static const long double *sum_terms_of_value_or_derivative(const refinement_step *step, int quantity_index)
+/* Returns the sum, [inputs], of the terms of order lowest_summed_order and higher of one quantity: of X, X' or Q'' at a
+ * node, or of X or Q' at the end of the step. weight_set_index is the index of the quantity: VALUE + j, RATE + j, END
+ * or SLOPE. The terms above the order LOW are added in double precision. */
+static const long double *compute_weighted_series_sum_of_inputs(const refinement_step *step, int weight_set_index)
 {
     const tvi_increment_refinement *refinement = step->refinement;
     const tvi_curve *curve = step->curve;
     const size_t orders = (size_t)curve->highest_order + 1, inputs = (size_t)step->system->input_count;
     const int highest_order = curve->highest_order < LOW ? curve->highest_order : LOW;
     memset(refinement->high_order_sum, 0, inputs * sizeof *refinement->high_order_sum);
-    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)quantity_index * orders,
+    tvi_add_weighted_rows(orders, refinement->high_order_weight + (size_t)weight_set_index * orders,
                           tvi_curve_order_stride(curve), inputs, curve->series_block, refinement->high_order_sum);
     for (size_t i = 0; i < inputs; i++) {
-        refinement->coefficient_sum[i] = refinement->high_order_sum[i];
-        for (int k = highest_order; k >= refinement->lowest_order; k--)
-            refinement->coefficient_sum[i] +=
-                refinement->low_order_weight[quantity_index][k] * tvi_curve_field_inputs_of_order(curve, k)[i];
+        refinement->weighted_series_sum[i] = refinement->high_order_sum[i];
+        for (int k = highest_order; k >= refinement->lowest_summed_order; k--)
+            refinement->weighted_series_sum[i] +=
+                refinement->low_order_weight[weight_set_index][k] * tvi_curve_field_inputs_of_order(curve, k)[i];
     }
-    return refinement->coefficient_sum;
+    return refinement->weighted_series_sum;
 }
 
 static void set_low_order_terms(const refinement_step *step)
@@ -118,7 +118,7 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
 {
     const tvi_increment_refinement *refinement = step->refinement;
     const int inputs = step->system->input_count;
-    const long double *sum = sum_terms_of_value_or_derivative(step, VALUE + j);
+    const long double *sum = compute_weighted_series_sum_of_inputs(step, VALUE + j);
     for (int i = 0; i < inputs; i++)
         refinement->field_slots[i] =
             refinement->order_zero_terms[i] + (node[j] * refinement->order_one_terms[i] + sum[i]);
@@ -126,7 +126,7 @@ static void compute_ode_residual_at_node(const refinement_step *step, int j)
         refinement->field_slots[inputs] = step->origin->t + (step->origin->t_low + node[j] * step->h);
     jet_sweep_long_double_values(step->system->field_values, refinement->field_constants_block,
                                  refinement->field_slots);
-    sum = sum_terms_of_value_or_derivative(step, RATE + j);
+    sum = compute_weighted_series_sum_of_inputs(step, RATE + j);
     for (int i = 0; i < inputs; i++) refinement->ode_residual[i] = compute_derivative_from_field(step, i) - sum[i];
 }
 
@@ -162,12 +162,12 @@ void tvi_compute_refined_increments(const tvi_increment_refinement *refinement, 
     set_low_order_terms(&step);
     integrate_ode_residual(&step);
     const bool separable = system->form == TVI_SEPARABLE;
-    const long double *sum = sum_terms_of_value_or_derivative(&step, END),
+    const long double *sum = compute_weighted_series_sum_of_inputs(&step, END),
                       *of_q = separable ? refinement->ode_residual_double_integral : refinement->ode_residual_integral;
     for (int i = 0; i < n; i++)
         split_into_two_doubles(refinement->order_one_terms[i] + (sum[i] + of_q[i]), &increments->dq[i],
                                &increments->dq_low[i]);
-    if (separable) sum = sum_terms_of_value_or_derivative(&step, SLOPE);
+    if (separable) sum = compute_weighted_series_sum_of_inputs(&step, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
         const long double rise = sum[at] + refinement->ode_residual_integral[at];

@@ -12,7 +12,7 @@ enum { TVI_REFINE_LOW = 4, TVI_REFINE_SUMS = 6 };
 
 typedef struct {
     /* The lowest order in the sums; the terms of lower orders are in order_zero_terms and order_one_terms. */
-    int lowest_order;
+    int lowest_summed_order;
     /* [inputs] The terms of order 0, and of order 1 in a separable system. */
     long double *order_zero_terms, *order_one_terms;
     /* The weights of the orders up to TVI_REFINE_LOW in each sum. */
@@ -21,7 +21,7 @@ typedef struct {
      */
     double *high_order_weight, *high_order_sum;
     /* [inputs] The sum of all orders, and at a node the residual d of the differential equation (refine.c). */
-    long double *coefficient_sum, *ode_residual;
+    long double *weighted_series_sum, *ode_residual;
     /* [inputs] The integral of the residual d over the step, and that of (1 - s) d. */
     long double *ode_residual_integral, *ode_residual_double_integral;
     long double *field_slots;      /* [slots] the slots of the field's tape in long double */

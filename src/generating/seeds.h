@@ -1,8 +1,8 @@
 /* seeds.h - computes the gradient D_z of the discrete action of a Taylor curve by z, the state at the curve's centre.
  * The gradient is computed in the form of seeds, which are vectors seed_Q[k] and seed_U[k] with D_z = sum_k (dQ_k/dz)^T
  * seed_Q[k] + (dU_k/dz)^T seed_U[k]. Here Q_k and U_k are the coefficients of s^k in the curve's position and in its
- * scaled momentum, and s is the scaled time. action.c and the quick steps call this file. Generated code includes its
- * text (emit.c).
+ * scaled momentum, and s is the scaled time. action.c and the fast-path steps call this file. Generated code includes
+ * its text (emit.c).
  *
  * D_z is a sum over the nodes of a quadrature. Its formulas use these letters:
  *     g, p              the position and the momentum of the curve, functions of s; P_j is the coefficient of s^j in p
@@ -39,19 +39,19 @@
 static inline tvi_status seeds_compute_separable_node_gradient(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
-    seeds_copy_scaled_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
+    seeds_copy_scaled_field_outputs(action, curve, 0, curve->time_unit, action->gradient_by_q);
     return status;
 }
 
-/* Computes gradient_by_q = tau L_q and gradient_by_v = L_v - p, from the positions in field_block, the velocities in
- * gradient_by_v and the momenta. */
+/* Computes gradient_by_q = tau L_q and gradient_by_v = L_v - p, from the positions in field_tape_values_at_nodes, the
+ * velocities in gradient_by_v and the momenta. */
 static inline tvi_status seeds_compute_lagrange_node_gradient(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve_dimension(curve), points = action->node_count;
     const size_t panel = (size_t)(n * points) * sizeof(double);
-    double *second = action->field_block + n * points;
+    double *second = action->field_tape_values_at_nodes + n * points;
     tvi_status status = TVI_OK;
-    switch (curve_form(curve)) {
+    switch (curve_system_form(curve)) {
     case TVI_SEPARABLE:
         status = seeds_compute_separable_node_gradient(action, curve);
         for (int i = 0; i < n * points; i++) action->gradient_by_v[i] *= curve->system->mass[i / points];
@@ -59,12 +59,12 @@ static inline tvi_status seeds_compute_lagrange_node_gradient(tvi_action *action
     case TVI_LAGRANGIAN:
         memcpy(second, action->gradient_by_v, panel);
         status = seeds_evaluate_field_at_nodes(action);
-        seeds_copy_scaled_field_outputs(action, curve, 0, curve->tau, action->gradient_by_q);
+        seeds_copy_scaled_field_outputs(action, curve, 0, curve->time_unit, action->gradient_by_q);
         seeds_copy_scaled_field_outputs(action, curve, n, 1, action->gradient_by_v);
         break;
     case TVI_HAMILTONIAN:
         status = momenta_solve_at_nodes(action, curve);
-        seeds_copy_scaled_field_outputs(action, curve, 0, -curve->tau, action->gradient_by_q);
+        seeds_copy_scaled_field_outputs(action, curve, 0, -curve->time_unit, action->gradient_by_q);
         memcpy(action->gradient_by_v, second, panel);
         break;
     }
@@ -76,18 +76,21 @@ static inline tvi_status seeds_compute_lagrange_node_gradient(tvi_action *action
 static inline tvi_status seeds_compute_hamilton_node_gradient(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_dimension(curve), lanes = seeds_count_lanes(action);
-    const bool separable = curve_form(curve) == TVI_SEPARABLE;
-    if (!separable) memcpy(action->field_block + n * lanes, action->p_at_nodes, (size_t)(n * lanes) * sizeof(double));
+    const bool separable = curve_system_form(curve) == TVI_SEPARABLE;
+    if (!separable)
+        memcpy(action->field_tape_values_at_nodes + n * lanes, action->p_at_nodes,
+               (size_t)(n * lanes) * sizeof(double));
     const tvi_status status = seeds_evaluate_field_at_nodes(action);
-    if (status != TVI_OK && curve_width(curve) == 1) return status;
-    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->gradient_by_q);
+    if (status != TVI_OK && curve_member_count(curve) == 1) return status;
+    seeds_copy_scaled_field_outputs(action, curve, 0, separable ? curve->time_unit : -curve->time_unit,
+                                    action->gradient_by_q);
     if (!action->has_gradient_by_p) return status;
     seeds_set_node_velocities(action, curve, action->gradient_by_p);
     for (int i = 0; i < n; i++) {
-        const double *H_p = separable
-                                ? action->p_at_nodes + i * lanes
-                                : seeds_get_field_output_row(action, action->field_tape, action->field_block, n + i);
-        const double tau = curve->tau, mass = separable ? curve->system->mass[i] : 1;
+        const double *H_p = separable ? action->p_at_nodes + i * lanes
+                                      : seeds_get_field_output_row(action, action->field_tape,
+                                                                   action->field_tape_values_at_nodes, n + i);
+        const double tau = curve->time_unit, mass = separable ? curve->system->mass[i] : 1;
         double *restrict by_p = action->gradient_by_p + i * lanes;
         for (int node = 0; node < lanes; node++) by_p[node] = tau * (by_p[node] - H_p[node] / mass);
     }
@@ -104,9 +107,9 @@ static inline const double *seeds_sum_over_nodes(const tvi_action *action, const
     const int lanes = seeds_count_lanes(action) / 2, padded = seeds_round_up_to_vectors((orders + 1) / 2);
     double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (half == 0) {
-        seeds_combine_rows(action, action->node_count, x, (size_t)width, orders, weighted->all_orders,
-                           action->order_sums);
-        return action->order_sums;
+        seeds_combine_rows(action, action->node_count, x, (size_t)width, orders, weighted->values_of_all_orders,
+                           action->node_sums_by_order);
+        return action->node_sums_by_order;
     }
     JET_IN_VECTORS
     for (int i = 0; i < lanes; i++) {
@@ -114,18 +117,20 @@ static inline const double *seeds_sum_over_nodes(const tvi_action *action, const
         difference[i] = x[i] - x[lanes + i];
     }
     const bool keeps = weighted->mirror_sign > 0;
-    seeds_combine_rows(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even_orders, even);
-    seeds_combine_rows(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd_orders, odd);
+    seeds_combine_rows(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->values_of_even_orders,
+                       even);
+    seeds_combine_rows(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->values_of_odd_orders,
+                       odd);
     for (int k = 0; k < orders; k++)
         for (int m = 0; m < width; m++)
-            action->order_sums[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
-    return action->order_sums;
+            action->node_sums_by_order[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
+    return action->node_sums_by_order;
 }
 
 /* Returns a pointer to the seed of order k and component i. */
 static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double seed[], int k, int i)
 {
-    return seed + k * curve_vector_length(curve) + i * curve_width(curve);
+    return seed + k * curve_coefficient_row_length(curve) + i * curve_member_count(curve);
 }
 
 /* Sets the seeds of sum_i w_i [ dq_i^T gradient_by_q - dg_i^T dp/ds ] over the nodes i, with dq_i the Jacobian of the
@@ -134,7 +139,7 @@ static inline double *seeds_get_seed_of_component(const tvi_curve *curve, double
  * does; the last sum subtracts it from the seed of order N. */
 static inline void seeds_set_gradient_by_q_terms(tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_dimension(curve), width = curve_width(curve), lanes = seeds_count_lanes(action);
+    const int n = curve_dimension(curve), width = curve_member_count(curve), lanes = seeds_count_lanes(action);
     const int points = action->node_count, N = action->q_degree;
     /* gradient_by_q becomes the small difference gradient_by_q - dp/ds. */
     seeds_subtract_rows(action, n, action->dp_ds_at_nodes, action->gradient_by_q);
@@ -146,8 +151,8 @@ static inline void seeds_set_gradient_by_q_terms(tvi_action *action, const tvi_c
         if (!action->omits_highest_order_at_nodes) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->node_weight[node] * (defect[node] + force[node]) *
-                               (action->power_table.all_orders[N * points + node] -
-                                action->node_q_power_table.all_orders[N * points + node]);
+                               (action->power_table.values_of_all_orders[N * points + node] -
+                                action->power_table_truncated_by_node_rule.values_of_all_orders[N * points + node]);
     }
 }
 
@@ -165,13 +170,13 @@ static inline void seeds_add_gradient_by_v_terms(const tvi_action *action, int n
 static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const tvi_curve *curve, double seed_Q[],
                                                  double seed_U[])
 {
-    const int n = curve_dimension(curve), width = curve_width(curve);
+    const int n = curve_dimension(curve), width = curve_member_count(curve);
     for (int i = 0; i < n; i++) {
         const double *row = seeds_sum_over_nodes(action, &action->weighted_power_table,
                                                  action->gradient_by_p + i * seeds_count_lanes(action));
-        const double kappa = curve->kappa[i];
+        const double kappa = curve->momentum_scale_factor[i];
         for (int k = 0; k <= action->p_degree; k++, row += width) {
-            const bool is_of_Q = curve_form(curve) == TVI_SEPARABLE;
+            const bool is_of_Q = curve_system_form(curve) == TVI_SEPARABLE;
             if (is_of_Q && k == curve_highest_order(curve)) continue;
             double *restrict seed = is_of_Q ? seeds_get_seed_of_component(curve, seed_Q, k + 1, i)
                                             : seeds_get_seed_of_component(curve, seed_U, k, i);
@@ -185,7 +190,7 @@ static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const
 
 static inline void seeds_add_quadrature_error_terms(const tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_vector_length(curve);
+    const int n = curve_coefficient_row_length(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
             const double error = action->summation_by_parts_error[k * (curve_highest_order(curve) + 1) + j];
@@ -198,15 +203,15 @@ static inline void seeds_add_quadrature_error_terms(const tvi_action *action, co
 
 /* Sets to 0 the seeds seed_Q of the orders above q_degree, and seed_U, which a separable system does not use. Evaluates
  * the curve at the nodes: its momentum, the derivative of its momentum, and its position. */
-static inline void seeds_clear_and_evaluate_curve(tvi_action *action, const tvi_curve *curve, double seed_Q[],
-                                                  double seed_U[])
+static inline void seeds_clear_seeds_and_evaluate_curve_at_nodes(tvi_action *action, const tvi_curve *curve,
+                                                                 double seed_Q[], double seed_U[])
 {
-    const int seeds = (curve_highest_order(curve) + 1) * curve_vector_length(curve);
-    for (int i = (action->q_degree + 1) * curve_vector_length(curve); i < seeds; i++) seed_Q[i] = 0;
-    for (int i = 0; i < seeds && curve_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
+    const int seeds = (curve_highest_order(curve) + 1) * curve_coefficient_row_length(curve);
+    for (int i = (action->q_degree + 1) * curve_coefficient_row_length(curve); i < seeds; i++) seed_Q[i] = 0;
+    for (int i = 0; i < seeds && curve_system_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
     seeds_compute_node_momenta(action, curve);
     seeds_compute_dp_ds_at_nodes(action, curve);
-    seeds_set_node_coordinates_and_times(action, curve, action->field_block);
+    seeds_set_node_coordinates_and_times(action, curve, action->field_tape_values_at_nodes);
 }
 
 /* Computes the seeds from gradient_by_q, gradient_by_v and gradient_by_p, the derivatives of the action by position,
@@ -231,12 +236,13 @@ static inline bool seeds_need_no_second_derivatives(const tvi_action *action)
 static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *action, tvi_curve *curve, double seed_Q[],
                                                                   double seed_U[])
 {
-    seeds_clear_and_evaluate_curve(action, curve, seed_Q, seed_U);
+    seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
     if (action->has_gradient_by_v) seeds_set_node_velocities(action, curve, action->gradient_by_v);
     const tvi_status status = action->uses_hamilton_principle ? seeds_compute_hamilton_node_gradient(action, curve)
                               : action->has_gradient_by_v     ? seeds_compute_lagrange_node_gradient(action, curve)
                                                               : seeds_compute_separable_node_gradient(action, curve);
-    if (status == TVI_OK || curve_width(curve) > 1) seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
+    if (status == TVI_OK || curve_member_count(curve) > 1)
+        seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
     return status;
 }
 
@@ -244,9 +250,9 @@ static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *ac
 
 /* The functions below take pointers to these two structures, which the includers of this file declare. */
 struct tvi_curve_workspace;
-struct tvi_closure_solver;
-/* The results of a quick step: the increments dq and dp [n][width]; and for each member the tail (tail.h), the
- * residual, which is the size of the last correction, and the number of passes, or TVI_NOT_MADE if its step was not
+struct tvi_end_correction_solver;
+/* The results of a fast-path step: the increments dq and dp [n][member_count]; and for each member the tail (tail.h),
+ * the residual, which is the size of the last correction, and the number of passes, or TVI_NOT_MADE if its step was not
  * made. A step is made for each member whose iterating_mask is set; the mask of a member is cleared when its passes
  * end. */
 enum { TVI_NOT_MADE = -1 };
@@ -254,38 +260,41 @@ typedef struct {
     double *dq, *dp, *tail, *residual;
     int *pass_counts;
     long long *iterating_mask;
-} tvi_quick_step_results;
-/* The type of the functions that make quick steps by step_try_quick_steps (curve_step.h). One of them is in generated
- * code; each of the others is compiled for one instruction set. */
-typedef bool tvi_quick_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
-                               const tvi_quick_step_results *results, tvi_stats *stats);
-typedef struct tvi_curve_code {
+} tvi_fast_path_step_results;
+/* The type of the functions that make fast-path steps by step_try_fast_path_steps (curve_step.h). One of them is in
+ * generated code; each of the others is compiled for one instruction set. */
+typedef bool tvi_fast_path_step_fn(struct tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,
+                                   const tvi_fast_path_step_results *results, tvi_stats *stats);
+typedef struct tvi_generated_curve_functions {
     int highest_order;
     /* Expands the whole series from the centre state. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
     void (*centre_state_sizes)(const tvi_curve *curve, double size[]);
-    void (*sum_combination)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-    void (*movement_sizes)(const tvi_curve *curve);
+    void (*sum_combination)(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[]);
+    void (*displacement_sizes)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
     /* largest_usable_s, rescale_and_sum and energy_change_bound are for steps of adapted size. NULL: the library's
      * functions are used. */
     double (*largest_usable_s)(const tvi_curve *curve, double log_tolerance);
     void (*rescale_and_sum)(tvi_curve *curve, double factor, double dq[], double du[]);
     double (*energy_change_bound)(const tvi_curve *curve);
-    void (*sum_combination_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+    void (*sum_combination_jacobian)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                     double matrix[]);
     void (*set_direction)(tvi_curve *curve, const double dz[]);
-    void (*multiply_jacobian_by_direction)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+    void (*multiply_jacobian_by_direction)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                           double out[]);
     void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                    double out[]);
-    /* The solver of the closure's equations by products of Jacobians with vectors (products.c). Its function `allocate`
-     * is NULL, since the library allocates the solver's memory. NULL: the library's solver is used. */
-    const struct tvi_closure_solver *matrix_free_solver;
+    /* The solver of the equations for the corrections of the ends by products of Jacobians with vectors (products.c).
+     * Its function `allocate` is NULL, since the library allocates the solver's memory. NULL: the library's solver is
+     * used. */
+    const struct tvi_end_correction_solver *matrix_free_solver;
     /* Computes the seeds of an action that needs only the field. The seeds are not checked to be finite. NULL: the
      * library's function is used. */
     tvi_status (*compute_seeds)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Makes a quick step; NULL: the method has none. */
-    tvi_quick_step_fn *quick_step;
-} tvi_curve_code;
+    /* Makes a fast-path step; NULL: the method has none. */
+    tvi_fast_path_step_fn *fast_path_step;
+} tvi_generated_curve_functions;
 
 #endif

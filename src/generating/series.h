@@ -21,20 +21,20 @@ typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } 
 typedef struct {
     bool is_of_momentum;  /* the U_k of the momentum are combined, and not the Q_k of the position */
     double *order_weight; /* [highest_order + 1] the weight of the coefficient of each order */
-} tvi_combination;
+} tvi_coefficient_combination;
 
-struct tvi_curve_code;
+struct tvi_generated_curve_functions;
 
 typedef struct {
     const tvi_system *system;
     /* The functions of generated code, or NULL if the library's own are used. */
-    const struct tvi_curve_code *generated_code;
+    const struct tvi_generated_curve_functions *generated_code;
     tvi_jacobians jacobian_method;
     int n, highest_order; /* the number of coordinates, and the highest order of Q that is computed */
-    int width;            /* the number of members, each with a curve; the member is the fastest index of all arrays */
-    double tau;           /* the time unit: t = time of the centre + tau s */
-    double *kappa;        /* [n] the scale of the momentum, U_k = kappa P_k */
-    double *series_block; /* block of the series of the field, orders 0 .. highest_order */
+    int member_count;     /* the number of members, each with a curve; the member is the fastest index of all arrays */
+    double time_unit;     /* the time unit tau: t = time of the centre + tau s */
+    double *momentum_scale_factor; /* [n] the factor kappa that scales the momentum, U_k = kappa P_k */
+    double *series_block;          /* block of the series of the field, orders 0 .. highest_order */
     /* The derivatives of all slots along directions of the centre state. A sweep computes at most
      * tvi_choose_tangent_lane_count directions, and one direction for products or for several members. */
     double *tangent_block;
@@ -42,7 +42,7 @@ typedef struct {
     /* Whether a new Jacobian is stored only for the members in due_jacobian_mask, and the others keep their old one;
      * false for a single member. */
     bool keeps_old_jacobians;
-    long long *due_jacobian_mask; /* [width] the mask of the members whose Jacobians are computed anew */
+    long long *due_jacobian_mask; /* [member_count] the mask of the members whose Jacobians are computed anew */
     double *adjoint_block;        /* the adjoints of all slots in all orders; only for products */
     /* [highest_order + 1][n][2n] The Jacobian matrices dQ_k/dz and dU_k/dz; dU_dz is NULL for a separable system. */
     double *dQ_dz, *dU_dz;
@@ -51,10 +51,10 @@ typedef struct {
     double *combination_jacobian; /* [n][2n] scratch: the Jacobian of a combination's sum */
     double *reciprocal_integer, *log_integer; /* [highest_order + 2] the numbers 1 / k and log k for each order k */
     int q_degree, p_degree;                   /* the degrees to which q and p are summed */
-    tvi_combination q_size_weights, u_size_weights;
-    double *movement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
+    tvi_coefficient_combination displacement_size_weights, momentum_size_weights;
+    double *displacement_size, *momentum_size; /* [n] sum_k k |Q_k|, and |U_0| + sum_k k |U_k| */
     /* [n] Scratch of the tail: each component's share of the motion, and the larger ratio of a last term to its sum. */
-    double *tail_share, *tail_ratio;
+    double *motion_share_for_tail, *last_term_ratio_for_tail;
     tvi_lu_factor velocity_hessian;    /* L_vv or H_pp at the centre; unused if separable */
     bool is_velocity_hessian_inverted; /* whether velocity_hessian.lu contains the inverse */
     /* [slots][n] The derivatives of all slots by the second input, v or p, at the centre. */
@@ -70,10 +70,13 @@ typedef struct {
 
 static inline int curve_dimension(const tvi_curve *curve) { return CURVE_SIZE(CURVE_N, curve->n); }
 
-static inline int curve_width(const tvi_curve *curve) { return CURVE_WIDTH(curve); }
+static inline int curve_member_count(const tvi_curve *curve) { return CURVE_WIDTH(curve); }
 
 /* Returns the length of a vector with all components of all members. */
-static inline int curve_vector_length(const tvi_curve *curve) { return curve_dimension(curve) * curve_width(curve); }
+static inline int curve_coefficient_row_length(const tvi_curve *curve)
+{
+    return curve_dimension(curve) * curve_member_count(curve);
+}
 
 static inline int curve_highest_order(const tvi_curve *curve) { return CURVE_SIZE(CURVE_TOP, curve->highest_order); }
 
@@ -97,7 +100,7 @@ static inline bool curve_uses_time(const tvi_curve *curve)
     return CURVE_SIZE(CURVE_USES_TIME, curve->system->uses_time);
 }
 
-static inline tvi_form curve_form(const tvi_curve *curve) { return CURVE_SIZE(CURVE_FORM, curve->system->form); }
+static inline tvi_form curve_system_form(const tvi_curve *curve) { return CURVE_SIZE(CURVE_FORM, curve->system->form); }
 
 /* Returns the slots of the field's outputs. */
 static inline const int *curve_field_output_slots(const tvi_curve *curve)
@@ -109,9 +112,10 @@ static inline int curve_field_output_slot(const tvi_curve *curve, int i) { retur
 
 /* Returns whether a combination sums coefficients of the momentum; a separable system's momentum is summed from those
  * of q. */
-static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, const tvi_combination *combination)
+static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve,
+                                                    const tvi_coefficient_combination *combination)
 {
-    return curve_form(curve) != TVI_SEPARABLE && combination->is_of_momentum;
+    return curve_system_form(curve) != TVI_SEPARABLE && combination->is_of_momentum;
 }
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
@@ -120,7 +124,7 @@ static inline bool curve_sums_momentum_coefficients(const tvi_curve *curve, cons
 static inline size_t tvi_curve_order_stride(const tvi_curve *curve)
 {
     return (size_t)CURVE_SIZE(tvi_series.slot_count, curve->system->field_series->slot_count) *
-           (size_t)curve_width(curve);
+           (size_t)curve_member_count(curve);
 }
 
 /* Returns the number of tangent directions of one sweep. Generated code of small systems has all directions in one
@@ -151,39 +155,39 @@ static inline double tvi_curve_field_output(const tvi_curve *curve, int k, int i
  * system. */
 static inline void curve_set_time_unit(tvi_curve *curve, double tau)
 {
-    curve->tau = tau;
-    for (int i = 0; i < curve_dimension(curve) && curve_form(curve) == TVI_SEPARABLE; i++)
-        curve->kappa[i] = tau / curve->system->mass[i];
+    curve->time_unit = tau;
+    for (int i = 0; i < curve_dimension(curve) && curve_system_form(curve) == TVI_SEPARABLE; i++)
+        curve->momentum_scale_factor[i] = tau / curve->system->mass[i];
 }
 
 /* Writes the centre state z into the block of the series. The second half of z is tau v for a Lagrangian. */
 static inline void curve_set_centre_state(const tvi_curve *curve, const double z[])
 {
-    const int numbers = curve_vector_length(curve);
-    const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
+    const int numbers = curve_coefficient_row_length(curve);
+    const bool is_separable = curve_system_form(curve) == TVI_SEPARABLE;
     double *q = tvi_curve_field_inputs_of_order(curve, 0),
            *second = is_separable ? tvi_curve_field_inputs_of_order(curve, 1) : q + numbers;
-    const double part = curve_form(curve) == TVI_LAGRANGIAN ? curve->tau : 1;
+    const double part = curve_system_form(curve) == TVI_LAGRANGIAN ? curve->time_unit : 1;
     for (int i = 0; i < numbers; i++) {
         q[i] = z[i];
         second[i] = z[numbers + i] / part;
     }
 }
 
-/* Returns the address of the time at order k in the block, [width], for systems that use the time. */
+/* Returns the address of the time at order k in the block, [member_count], for systems that use the time. */
 static inline double *curve_time_slot(const tvi_curve *curve, int k)
 {
-    return tvi_curve_field_inputs_of_order(curve, k) + curve_field_input_count(curve) * curve_width(curve);
+    return tvi_curve_field_inputs_of_order(curve, k) + curve_field_input_count(curve) * curve_member_count(curve);
 }
 
-/* Sets the times of the centres to t + (t_low + time_offset), each [width]. */
+/* Sets the times of the centres to t + (t_low + time_offset), each [member_count]. */
 static inline void curve_set_centre_time(const tvi_curve *curve, const double t[], const double t_low[],
                                          double time_offset)
 {
     if (!curve_uses_time(curve)) return;
-    for (int m = 0; m < curve_width(curve); m++) {
+    for (int m = 0; m < curve_member_count(curve); m++) {
         curve_time_slot(curve, 0)[m] = t[m] + (t_low[m] + time_offset);
-        if (curve_highest_order(curve) > 0) curve_time_slot(curve, 1)[m] = curve->tau;
+        if (curve_highest_order(curve) > 0) curve_time_slot(curve, 1)[m] = curve->time_unit;
     }
 }
 
@@ -192,11 +196,11 @@ static inline void curve_set_centre_time(const tvi_curve *curve, const double t[
 /* Returns U_k = kappa P_k of component i; of several members, i counts the components of all members. */
 static inline double tvi_curve_momentum_coefficient(const tvi_curve *curve, int k, int i)
 {
-    switch (curve_form(curve)) {
+    switch (curve_system_form(curve)) {
     case TVI_SEPARABLE:
         return k < curve_highest_order(curve) ? (k + 1) * tvi_curve_field_inputs_of_order(curve, k + 1)[i] : 0;
     case TVI_LAGRANGIAN: return tvi_curve_field_output(curve, k, curve_dimension(curve) + i);
-    default: return (tvi_curve_field_inputs_of_order(curve, k) + curve_vector_length(curve))[i];
+    default: return (tvi_curve_field_inputs_of_order(curve, k) + curve_coefficient_row_length(curve))[i];
     }
 }
 
@@ -216,8 +220,8 @@ static inline bool curve_has_finite_coefficients(const tvi_curve *curve)
  * sum_k |P_k| for p. */
 static inline void curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
 {
-    const int numbers = curve_vector_length(curve);
-    const bool hamiltonian = curve_form(curve) == TVI_HAMILTONIAN;
+    const int numbers = curve_coefficient_row_length(curve);
+    const bool hamiltonian = curve_system_form(curve) == TVI_HAMILTONIAN;
     memset(size, 0, 2 * (size_t)numbers * sizeof *size);
     for (int k = curve_highest_order(curve); k >= 0; k--) {
         const double *Q = tvi_curve_position_coefficients(curve, k), *second = hamiltonian ? Q + numbers : Q;
@@ -231,22 +235,22 @@ static inline void curve_compute_centre_state_sizes(const tvi_curve *curve, doub
 /* Computes P_k of all orders k, [degree + 1][n]. */
 static inline void curve_compute_momentum_coefficients(const tvi_curve *curve, int degree, double out[])
 {
-    const int n = curve_dimension(curve), width = curve_width(curve);
+    const int n = curve_dimension(curve), width = curve_member_count(curve);
     for (int k = 0; k <= degree; k++, out += n * width)
         for (int i = 0; i < n; i++)
             for (int at = i * width; at < (i + 1) * width; at++)
-                out[at] = tvi_curve_momentum_coefficient(curve, k, at) / curve->kappa[i];
+                out[at] = tvi_curve_momentum_coefficient(curve, k, at) / curve->momentum_scale_factor[i];
 }
 
 typedef void curve_row_adder(size_t, const double[], size_t, size_t, const double[], double[]);
 
 static inline void curve_sum_combination_with_adder(curve_row_adder *add, const tvi_curve *curve,
-                                                    const tvi_combination *combination, double out[])
+                                                    const tvi_coefficient_combination *combination, double out[])
 {
-    const int n = curve_dimension(curve), numbers = curve_vector_length(curve);
+    const int n = curve_dimension(curve), numbers = curve_coefficient_row_length(curve);
     memset(out, 0, (size_t)numbers * sizeof *out);
     const size_t orders = (size_t)curve_highest_order(curve) + 1, stride = tvi_curve_order_stride(curve);
-    if (curve_sums_momentum_coefficients(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
+    if (curve_sums_momentum_coefficients(curve, combination) && curve_system_form(curve) == TVI_LAGRANGIAN)
         for (int i = 0; i < n; i++)
             add(orders, combination->order_weight, stride, 1,
                 curve->series_block + curve_field_output_slot(curve, n + i), out + i);
@@ -255,20 +259,21 @@ static inline void curve_sum_combination_with_adder(curve_row_adder *add, const 
             curve->series_block + (curve_sums_momentum_coefficients(curve, combination) ? numbers : 0), out);
 }
 
-static inline void curve_sum_combination(const tvi_curve *curve, const tvi_combination *combination, double out[])
+static inline void curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                         double out[])
 {
     curve_sum_combination_with_adder(tvi_add_weighted_rows, curve, combination, out);
 }
 
 /* Returns, for component i, the magnitudes from which the tail is computed (tail.h). momentum_size is |U_0| + sum_k k
- * |U_k|, and movement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step.
+ * |U_k|, and displacement_size is sum_k k |Q_k|; these sums bound du/ds and dq/ds at the ends of the step.
  * p_change_by_last_term and q_change_by_last_term are the last terms of the two sums; q_change_by_last_term is 0 for a
  * separable system. coordinate_size is |Q_0|. */
-static inline tvi_component_sizes_in_step curve_get_tail_component(const tvi_curve *curve, int i)
+static inline tvi_component_sizes_in_step curve_compute_tail_inputs_of_component(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
-    const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
-    const double momentum = curve->momentum_size[i], movement = curve->movement_size[i];
+    const bool has_masses = curve_system_form(curve) == TVI_SEPARABLE;
+    const double momentum = curve->momentum_size[i], movement = curve->displacement_size[i];
     return (tvi_component_sizes_in_step){
         .momentum_size = momentum,
         .q_change_size = movement,
@@ -279,21 +284,23 @@ static inline tvi_component_sizes_in_step curve_get_tail_component(const tvi_cur
         .one_over_q_change_size = 1 / movement};
 }
 
-static inline void curve_compute_movement_sizes(const tvi_curve *curve)
+static inline void curve_compute_displacement_sizes(const tvi_curve *curve)
 {
-    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, curve, &curve->q_size_weights, curve->movement_size);
-    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, curve, &curve->u_size_weights, curve->momentum_size);
+    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, curve, &curve->displacement_size_weights,
+                                     curve->displacement_size);
+    curve_sum_combination_with_adder(tvi_add_weighted_magnitudes, curve, &curve->momentum_size_weights,
+                                     curve->momentum_size);
 }
 
 /* Computes the tails of all members. */
 static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
 {
-    const int width = curve_width(curve);
-    double *share = curve->tail_share, *ratio = curve->tail_ratio;
+    const int width = curve_member_count(curve);
+    double *share = curve->motion_share_for_tail, *ratio = curve->last_term_ratio_for_tail;
     for (int m = 0; m < width; m++) tail[m] = 0;
     if (curve_p_degree(curve) < 2) return;
-    for (int at = 0; at < curve_vector_length(curve); at++) {
-        const tvi_component_sizes_in_step component = curve_get_tail_component(curve, at);
+    for (int at = 0; at < curve_coefficient_row_length(curve); at++) {
+        const tvi_component_sizes_in_step component = curve_compute_tail_inputs_of_component(curve, at);
         share[at] = tvi_component_share_of_step_motion(&component, curve->system->has_tail_shares_without_momenta);
         ratio[at] = tvi_largest_relative_last_series_term(&component);
     }
@@ -322,9 +329,10 @@ static inline double curve_bound_energy_change(const tvi_curve *curve)
             of_q += fabs(tvi_curve_position_coefficients(curve, q_degree - last)[i]);
             of_p += fabs(tvi_curve_momentum_coefficient(curve, p_degree - last, i));
         }
-        sum += (curve->movement_size[i] * of_p + curve->momentum_size[i] * of_q) / fabs(curve->kappa[i]);
+        sum += (curve->displacement_size[i] * of_p + curve->momentum_size[i] * of_q) /
+               fabs(curve->momentum_scale_factor[i]);
     }
-    return CURVE_ENERGY_BOUND_FACTOR * sum / fabs(curve->tau);
+    return CURVE_ENERGY_BOUND_FACTOR * sum / fabs(curve->time_unit);
 }
 
 #endif

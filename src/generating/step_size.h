@@ -29,12 +29,12 @@ enum { STEP_SIZE_APART = 4 };
 typedef struct {
     int order;
     double log_size;
-} step_size_term;
+} series_term_size;
 
 /* The first and the last terms of a series that are not 0. */
 typedef struct {
-    step_size_term first_terms[STEP_SIZE_FIRST], last_terms[STEP_SIZE_LAST];
-} step_size_end_terms;
+    series_term_size first_terms[STEP_SIZE_FIRST], last_terms[STEP_SIZE_LAST];
+} series_first_and_last_terms;
 
 /* Returns max_i of the absolute values of coefficient k of q, or of the scaled momentum kappa p, in which masses do not
  * show. */
@@ -52,38 +52,38 @@ static inline double step_size_find_largest_component(const tvi_curve *curve, bo
 static const double STEP_SIZE_LEAST = 1e-280;
 
 /* Returns the first nonzero term among the orders k, k + step, ... before the order `end`. */
-static inline step_size_term step_size_find_nonzero_term(const tvi_curve *curve, bool of_momentum, int k, int step,
-                                                         int end)
+static inline series_term_size step_size_find_nonzero_term(const tvi_curve *curve, bool of_momentum, int k, int step,
+                                                           int end)
 {
     double size = 0;
     while (step * (end - k) > 0 && (size = step_size_find_largest_component(curve, of_momentum, k)) < STEP_SIZE_LEAST)
         k += step;
-    return (step_size_term){k, size < STEP_SIZE_LEAST ? -INFINITY : log(size)};
+    return (series_term_size){k, size < STEP_SIZE_LEAST ? -INFINITY : log(size)};
 }
 
-static inline void step_size_find_end_terms(const tvi_curve *curve, bool of_momentum, int degree,
-                                            step_size_end_terms *ends)
+static inline void step_size_find_first_and_last_terms(const tvi_curve *curve, bool of_momentum, int degree,
+                                                       series_first_and_last_terms *terms)
 {
     for (int i = 0, k = 0; i < STEP_SIZE_FIRST; i++, k++) {
-        ends->first_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, 1, degree);
-        k = ends->first_terms[i].order;
+        terms->first_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, 1, degree);
+        k = terms->first_terms[i].order;
     }
     for (int i = 0, k = degree; i < STEP_SIZE_LAST; i++, k--) {
-        ends->last_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, -1, 1);
-        k = ends->last_terms[i].order;
+        terms->last_terms[i] = step_size_find_nonzero_term(curve, of_momentum, k, -1, 1);
+        k = terms->last_terms[i].order;
     }
 }
 
 /* Returns the term of order q.order - 1 of the derivative of q, k |q_k|. If there is no term q, its log_size -INFINITY
  * is returned, and log_integer is not read, since q.order may be beyond its end. */
-static inline step_size_term step_size_differentiate_term(const tvi_curve *curve, step_size_term q)
+static inline series_term_size step_size_differentiate_term(const tvi_curve *curve, series_term_size q)
 {
     const bool is_there = q.log_size > -INFINITY;
-    return (step_size_term){q.order - 1, is_there ? q.log_size + curve->log_integer[q.order] : q.log_size};
+    return (series_term_size){q.order - 1, is_there ? q.log_size + curve->log_integer[q.order] : q.log_size};
 }
 
-static inline void step_size_find_derivative_terms(const tvi_curve *curve, const step_size_end_terms *q,
-                                                   step_size_end_terms *p)
+static inline void step_size_find_derivative_terms(const tvi_curve *curve, const series_first_and_last_terms *q,
+                                                   series_first_and_last_terms *p)
 {
     const bool has_place = q->first_terms[0].order == 0;
     for (int i = 0; i < STEP_SIZE_SIZED_BY; i++)
@@ -92,35 +92,37 @@ static inline void step_size_find_derivative_terms(const tvi_curve *curve, const
 }
 
 /* Returns the logarithm of the largest s at which the term is at most a fraction of the size of the series: s^k |x_k|
- * <= fraction * max_j |x_j| s^j over the first terms j, with the term's order k, its coefficient x_k, and
- * log_relative_size the logarithm of the fraction. It has no branches, since these would be mispredicted. */
-static inline double step_size_get_log_usable_s_of_term(const tvi_curve *curve, const step_size_term first_terms[],
-                                                        step_size_term term, double log_relative_size)
+ * <= fraction * max_j |x_j| s^j over the reference terms j, the first of the series, with the term's order k, its
+ * coefficient x_k, and log_max_relative_size the logarithm of the fraction. It has no branches, since these would be
+ * mispredicted. */
+static inline double step_size_compute_log_max_s_of_small_term(const tvi_curve *curve,
+                                                               const series_term_size reference_terms[],
+                                                               series_term_size term, double log_max_relative_size)
 {
     double farthest = -INFINITY;
     for (int i = 0; i < STEP_SIZE_SIZED_BY; i++) {
-        const int apart = term.order - first_terms[i].order;
-        const double usable_s =
-            apart > 0 ? (log_relative_size + first_terms[i].log_size - term.log_size) * curve->reciprocal_integer[apart]
-                      : -INFINITY;
+        const int apart = term.order - reference_terms[i].order;
+        const double usable_s = apart > 0 ? (log_max_relative_size + reference_terms[i].log_size - term.log_size) *
+                                                curve->reciprocal_integer[apart]
+                                          : -INFINITY;
         farthest = tvi_larger(usable_s, farthest);
     }
     return farthest > -INFINITY ? farthest : INFINITY;
 }
 
 /* Returns the logarithm of the largest s at which each of the last terms is small enough. It is the least of the
- * logarithms that step_size_get_log_usable_s_of_term returns for these terms. */
-static inline double step_size_get_log_usable_s_of_last_terms(const tvi_curve *curve, const step_size_end_terms *ends,
-                                                              int degree, double log_relative_size)
+ * logarithms that step_size_compute_log_max_s_of_small_term returns for these terms. */
+static inline double step_size_compute_log_max_s_of_last_terms(const tvi_curve *curve,
+                                                               const series_first_and_last_terms *terms, int degree,
+                                                               double log_max_relative_size)
 {
     double least = INFINITY;
     for (int i = 0; i < STEP_SIZE_LAST; i++) {
-        const step_size_term x = ends->last_terms[i];
-        const double usable_s =
-            x.order > 1
-                ? step_size_get_log_usable_s_of_term(curve, ends->first_terms, x,
-                                                     log_relative_size * x.order * curve->reciprocal_integer[degree])
-                : INFINITY;
+        const series_term_size x = terms->last_terms[i];
+        const double usable_s = x.order > 1 ? step_size_compute_log_max_s_of_small_term(
+                                                  curve, terms->first_terms, x,
+                                                  log_max_relative_size * x.order * curve->reciprocal_integer[degree])
+                                            : INFINITY;
         least = tvi_smaller(usable_s, least);
     }
     return least;
@@ -153,13 +155,13 @@ static inline double curve_estimate_largest_usable_s(const tvi_curve *curve, dou
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const double log_relative_size = log_tolerance - STEP_SIZE_SAFETY;
-    step_size_end_terms q, p;
-    step_size_find_end_terms(curve, false, q_degree, &q);
-    if (curve_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
-    else step_size_find_end_terms(curve, true, p_degree, &p);
+    series_first_and_last_terms q, p;
+    step_size_find_first_and_last_terms(curve, false, q_degree, &q);
+    if (curve_system_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
+    else step_size_find_first_and_last_terms(curve, true, p_degree, &p);
     const double usable_s =
-        exp(tvi_smaller(step_size_get_log_usable_s_of_last_terms(curve, &q, q_degree, log_relative_size),
-                        step_size_get_log_usable_s_of_last_terms(curve, &p, p_degree, log_relative_size)));
+        exp(tvi_smaller(step_size_compute_log_max_s_of_last_terms(curve, &q, q_degree, log_relative_size),
+                        step_size_compute_log_max_s_of_last_terms(curve, &p, p_degree, log_relative_size)));
     return step_size_limit_to_convergence_radius(curve, usable_s);
 }
 
@@ -182,11 +184,11 @@ static inline void step_size_rescale_and_sum_rows(const tvi_curve *curve, int co
 static inline void step_size_rescale_and_sum_separable(const tvi_curve *curve, const double power[], double dq[],
                                                        double du[])
 {
-    const tvi_taylor_rows rows = {curve_vector_length(curve), 2, curve_highest_order(curve),
+    const tvi_taylor_rows rows = {curve_coefficient_row_length(curve), 2, curve_highest_order(curve),
                                   tvi_curve_order_stride(curve)};
-    const tvi_taylor_sums sums = {dq, curve->movement_size, du, curve->momentum_size};
+    const tvi_taylor_sums sums = {dq, curve->displacement_size, du, curve->momentum_size};
     taylor_rescale_and_sum(&rows, power, curve->series_block, &sums, true);
-    for (int i = 0; i < curve_dimension(curve); i++) curve->kappa[i] *= power[1];
+    for (int i = 0; i < curve_dimension(curve); i++) curve->momentum_scale_factor[i] *= power[1];
 }
 
 /* Computes power[k] = factor^k, k = 0 .. highest_order and up to 3 more, in chains that do not wait for each other. */
@@ -205,16 +207,16 @@ static inline void step_size_compute_powers(double factor, int highest_order, do
 static inline void curve_rescale_and_sum(tvi_curve *curve, double factor, double dq[], double du[])
 {
     const int n = curve_dimension(curve), q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
-    const int numbers = curve_vector_length(curve);
-    const tvi_form form = curve_form(curve);
+    const int numbers = curve_coefficient_row_length(curve);
+    const tvi_form form = curve_system_form(curve);
     double power[TVI_MAX_DEGREE + 1 + STEP_SIZE_CHAINS];
     step_size_compute_powers(factor, curve_highest_order(curve), power);
-    curve->tau *= factor;
+    curve->time_unit *= factor;
     if (form == TVI_SEPARABLE) {
         step_size_rescale_and_sum_separable(curve, power, dq, du);
         return;
     }
-    step_size_rescale_and_sum_rows(curve, numbers, q_degree, power, curve->series_block, dq, curve->movement_size);
+    step_size_rescale_and_sum_rows(curve, numbers, q_degree, power, curve->series_block, dq, curve->displacement_size);
     if (form == TVI_HAMILTONIAN)
         step_size_rescale_and_sum_rows(curve, numbers, p_degree, power, curve->series_block + numbers, du,
                                        curve->momentum_size);

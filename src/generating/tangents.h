@@ -1,5 +1,5 @@
 /* tangents.h - computes the Jacobian matrices of a Taylor curve with respect to its centre state, in blocks of
- * tangent directions, and multiplies vectors by them. jacobian.c and the quick steps call it; other files call the
+ * tangent directions, and multiplies vectors by them. jacobian.c and the fast-path steps call it; other files call the
  * functions of curve.h. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
 #define TVI_SRC_GENERATING_TANGENTS_H
@@ -17,7 +17,7 @@ typedef struct {
  * number of directions left. With several members all lanes belong to one direction. */
 static inline int curve_count_directions(const tvi_curve *curve, const curve_tangent_block *block)
 {
-    if (curve_width(curve) > 1) return 1;
+    if (curve_member_count(curve) > 1) return 1;
     const int left = 2 * curve_dimension(curve) - block->first_direction;
     return left < (int)block->lane_count ? left : (int)block->lane_count;
 }
@@ -35,15 +35,15 @@ static inline void curve_copy_lanes(size_t lanes, const double *in, double *rest
 /* Sets the tangents of the inputs to unit vectors, one for each component of z. */
 static inline void curve_set_unit_directions(tvi_curve *curve, const curve_tangent_block *block)
 {
-    const tvi_form form = curve_form(curve);
+    const tvi_form form = curve_system_form(curve);
     const int n = curve_dimension(curve);
     for (int d = block->first_direction; d < block->first_direction + curve_count_directions(curve, block); d++) {
         const bool is_second = d >= n;
         double *row = is_second && form == TVI_SEPARABLE ? curve_tangent_row(curve, block, 1, d - n)
                                                          : curve_tangent_row(curve, block, 0, d);
         for (int lane = 0; lane < (int)block->lane_count; lane++)
-            row[lane] = curve_width(curve) > 1 || block->first_direction + lane == d ? 1 : 0;
-        if (is_second && form == TVI_LAGRANGIAN) row[d - block->first_direction] = 1 / curve->tau;
+            row[lane] = curve_member_count(curve) > 1 || block->first_direction + lane == d ? 1 : 0;
+        if (is_second && form == TVI_LAGRANGIAN) row[d - block->first_direction] = 1 / curve->time_unit;
     }
 }
 
@@ -55,7 +55,7 @@ static inline void curve_prepare_tangent_block(tvi_curve *curve, const curve_tan
     const size_t inputs = (size_t)curve_field_input_count(curve) * block->lane_count * sizeof(double);
     const size_t others = (size_t)(curve_uses_time(curve) + curve_field_tape_constant_slot_count(curve)) *
                           block->lane_count * sizeof(double);
-    const int given = curve_form(curve) == TVI_SEPARABLE ? 2 : 1;
+    const int given = curve_system_form(curve) == TVI_SEPARABLE ? 2 : 1;
     for (int k = 0; k < given && k <= curve_highest_order(curve); k++)
         memset(curve_tangent_row(curve, block, k, 0), 0, inputs);
     for (int k = 0; k <= curve_highest_order(curve) && curve->tangent_block_lane_count != block->lane_count; k++)
@@ -65,9 +65,9 @@ static inline void curve_prepare_tangent_block(tvi_curve *curve, const curve_tan
 }
 
 /* Copies in[m] to out[m] for each member m whose Jacobians are computed anew. */
-static inline void curve_store_values_of_due_members(const tvi_curve *curve, const double *in, double *restrict out)
+static inline void curve_copy_members_with_due_jacobians(const tvi_curve *curve, const double *in, double *restrict out)
 {
-    const int width = curve_width(curve);
+    const int width = curve_member_count(curve);
     if (width > 1 && curve->keeps_old_jacobians)
         for (int m = 0; m < width; m++) out[m] = curve->due_jacobian_mask[m] ? in[m] : out[m];
     else curve_copy_lanes((size_t)width, in, out);
@@ -78,13 +78,13 @@ static inline void curve_store_values_of_due_members(const tvi_curve *curve, con
 static inline void curve_store_jacobian_columns(const tvi_curve *curve, const curve_tangent_block *block,
                                                 const int slot_of_component[], int first_slot, double *jacobian)
 {
-    const size_t n = (size_t)curve_dimension(curve), width = (size_t)curve_width(curve);
+    const size_t n = (size_t)curve_dimension(curve), width = (size_t)curve_member_count(curve);
     for (int k = 0; k <= curve_highest_order(curve); k++)
         for (size_t i = 0; i < n; i++) {
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
             const double *tangent = curve_tangent_row(curve, block, k, slot);
             double *out = jacobian + (((size_t)k * n + i) * 2 * n + (size_t)block->first_direction) * width;
-            if (width > 1) curve_store_values_of_due_members(curve, tangent, out);
+            if (width > 1) curve_copy_members_with_due_jacobians(curve, tangent, out);
             else curve_copy_lanes((size_t)curve_count_directions(curve, block), tangent, out);
         }
 }
@@ -95,7 +95,7 @@ static inline bool curve_is_jacobian_in_tangent_block(void) { return CURVE_SIZE(
 
 static inline void curve_store_jacobians_from_tangents(tvi_curve *curve, const curve_tangent_block *block)
 {
-    const tvi_form form = curve_form(curve);
+    const tvi_form form = curve_system_form(curve);
     const int n = curve_dimension(curve);
     if (curve_is_jacobian_in_tangent_block()) return;
     if (form == TVI_LAGRANGIAN)
@@ -117,16 +117,17 @@ static inline size_t curve_get_jacobian_order_stride(const tvi_curve *curve)
 {
     const size_t n = (size_t)curve_dimension(curve);
     return 2 * n *
-           (curve_is_jacobian_in_tangent_block() ? tvi_curve_order_stride(curve) : n * (size_t)curve_width(curve));
+           (curve_is_jacobian_in_tangent_block() ? tvi_curve_order_stride(curve)
+                                                 : n * (size_t)curve_member_count(curve));
 }
 
-static inline void curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_combination *combination,
-                                                  double matrix[])
+static inline void curve_sum_combination_jacobian(const tvi_curve *curve,
+                                                  const tvi_coefficient_combination *combination, double matrix[])
 {
-    CURVE_COMBINE_APART(curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
-                        2 * curve_dimension(curve) * curve_vector_length(curve), curve_get_jacobian_order_stride(curve),
-                        curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)),
-                        matrix);
+    CURVE_COMBINE_APART(
+        curve->system->field_series, curve_highest_order(curve) + 1, combination->order_weight, 1,
+        2 * curve_dimension(curve) * curve_coefficient_row_length(curve), curve_get_jacobian_order_stride(curve),
+        curve_coefficient_jacobians(curve, curve_sums_momentum_coefficients(curve, combination)), matrix);
 }
 
 #define CURVE_MULTIPLY_DIRECTION(V, S)                                                                                 \
@@ -136,10 +137,10 @@ static inline void curve_sum_combination_jacobian(const tvi_curve *curve, const 
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_combination *combination,
-                                                        double out[])
+static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve,
+                                                        const tvi_coefficient_combination *combination, double out[])
 {
-    const int directions = 2 * curve_dimension(curve), width = curve_width(curve);
+    const int directions = 2 * curve_dimension(curve), width = curve_member_count(curve);
     const size_t stride = (size_t)width;
     curve_sum_combination_jacobian(curve, combination, curve->combination_jacobian);
     for (int i = 0; i < curve_dimension(curve); i++) {
@@ -191,8 +192,8 @@ static inline void curve_multiply_transposed_coefficient_jacobians(const tvi_cur
     const size_t stride = (size_t)directions;
     const double *J = curve_coefficient_jacobians(curve, of_momentum);
     if (curve_is_jacobian_in_tangent_block()) JET_BLOCKS(directions, CURVE_MULTIPLY_SEEDS, );
-    else if (curve_width(curve) > 1)
-        curve_multiply_by_transpose_in_lanes(curve_width(curve), rows, directions, seed, J, out);
+    else if (curve_member_count(curve) > 1)
+        curve_multiply_by_transpose_in_lanes(curve_member_count(curve), rows, directions, seed, J, out);
     else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
 }
 
@@ -200,9 +201,9 @@ static inline void curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve
                                                                 const double seed_U[], double out[])
 {
     curve_multiply_transposed_coefficient_jacobians(curve, false, seed_Q, out);
-    if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
+    if (curve_system_form(curve) == TVI_SEPARABLE || !seed_U) return;
     curve_multiply_transposed_coefficient_jacobians(curve, true, seed_U, curve->product_with_dU_dz);
-    for (int d = 0; d < 2 * curve_vector_length(curve); d++) out[d] += curve->product_with_dU_dz[d];
+    for (int d = 0; d < 2 * curve_coefficient_row_length(curve); d++) out[d] += curve->product_with_dU_dz[d];
 }
 
 #endif

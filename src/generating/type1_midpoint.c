@@ -22,7 +22,7 @@ const tvi_descriptor tvi_type1_midpoint = {
     .stepper = &tvi_stepper_curve,
     .curve = {.step_span_in_scaled_time = {-1, 1, 0.5},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends_by_generating_function = tvi_correct_ends_by_mean,
+              .correct_ends_by_generating_function = tvi_solve_end_corrections_by_mean_q_jacobian,
               .end_correction_factors = {false, .start_p_correction_factor = {-0.5, 1},
                                          .increment_p_correction_factor = {1, 0}}},
 };

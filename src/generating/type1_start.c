@@ -10,9 +10,9 @@
  * G- = (I, 0), G+ = (A, B), R = G+ - G- = (A - I, B), and with the blocks
  * (D_q, D_v) of D_z and (R_q, R_v) of R, the equations are
  *     R_v^T d1 = D_v,   d1 - d0 = D_q - R_q^T d1. */
-static tvi_status correct_ends(tvi_closure *closure)
+static tvi_status solve_end_corrections(tvi_corrected_curve *corrected)
 {
-    return tvi_correct_ends_by_block(closure, &closure->q_increment_weights, TVI_LAST_COLUMNS);
+    return tvi_solve_end_corrections_by_jacobian_block(corrected, &corrected->q_increment_weights, TVI_LAST_COLUMNS);
 }
 
 const tvi_descriptor tvi_type1_start = {
@@ -29,7 +29,7 @@ const tvi_descriptor tvi_type1_start = {
     .stepper = &tvi_stepper_curve,
     .curve = {.step_span_in_scaled_time = {0, 1, 1},
               .action = TVI_ACTION_LAGRANGE,
-              .correct_ends_by_generating_function = correct_ends,
+              .correct_ends_by_generating_function = solve_end_corrections,
               .end_correction_factors = {.start_p_correction_factor = {-1, 1},
                                          .increment_p_correction_factor = {1, 0}}},
 };

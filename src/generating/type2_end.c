@@ -8,9 +8,9 @@
  *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0.
  * Here the centre state is z = (w, p1), so that w is the position there. Subscripts are derivatives of q-, q+, p-
  * and p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). */
-static tvi_status correct_ends(tvi_closure *closure)
+static tvi_status solve_end_corrections(tvi_corrected_curve *corrected)
 {
-    return tvi_correct_ends_by_block(closure, &closure->q_at_start_weights, TVI_FIRST_COLUMNS);
+    return tvi_solve_end_corrections_by_jacobian_block(corrected, &corrected->q_at_start_weights, TVI_FIRST_COLUMNS);
 }
 
 const tvi_descriptor tvi_type2_end = {
@@ -27,7 +27,7 @@ const tvi_descriptor tvi_type2_end = {
     .stepper = &tvi_stepper_curve,
     .curve = {.step_span_in_scaled_time = {-1, 0, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends_by_generating_function = correct_ends,
+              .correct_ends_by_generating_function = solve_end_corrections,
               .end_correction_factors = {.start_p_correction_factor = {-1, 0},
                                          .increment_q_correction_factor = -1,
                                          .increment_p_correction_factor = {1, 0}},

@@ -10,9 +10,10 @@
  * p+ by a half of z; D_q, D_p and D_w are the halves of the gradient D_z (action.h). A curve stores the scaled momentum
  * u = kappa p, with a scale factor kappa for each component (series.h). With u+ instead of p+ and D_w instead of -D_w
  * in the equation for l, its solution is -l / kappa. */
-static tvi_status correct_ends(tvi_closure *closure)
+static tvi_status solve_end_corrections(tvi_corrected_curve *corrected)
 {
-    return tvi_correct_ends_by_block(closure, &closure->u_at_end_weights, TVI_LAST_COLUMNS);
+    return tvi_solve_end_corrections_by_jacobian_block(corrected, &corrected->scaled_p_at_end_weights,
+                                                       TVI_LAST_COLUMNS);
 }
 
 const tvi_descriptor tvi_type2_start = {
@@ -29,7 +30,7 @@ const tvi_descriptor tvi_type2_start = {
     .stepper = &tvi_stepper_curve,
     .curve = {.step_span_in_scaled_time = {0, 1, 1},
               .action = TVI_ACTION_HAMILTON,
-              .correct_ends_by_generating_function = correct_ends,
+              .correct_ends_by_generating_function = solve_end_corrections,
               .end_correction_factors = {.start_p_correction_factor = {-1, 0},
                                          .increment_q_correction_factor = -1,
                                          .increment_p_correction_factor = {1, 0}},

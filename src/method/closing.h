@@ -12,15 +12,15 @@ typedef struct {
     double start_s, end_s, tau_over_h;
 } tvi_step_span_in_scaled_time;
 
-struct tvi_closure;
+struct tvi_corrected_curve;
 /* The type of a function that computes the corrections of a curve's ends by the equations of a generating function
  * (generating/closure.h). */
-typedef tvi_status tvi_correct_ends_fn(struct tvi_closure *closure);
+typedef tvi_status tvi_correct_ends_fn(struct tvi_corrected_curve *corrected);
 
 /* The factors by which the solution (x, y) of the equations [J1; J2]^T (x, y) = D_z (generating/closure.h) enters the
- * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates. tvi_correct_ends_by_block,
- * which solves other equations for (x, y), uses the same factors. In the notation of docs/notation.md the corrections
- * of the start are
+ * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates.
+ * tvi_solve_end_corrections_by_jacobian_block, which solves other equations for (x, y), uses the same factors. In the
+ * notation of docs/notation.md the corrections of the start are
  *     start_correction_q = start_q_correction_factor kappa y,
  *     start_correction_p = start_p_correction_factor[0] x + start_p_correction_factor[1] y,
  * and those of the increments are

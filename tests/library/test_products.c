@@ -19,7 +19,7 @@ static double wave(int i) { return cos(1 + 0.7 * i) / (1 + 0.1 * i); }
 typedef struct {
     void *memory;
     tvi_curve curve;
-    tvi_combination q, u;
+    tvi_coefficient_combination q, u;
 } open_curve;
 
 static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
@@ -92,11 +92,11 @@ START_TEST(products_are_those_of_the_matrices)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    const tvi_transposed_product_terms of = {.factor = 1,
-                                             .first_combination = &products.q,
-                                             .second_combination = &products.u,
-                                             .first_vector = x,
-                                             .second_vector = x + n};
+    const tvi_transposed_jacobian_operands of = {.vector_factor = 1,
+                                                 .upper_jacobian_combination = &products.q,
+                                                 .lower_jacobian_combination = &products.u,
+                                                 .upper_jacobian_vector = x,
+                                                 .lower_jacobian_vector = x + n};
     products_multiply_by_transposed_jacobians(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
