@@ -51,7 +51,9 @@ typedef struct {
     tvi_coefficient_combination q_at_end_weights, velocity_at_end_weights;
     /* [n][points] The blend of both curves at the nodes: coordinates y, velocities v, momenta pi and dpi/ds. */
     double *q_at_nodes, *v_at_nodes, *p_at_nodes, *dp_ds_at_nodes;
-    /* [n][points] The derivatives of the action by y_i, v_i and by the difference a - b of the curves at node i. */
+    /* [n][points] The derivatives of the action by the blended coordinates y_i and velocities v_i at node i, and by the
+     * difference a - b of the two curves there. If v is the derivative of the blend, the action depends on a - b also
+     * through v (both_ends.c). */
     double *action_gradient_by_q, *action_gradient_by_v, *action_gradient_by_difference;
     double *series_value_at_node; /* [points] scratch: one component of a series at the nodes */
     double *start_curve_z;        /* [2n] the centre state of the start curve */
@@ -63,8 +65,11 @@ typedef struct {
     double *scratch;                     /* [n] scratch: one vector */
 } tvi_both_ends_workspace;
 
-/* Computes action_gradient_by_z of both curves, in defect form (action.h). Returns TVI_EDOMAIN, TVI_ENONFINITE,
- * TVI_ESINGULAR or TVI_ENOCONV. */
+/* Computes action_gradient_by_z of both curves in defect form: as a sum over the nodes in which the residuals of the
+ * equations of motion, which nearly vanish on the curve, are factors (action.h). Returns TVI_EDOMAIN if the field has
+ * no value at a node. The momenta that belong to a Hamiltonian's velocities are found by Newton's method. If that
+ * fails, the function returns TVI_ESINGULAR for a singular H_pp at a node, TVI_ENONFINITE for a number that is not
+ * finite, and otherwise TVI_ENOCONV. */
 TVI_NODISCARD tvi_status tvi_both_ends_compute_action_gradient(tvi_both_ends_workspace *work, tvi_stats *stats);
 
 #endif

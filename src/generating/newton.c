@@ -109,8 +109,9 @@ void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, b
     newton->confirms_convergence_by_extra_pass = confirms_convergence_by_extra_pass;
     if (newton->is_jacobian_allocated)
         rules->per_group_correction_rule = (tvi_stopping_rule){.stall_comparison_lag = 1};
-    /* A correction is compared with the two before it, since corrections of q follow from those of p, and those of p
-     * from those of q. */
+    /* In these cases the corrections of q follow from those of p in the pass before, and those of p from those of q. A
+     * correction may then be larger than the one before it although the passes converge, and is compared with the two
+     * before it. */
     if (!newton->is_jacobian_allocated || confirms_convergence_by_extra_pass)
         rules->per_unknown_correction_rule.stall_comparison_lag = 2;
 }
