@@ -39,8 +39,8 @@ typedef struct {
 typedef struct {
     /* the movement of the last pass: the sum of the squares of the relative changes of the unknowns */
     double movement_square[BATCH_MAX_WIDTH];
-    /* The fields of tvi_convergence_test (algebra/passes.h) of each member. `last_judged_movement_square` is the movement of the
-     * last pass that was judged, contraction_ratio its ratio to previous_judged_movement_square. */
+    /* The fields of tvi_convergence_test (algebra/passes.h) of each member. `last_judged_movement_square` is the
+     * movement of the last pass that was judged, contraction_ratio its ratio to previous_judged_movement_square. */
     double last_judged_movement_square[BATCH_MAX_WIDTH], previous_judged_movement_square[BATCH_MAX_WIDTH],
         contraction_ratio[BATCH_MAX_WIDTH];
     double largest_contraction_ratio[BATCH_MAX_WIDTH], movement_square_without_roundoff[BATCH_MAX_WIDTH];

@@ -234,8 +234,7 @@ static tvi_status compute_residual(void *self, const double x[], double r[])
 }
 
 /* Fills in the residual's Jacobian, without the derivatives of the small corrections. Its columns belong to v0, q1, v1,
- * and its rows are
- *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
+ * and its rows are B0 -I 0 ; 0 A1 B1 ; dU_a/dv0 0 0. */
 static bool compute_jacobian(void *self, double matrix[])
 {
     const tvi_both_ends_workspace *w = ((const step_attempt *)self)->work;
