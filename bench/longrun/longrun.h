@@ -6,7 +6,7 @@
 #include "experiments/experiment.h"
 #include "hard.h"
 
-enum { LONGRUN_ORBITS_MAX = 1024, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, LONGRUN_WINDOW = 256 };
+enum { LONGRUN_ORBITS_MAX = 2048, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, LONGRUN_WINDOW = 256 };
 
 /* The angular momentum is that about the axis of q[2], of all bodies of three coordinates, or of one in the plane. */
 typedef enum { LONGRUN_ENERGY, LONGRUN_MOMENTUM, LONGRUN_QUANTITIES } longrun_quantity;
