@@ -352,11 +352,11 @@
  * resolving step size, but at most SUGGEST_MAX_SPREAD. */
 #define SUGGEST_SPREAD_WEIGHT 0.15
 #define SUGGEST_MAX_SPREAD    30.0
-/* The roundoff of the time of a run causes an error. A step from a shifted time measures this error. In a run this
- * roundoff adds up to SUGGEST_TIME_BIAS sqrt(steps) units. */
+/* The roundoff of the time t of a run causes an error. To measure it, tvi_suggest_step compares a step from t with one
+ * from t + shift. In a run this roundoff adds up to SUGGEST_TIME_BIAS sqrt(steps) units, of DBL_EPSILON t each. */
 #define SUGGEST_TIME_DOUBT       0.01 /* The error is measured if it may be more than this part of the wanted error. */
-#define SUGGEST_TIME_SHIFT       1e-3 /* [h] The shift of the time. */
-#define SUGGEST_TIME_SHIFT_UNITS 4.0  /* [eps] The least shift, in units of the roundoff of the time. */
+#define SUGGEST_TIME_SHIFT       1e-3 /* [h] The shift of t, as a part of the duration of the step. */
+#define SUGGEST_TIME_SHIFT_UNITS 4.0  /* [eps] The shift of t is at least this many times DBL_EPSILON t. */
 #define SUGGEST_TIME_BIAS        3.0
 /* The scout and all trials together make at most the part TRIALS_PART_OF_RUN of the steps of the run. */
 #define TRIALS_PART_OF_RUN 0.04

@@ -102,7 +102,7 @@ static void write_cell(const trip *to, double error, count *cells, FILE *out)
     fprintf(out, " %s: ", verdicts[verdict]);
     if (status == TVI_OK) fprintf(out, "%.1e ", reached);
     else fprintf(out, "%s ", tvi_status_string(status));
-    fprintf(out, "(%.3g: %ld, %ld) |", found.h, found.step_count, steps);
+    fprintf(out, "(%.3g: %ld, %ld) |", found.h, found.step_count_spent_on_search, steps);
 }
 
 static void write_row(const trip *to, count *cells, FILE *out)

@@ -15,8 +15,9 @@ struct tvi_generated_curve_functions;
 
 /* The data and functions of generated code. */
 typedef struct tvi_generated_code_table {
-    /* Hashes of the library's texts, of the system and of the options for which the code was made. */
-    uint64_t library_text_hash, system_hash, options_hash;
+    /* Hashes of the library's source text, of the system and of the options for which the code was made. If one of them
+     * is another one in the running program, the code is not used. */
+    uint64_t library_source_hash_when_generated, system_hash, options_hash;
     jet_isa isa; /* The instruction set for which the code was compiled. */
     /* The generated sweeps of each tape. If a pointer is NULL, the interpreter makes all sweeps of the tape. If a
      * function of the sweeps is NULL, the interpreter makes those sweeps. */

@@ -153,13 +153,12 @@ uint64_t tvi_compiled_hash_library_text(void)
 static void emit_code_table_initialiser(jet_text *text, const jet_emission_request *const tapes[],
                                         const tvi_system *stepped_system, const tvi_options *resolved_options)
 {
-    jet_text_append(
-        text,
-        "static const tvi_generated_code_table tvi_generated_code = {\n    .library_text_hash = UINT64_C(%" PRIu64
-        "),\n    .system_hash = UINT64_C(%" PRIu64 "),\n    .options_hash = UINT64_C(%" PRIu64
-        "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
-        tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
-        tvi_options_fingerprint(resolved_options));
+    jet_text_append(text,
+                    "static const tvi_generated_code_table tvi_generated_code = {\n    "
+                    ".library_source_hash_when_generated = UINT64_C(%" PRIu64 "),\n    .system_hash = UINT64_C(%" PRIu64
+                    "),\n    .options_hash = UINT64_C(%" PRIu64 "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
+                    tvi_compiled_hash_library_text(), tvi_system_fingerprint(stepped_system),
+                    tvi_options_fingerprint(resolved_options));
     for (int i = 0; i < TVI_CODE_TAPES; i++) {
         if (tapes[i]->name_prefix) jet_text_append(text, "&%s_sweeps, ", tapes[i]->name_prefix);
         else jet_text_append(text, "0, ");

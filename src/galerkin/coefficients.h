@@ -43,7 +43,7 @@ typedef struct {
     /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a
      * separable system. */
     double *impulse_matrix;
-    galerkin_impulse_sum_weights impulse_sum_weights;
+    galerkin_double_integral_and_tail_weights impulse_sum_weights;
     long double long_double_node_abscissa[TVI_GALERKIN_MAX_LANES], long_double_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 

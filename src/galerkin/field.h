@@ -45,7 +45,7 @@ typedef struct {
     tvi_roundoff_estimator *tape_output_roundoff_to_add;
     /* The memory of the form: lagrangian_work or hamiltonian_work, or NULL for the fixed-point form. The first member
      * of both structures is the context of the passes. */
-    void *form_work;
+    void *lagrangian_or_hamiltonian_pass_workspace;
 } galerkin_equations;
 
 struct galerkin_field_form {
@@ -56,7 +56,8 @@ struct galerkin_field_form {
     tvi_status (*predict_from_start)(galerkin_equations *equations, const tvi_step_origin *origin);
     /* Predicts the unknowns from the impulses of earlier steps and the factors in `extrapolation`, which contain
      * impulse_to_predicted_unknown_or_rate_matrix. NULL: the kernel `predict` predicts the unknowns. */
-    void (*predict)(void *form_work, const galerkin_nodes *nodes, const galerkin_extrapolation *extrapolation);
+    void (*predict)(void *lagrangian_or_hamiltonian_pass_workspace, const galerkin_nodes *nodes,
+                    const galerkin_extrapolation *extrapolation);
     /* Makes a pass, without counting it. NULL: galerkin_make_pass evaluates the field and moves the unknowns by their
      * rates. */
     tvi_status (*pass)(galerkin_equations *equations, double *movement, tvi_stats *stats);
@@ -122,7 +123,8 @@ static inline double galerkin_move_unknowns_by_rates(const galerkin_equations *e
 static inline void galerkin_predict_unknowns(const galerkin_equations *equations,
                                              const galerkin_extrapolation *extrapolation)
 {
-    if (equations->form->predict) equations->form->predict(equations->form_work, &equations->nodes, extrapolation);
+    if (equations->form->predict)
+        equations->form->predict(equations->lagrangian_or_hamiltonian_pass_workspace, &equations->nodes, extrapolation);
     else equations->kernels->predict(&equations->nodes, extrapolation);
 }
 

@@ -162,7 +162,7 @@ static void set_tables_of_stepper(void *work)
         .impulse_ring = stepper->predictor.impulse_ring,
         .coordinate_drift_over_step = stepper->step_inputs.coordinate_drift_over_step,
         .coordinate_drift_over_step_low = stepper->step_inputs.coordinate_drift_over_step_low,
-        .form_work = stepper->equations.form_work};
+        .lagrangian_or_hamiltonian_pass_workspace = stepper->equations.lagrangian_or_hamiltonian_pass_workspace};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */

@@ -35,7 +35,8 @@ static void galerkin_make_generated_steps(const galerkin_step_inputs *step_input
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_inputs->tail_inputs);
     galerkin_step_inputs local_inputs = *step_inputs;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_inputs->nodes);
-    hamiltonian_pass_context context = *(const hamiltonian_pass_context *)step_inputs->form_work;
+    hamiltonian_pass_context context =
+        *(const hamiltonian_pass_context *)step_inputs->lagrangian_or_hamiltonian_pass_workspace;
     local_inputs.tail_inputs = &inputs;
     context.nodes = &nodes;
     context.derivative_tapes = galerkin_copy_tapes_to_stack_if_small(&context.derivative_tapes, &nodes, &own);

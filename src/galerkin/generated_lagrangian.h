@@ -29,7 +29,8 @@ static void galerkin_make_generated_steps(const galerkin_step_inputs *step_input
     const galerkin_tail_inputs inputs = galerkin_copy_tail_inputs_with_constant_sizes(step_inputs->tail_inputs);
     galerkin_step_inputs local_inputs = *step_inputs;
     galerkin_nodes nodes = galerkin_copy_nodes_with_constant_sizes(step_inputs->nodes);
-    lagrangian_pass_context context = *(const lagrangian_pass_context *)step_inputs->form_work;
+    lagrangian_pass_context context =
+        *(const lagrangian_pass_context *)step_inputs->lagrangian_or_hamiltonian_pass_workspace;
     local_inputs.tail_inputs = &inputs;
     context.inversion_count = 0;
     context.nodes = &nodes;
@@ -42,18 +43,18 @@ static void galerkin_make_generated_steps(const galerkin_step_inputs *step_input
     context.rate_row_of_unknown = galerkin_rate_row_of_unknown;
     context.tape_slot_of_gradient_component[false] = galerkin_value_slot;
     context.tape_slot_of_gradient_component[true] = galerkin_hessian_slot;
-    context.gradient_expansion.n = context.velocity_hessian_inverse.n = N;
-    context.gradient_expansion.lane_count = GALERKIN_LANES;
-    context.gradient_expansion.hessian_block = context.derivative_tapes.hessian_block;
-    context.gradient_expansion.hessian_element = galerkin_hessian_element;
-    context.gradient_expansion.row_end = galerkin_row_end;
+    context.gradient_linearised_in_q_and_v.n = context.velocity_hessian_inverse.n = N;
+    context.gradient_linearised_in_q_and_v.lane_count = GALERKIN_LANES;
+    context.gradient_linearised_in_q_and_v.hessian_block = context.derivative_tapes.hessian_block;
+    context.gradient_linearised_in_q_and_v.hessian_element = galerkin_hessian_element;
+    context.gradient_linearised_in_q_and_v.row_end = galerkin_row_end;
     if (GALERKIN_HAS_LOCAL_BLOCKS) {
         galerkin_copy_rows(displacements, context.q_minus_start_q, 0, outcome->equal_step_count > 0 ? 0 : N);
         context.q_minus_start_q = displacements;
         context.start_q_minus_expansion_point[0] = rise;
         context.start_q_minus_expansion_point[1] = rise + ALL;
-        context.gradient_expansion.gradient_at_centre = context.gradient_at_centre = gradient;
-        context.gradient_expansion.displacement = movement;
+        context.gradient_linearised_in_q_and_v.gradient_at_centre = context.gradient_at_centre = gradient;
+        context.gradient_linearised_in_q_and_v.displacement = movement;
         context.velocity_hessian_inverse.matrix = lu;
         context.velocity_hessian_inverse.inverse = inverse;
         context.velocity_hessian_inverse.scratch_column = x;

@@ -24,7 +24,8 @@ typedef struct {
 
 static void allocate_inner_iterations(lanes_inner_iterations *inner, tvi_arena *arena, size_t rows, size_t lanes)
 {
-    inner->impulse_matrix = tvi_arena_allocate(arena, lanes * lanes * sizeof *inner->impulse_matrix);
+    inner->impulse_to_unknown_change_matrix =
+        tvi_arena_allocate(arena, lanes * lanes * sizeof *inner->impulse_to_unknown_change_matrix);
     inner->packed_hessian = tvi_arena_allocate(arena, rows * rows * lanes * sizeof *inner->packed_hessian);
     inner->unknown_size = tvi_arena_allocate_doubles(arena, rows);
     inner->inverse_unknown_size = tvi_arena_allocate_doubles(arena, rows);
@@ -36,7 +37,8 @@ static void allocate_inner_iterations(lanes_inner_iterations *inner, tvi_arena *
 static void allocate_hamiltonian_equations(galerkin_equations *equations, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)equations->nodes.unknown_count, lanes = (size_t)equations->nodes.lane_count;
-    hamiltonian_work *taken = equations->form_work = tvi_arena_allocate(arena, sizeof *taken);
+    hamiltonian_work *taken = equations->lagrangian_or_hamiltonian_pass_workspace =
+        tvi_arena_allocate(arena, sizeof *taken);
     hamiltonian_work work = {.pass_context = {.kernels = equations->kernels}};
     equations->node_value_row_count_read_by_pass = equations->nodes.unknown_count;
     equations->nodes.values = tvi_arena_allocate_doubles(arena, 2 * unknowns * lanes);
@@ -139,13 +141,13 @@ static void set_tables_of_inner_iterations(const galerkin_equations *equations, 
         append_unknowns_with_hessian_row(equations, sparse_hessian, false, inner->hessian_column_count, unknown);
     inner->hessian_block = sparse_hessian->derivative_tapes.hessian_block;
     for (int i = 0; i < equations->nodes.lane_count * equations->nodes.lane_count; i++)
-        inner->impulse_matrix[i] = (float)equations->impulse_matrix[i];
+        inner->impulse_to_unknown_change_matrix[i] = (float)equations->impulse_matrix[i];
     list_indices_in_hessian_block(equations, sparse_hessian, inner, work->index_in_hessian_block);
 }
 
 static void set_tables_of_hamiltonian_equations(galerkin_equations *equations)
 {
-    hamiltonian_work *work = equations->form_work;
+    hamiltonian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     hamiltonian_pass_context *context = &work->pass_context;
     tvi_galerkin_set_sparse_hessian_tables(&work->sparse_hessian, equations);
     set_tables_of_inner_iterations(equations, work, &context->newton_inner_iteration_data);
@@ -164,7 +166,7 @@ static void set_tables_of_hamiltonian_equations(galerkin_equations *equations)
 
 static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_equations *equations, const tvi_step_origin *origin)
 {
-    hamiltonian_work *work = equations->form_work;
+    hamiltonian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     const galerkin_nodes *nodes = &equations->nodes;
     const int lanes = nodes->lane_count, *slot = work->tape_slot_of_rate[false];
     (void)origin;
@@ -184,7 +186,7 @@ static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_equations *eq
 
 static tvi_status make_hamiltonian_pass(galerkin_equations *equations, double *movement, tvi_stats *stats)
 {
-    hamiltonian_work *work = equations->form_work;
+    hamiltonian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     (void)stats;
     if (!hamiltonian_make_pass(&work->pass_context, tvi_galerkin_sweep_tape)) return TVI_EDOMAIN;
     *movement = work->pass_context.last_pass_movement_square;
@@ -193,7 +195,7 @@ static tvi_status make_hamiltonian_pass(galerkin_equations *equations, double *m
 
 static void emit_hamiltonian_equations(jet_text *text, const galerkin_equations *equations)
 {
-    const hamiltonian_work *work = equations->form_work;
+    const hamiltonian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     const lanes_inner_iterations *inner = &work->pass_context.newton_inner_iteration_data;
     const int unknowns = equations->nodes.unknown_count;
     tvi_galerkin_emit_sparse_hessian(text, &work->sparse_hessian);

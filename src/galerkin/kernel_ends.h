@@ -49,7 +49,8 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_array_
 #endif
 }
 
-JET_INLINE void NAME(sum_all_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
+JET_INLINE void NAME(sum_all_impulses)(const galerkin_nodes *nodes,
+                                       const galerkin_double_integral_and_tail_weights *weights,
                                        const galerkin_impulse_sums *sums, galerkin_array_shape shape, size_t here)
 {
     const int count = MEMBERS ? shape.node_count : shape.lane_count;

@@ -81,7 +81,7 @@ JET_INLINE void NAME(compute_impulses)(const lanes_inner_iterations *inner, cons
 JET_INLINE double NAME(change_by_impulses)(const lanes_inner_iterations *inner)
 {
     enum { IS_ONE = NAME(parts) == 1 };
-    const float *impulse = inner->last_impulse_change, *matrix = inner->impulse_matrix;
+    const float *impulse = inner->last_impulse_change, *matrix = inner->impulse_to_unknown_change_matrix;
     float *change = inner->last_unknown_change, *total = inner->total_unknown_change;
     ROW_VECTOR squares = {0}, column[LANES];
     float parts[sizeof squares / sizeof(float)];

@@ -41,7 +41,8 @@ KERNEL_FUNCTION void NAME(move)(const galerkin_nodes *nodes, const double *matri
     EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, movement, shape, here));
 }
 
-KERNEL_FUNCTION void NAME(sum_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
+KERNEL_FUNCTION void NAME(sum_impulses)(const galerkin_nodes *nodes,
+                                        const galerkin_double_integral_and_tail_weights *weights,
                                         const galerkin_impulse_sums *sums)
 {
     EACH_VECTOR(NAME(sum_all_impulses)(nodes, weights, sums, shape, here));

@@ -76,7 +76,7 @@ KERNEL_FUNCTION void NAME(correct_velocities)(const lanes_matrix_inverse *invers
 /* Implements the kernel `linearise`. Each sum adds the products of second derivatives and displacements before the
  * gradient at the centre, which is larger. The outer loop is unrolled: in generated code the expansion is constant, and
  * then all bounds of the inner loops are constants, too. */
-KERNEL_FUNCTION void NAME(linearise)(const lanes_gradient_expansion *expansion, double *out)
+KERNEL_FUNCTION void NAME(linearise)(const lanes_linearised_gradient *expansion, double *out)
 {
     const int n = expansion->n;
     JET_UNROLL(8) for (int i = 0; i < 2 * n; i++)

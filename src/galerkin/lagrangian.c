@@ -34,7 +34,8 @@ static void allocate_lagrangian_equations(galerkin_equations *equations, tvi_are
     const tvi_system *system = equations->system;
     const int n = system->n, unknowns = 2 * n;
     const size_t lanes = (size_t)equations->nodes.lane_count, half_size = (size_t)n * lanes;
-    lagrangian_work *taken = equations->form_work = tvi_arena_allocate(arena, sizeof *taken);
+    lagrangian_work *taken = equations->lagrangian_or_hamiltonian_pass_workspace =
+        tvi_arena_allocate(arena, sizeof *taken);
     lagrangian_work work = {.pass_context = {.kernels = equations->kernels}};
     equations->node_value_row_count_read_by_pass = 3 * n;
     equations->nodes.values = tvi_arena_allocate_doubles(arena, 5 * half_size);
@@ -45,7 +46,7 @@ static void allocate_lagrangian_equations(galerkin_equations *equations, tvi_are
                              &work.pass_context.start_q_minus_expansion_point[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_allocate_doubles(arena, half_size);
     work.pass_context.gradient_at_centre = tvi_arena_allocate_doubles(arena, 2 * half_size);
-    work.pass_context.gradient_expansion.displacement = tvi_arena_allocate_doubles(arena, 2 * half_size);
+    work.pass_context.gradient_linearised_in_q_and_v.displacement = tvi_arena_allocate_doubles(arena, 2 * half_size);
     work.start_velocity = tvi_arena_allocate_doubles(arena, (size_t)n);
     tvi_legendre_allocate(&work.legendre_transform, arena, system);
     allocate_velocity_hessian_inverse(&work.pass_context.velocity_hessian_inverse, arena, n,
@@ -87,18 +88,19 @@ static void set_pointers_of_lagrangian_pass_context(lagrangian_pass_context *con
     context->derivative_tapes = sparse_hessian->derivative_tapes;
     context->tape_slot_of_gradient_component[false] = system->field_values->output_slot;
     context->tape_slot_of_gradient_component[true] = system->hessian_values->output_slot;
-    context->gradient_expansion = (lanes_gradient_expansion){system->n,
-                                                             equations->nodes.lane_count,
-                                                             context->gradient_expansion.displacement,
-                                                             context->gradient_at_centre,
-                                                             sparse_hessian->derivative_tapes.hessian_block,
-                                                             sparse_hessian->hessian_element,
-                                                             sparse_hessian->row_end};
+    context->gradient_linearised_in_q_and_v =
+        (lanes_linearised_gradient){system->n,
+                                    equations->nodes.lane_count,
+                                    context->gradient_linearised_in_q_and_v.displacement,
+                                    context->gradient_at_centre,
+                                    sparse_hessian->derivative_tapes.hessian_block,
+                                    sparse_hessian->hessian_element,
+                                    sparse_hessian->row_end};
 }
 
 static void set_tables_of_lagrangian_equations(galerkin_equations *equations)
 {
-    lagrangian_work *work = equations->form_work;
+    lagrangian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     tvi_galerkin_set_sparse_hessian_tables(&work->sparse_hessian, equations);
     set_pointers_of_lagrangian_pass_context(&work->pass_context, equations, &work->sparse_hessian);
     work->pass_context.invert_with_row_exchanges = tvi_galerkin_invert_with_row_exchanges;
@@ -121,7 +123,7 @@ static void fill_rows_with_vector(const galerkin_nodes *nodes, int n, int first_
  * whose iteration begins with V = 0. Then moves Q and P by the rates at this point. */
 static tvi_status predict_lagrangian_unknowns_from_start(galerkin_equations *equations, const tvi_step_origin *origin)
 {
-    lagrangian_work *work = equations->form_work;
+    lagrangian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     const tvi_system *system = equations->system;
     const galerkin_nodes *nodes = &equations->nodes;
     const int n = system->n, lanes = nodes->lane_count,
@@ -152,7 +154,7 @@ static tvi_status make_lagrangian_pass(galerkin_equations *equations, double *mo
                                         [LAGRANGIAN_OUTSIDE_DOMAIN] = TVI_EDOMAIN,
                                         [LAGRANGIAN_NONFINITE] = TVI_ENONFINITE,
                                         [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
-    lagrangian_work *work = equations->form_work;
+    lagrangian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     const int factors = work->pass_context.inversion_count;
     const lagrangian_pass_result passed = lagrangian_make_pass(&work->pass_context, tvi_galerkin_sweep_tape);
     stats->factorisations += (work->pass_context.inversion_count - factors) * equations->node_count;
@@ -162,7 +164,7 @@ static tvi_status make_lagrangian_pass(galerkin_equations *equations, double *mo
 
 static void emit_lagrangian_equations(jet_text *text, const galerkin_equations *equations)
 {
-    const lagrangian_work *work = equations->form_work;
+    const lagrangian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
     const int unknowns = equations->nodes.unknown_count;
     tvi_galerkin_emit_sparse_hessian(text, &work->sparse_hessian);
     tvi_galerkin_emit_int_array(text, "value_slot", unknowns,

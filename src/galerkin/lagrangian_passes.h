@@ -34,7 +34,7 @@ typedef struct {
     double *start_q_minus_expansion_point[2];
     double *gradient_at_centre; /* [2n][lanes] the gradient at the centres */
     /* The Taylor expansion of the gradient about the centres, to first order. */
-    lanes_gradient_expansion gradient_expansion;
+    lanes_linearised_gradient gradient_linearised_in_q_and_v;
     lanes_matrix_inverse velocity_hessian_inverse; /* the inverse of L_vv at each node */
     /* The function tvi_galerkin_invert_with_row_exchanges, which inverts L_vv if the kernel `invert` fails. Generated
      * code, too, calls it with arrays that the library allocated, velocity_hessian_inverse_with_row_exchanges and
@@ -148,7 +148,7 @@ static inline bool lagrangian_evaluate_gradient(lagrangian_pass_context *context
 /* Inverts L_vv at each node, from the second derivatives in hessian_block. */
 static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangian_pass_context *context)
 {
-    const lanes_gradient_expansion *expansion = &context->gradient_expansion;
+    const lanes_linearised_gradient *expansion = &context->gradient_linearised_in_q_and_v;
     const int n = expansion->n, lanes = expansion->lane_count;
     double *a = context->velocity_hessian_inverse.matrix;
     const size_t bytes = (size_t)(n * n * lanes) * sizeof *a;
@@ -214,12 +214,12 @@ static inline void lagrangian_set_linearised_gradient(lagrangian_pass_context *c
     const galerkin_nodes *nodes = context->nodes;
     const int half = nodes->unknown_count / 2 * nodes->lane_count;
     const double *V = nodes->values + 2 * half, *from = context->derivative_tapes.gradient_block;
-    double *moved = context->gradient_expansion.displacement;
+    double *moved = context->gradient_linearised_in_q_and_v.displacement;
     for (int i = 0; i < half; i++)
         moved[i] = (context->start_q_minus_expansion_point[0][i] + context->q_minus_start_q[i]) +
                    context->start_q_minus_expansion_point[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
-    GALERKIN_KERNEL(context->kernels, linearise, &context->gradient_expansion, nodes->values + 3 * half);
+    GALERKIN_KERNEL(context->kernels, linearise, &context->gradient_linearised_in_q_and_v, nodes->values + 3 * half);
 }
 
 /* Makes a pass. Evaluates new second derivatives unless the last movement was small enough to reuse the old ones. */

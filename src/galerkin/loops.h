@@ -67,7 +67,7 @@ typedef struct {
  * rate's Legendre series. */
 typedef struct {
     double *one_minus_abscissa, *last_term_weight;
-} galerkin_impulse_sum_weights;
+} galerkin_double_integral_and_tail_weights;
 
 /* The sums of a step's impulses over its nodes, [unknowns][member_count] each. The impulse of node j is L_j = h b_j
  * F_j, with the step size h, the quadrature weight b_j and the rate F_j of the unknown. Each array has room for seven
@@ -206,7 +206,7 @@ typedef struct {
     /* The elements of the Hessian that are not 0, row after row. */
     const lanes_hessian_element *hessian_element;
     const int *row_end; /* [2n] the index in hessian_element at which each row ends */
-} lanes_gradient_expansion;
+} lanes_linearised_gradient;
 
 /* The data of the inner iterations of a Newton pass (hamiltonian.c, kernel_inner.h), for the matrix of second
  * derivatives at each node. Its rows are the unknowns whose rates depend on any unknown. Its columns are those of them
@@ -222,8 +222,9 @@ typedef struct {
     /* The block of the tape that computes second derivatives. A row of zeros follows, for second derivatives that are 0
      * by construction. */
     const double *hessian_block;
-    /* [lanes][lanes] galerkin_coefficients.impulse_matrix, in single precision. */
-    float *impulse_matrix;
+    /* [lanes][lanes] The factor of the impulse of one node in an unknown at another:
+     * galerkin_coefficients.impulse_matrix, in single precision. */
+    float *impulse_to_unknown_change_matrix;
     /* [hessian_column_count][rows of the group][lanes] for each group of rows: the matrix elements, in single
      * precision. */
     float *packed_hessian;
@@ -262,7 +263,7 @@ typedef struct galerkin_kernels {
                  double movement[]);
     /* Computes the sums of the impulses of the last movement, from which the increments and the tail of the step
      * follow. */
-    void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_impulse_sum_weights *weights,
+    void (*sum_impulses)(const galerkin_nodes *nodes, const galerkin_double_integral_and_tail_weights *weights,
                          const galerkin_impulse_sums *sums);
     /* `compute_drifting_increments` is for a separable system, and computes the increments dq = drift + drift_low +
      * scale rate_double_integral and dp = rate_integral from the sums of the impulses. `compute_increments` is for any
@@ -311,7 +312,7 @@ typedef struct galerkin_kernels {
     /* Sets the first n rows of `out` [2n][lanes] to L_q at the displaced point, to first order: its value at the centre
      * plus its change by the displacements of q and v. Sets the last n rows to the change of L_v, to first order, by
      * the displacement of q alone, which is momentum_change of `correct_velocities`. */
-    void (*linearise)(const lanes_gradient_expansion *expansion, double *out);
+    void (*linearise)(const lanes_linearised_gradient *expansion, double *out);
 } galerkin_kernels;
 
 /* The kernels for one member, one table for each number of lanes, and the kernels for several members, for each

@@ -15,7 +15,7 @@ typedef struct galerkin_step_inputs {
     const galerkin_kernels *kernels;
     const galerkin_nodes *nodes;
     const galerkin_tail_inputs *tail_inputs;
-    const galerkin_impulse_sum_weights *impulse_sum_weights;
+    const galerkin_double_integral_and_tail_weights *impulse_sum_weights;
     const tvi_stopping_rule *passes_rule;
     const double *impulse_matrix, *node_abscissa;
     /* the fields of the same names in galerkin_predictor */
@@ -28,7 +28,7 @@ typedef struct galerkin_step_inputs {
     /* [GALERKIN_RING_LENGTH] The impulses of the last steps, stored in the history. */
     double *const *impulse_ring;
     /* lagrangian_pass_context or hamiltonian_pass_context, or NULL if passes use no second derivatives. */
-    void *form_work;
+    void *lagrangian_or_hamiltonian_pass_workspace;
 } galerkin_step_inputs;
 
 /* The functions that make the passes of a step and predict its unknowns. The library and generated code supply

@@ -310,14 +310,14 @@ static void compute_increments(tvi_both_ends_workspace *w, double dq[], double d
     const int n = w->n;
     const tvi_one_end_curve *a = &w->start_curve, *b = &w->end_curve;
     tvi_curve_sum_combination(&a->curve, &a->q_increment_weights, dq);
-    tvi_curve_multiply_jacobian_by_direction(&a->curve, &a->q_increment_weights, w->scratch);
+    tvi_curve_differentiate_sum_along_set_dz(&a->curve, &a->q_increment_weights, w->scratch);
     for (int i = 0; i < n; i++) dq[i] += w->scratch[i];
     tvi_curve_sum_combination(&b->curve, &b->scaled_p_at_expansion_point_weights, dp);
     tvi_curve_sum_combination(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
     for (int i = 0; i < n; i++) dp[i] = w->action_has_momentum_terms ? dp[i] - w->scratch[i] : 0;
-    tvi_curve_multiply_jacobian_by_direction(&b->curve, &b->scaled_p_at_expansion_point_weights, w->scratch);
+    tvi_curve_differentiate_sum_along_set_dz(&b->curve, &b->scaled_p_at_expansion_point_weights, w->scratch);
     for (int i = 0; i < n; i++) dp[i] += w->scratch[i];
-    tvi_curve_multiply_jacobian_by_direction(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
+    tvi_curve_differentiate_sum_along_set_dz(&a->curve, &a->scaled_p_at_expansion_point_weights, w->scratch);
     for (int i = 0; i < n; i++)
         dp[i] = (dp[i] - w->scratch[i]) / a->curve.momentum_scale_factor[i] + w->increment_correction_p[i];
 }

@@ -58,7 +58,7 @@ static void add_curve_to_blend(tvi_both_ends_workspace *w, tvi_one_end_curve *x,
 }
 
 /* Computes the blended position y, velocity v, momentum pi and its derivative dpi/ds at the nodes. */
-static void compute_blend_at_nodes(tvi_both_ends_workspace *w)
+static void blend_start_and_end_curves_at_nodes(tvi_both_ends_workspace *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
     double *const panels[] = {w->q_at_nodes, w->v_at_nodes, w->p_at_nodes, w->dp_ds_at_nodes};
@@ -95,7 +95,7 @@ tvi_status tvi_both_ends_compute_action_gradient(tvi_both_ends_workspace *w, tvi
 {
     const tvi_action *nodes = &w->start_curve.action;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
-    compute_blend_at_nodes(w);
+    blend_start_and_end_curves_at_nodes(w);
     stats->force_evaluations += w->points;
     const tvi_status status = tvi_evaluate_lagrangian_at_nodes(&w->start_curve.action, &w->start_curve.curve,
                                                                w->q_at_nodes, w->v_at_nodes, w->p_at_nodes);

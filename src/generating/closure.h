@@ -24,7 +24,7 @@ typedef enum { TVI_FIRST_COLUMNS, TVI_LAST_COLUMNS } tvi_column_half;
 typedef struct {
     /* The combinations whose Jacobians form A; lower_jacobian_combination is NULL if A is one block. */
     const tvi_coefficient_combination *upper_jacobian_combination, *lower_jacobian_combination;
-    tvi_column_half jacobian_column_half; /* if A is an n x n block of the Jacobian: its columns */
+    tvi_column_half jacobian_half_used_as_equation_matrix; /* if A is an n x n block of the Jacobian: its columns */
 } tvi_end_correction_equations;
 
 /* A solver of the equations A^T x = D_z, with factored Jacobian matrices (matrices.c), or without matrices, by products
@@ -41,8 +41,9 @@ typedef struct tvi_end_correction_solver {
                                       tvi_stats *stats);
     /* Solves the equations A^T x = D_z, with D_z in gradient_then_solution [2n]. If A has 2n rows, the solution x
      * replaces D_z. If A is an n x n block of a Jacobian J [n][2n], x replaces the half of D_z that belongs to the
-     * columns of this block (jacobian_column_half). The other half of D_z is then replaced by its residual D_z - K^T x,
-     * where K is the other n x n block of J. Returns TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV if it fails. */
+     * columns of this block (jacobian_half_used_as_equation_matrix). The other half of D_z is then replaced by its
+     * residual D_z - K^T x, where K is the other n x n block of J. Returns TVI_ESINGULAR, TVI_ENONFINITE or TVI_ENOCONV
+     * if it fails. */
     tvi_status (*solve)(struct tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations);
     /* The corrector uses one of the next two functions; the other is NULL. `jacobian` writes J = d(q-, u-)/dz [2n][2n],
      * or returns false if the corrector may reuse the Jacobian before it; `correct` multiplies the correction by an
@@ -72,7 +73,8 @@ typedef struct tvi_corrected_curve {
     tvi_coefficient_combination momentum_term_abs_sum_weights;
     /* Computes the corrections by the equations of the generating function. */
     tvi_correct_ends_fn *solve_end_corrections;
-    /* The factors by which the solution (x, y) enters the corrections. */
+    /* Solving the linear equations of the generating function gives two vectors, x and y, of n numbers each. These are
+     * the factors by which x and y are multiplied in the sums that are the corrections (closing.h). */
     const tvi_curve_end_correction_factors *end_correction_factors;
     /* [highest_order + 1][n] The derivatives of the discrete action, in defect form, by the coefficients Q_k of the
      * position and U_k of the scaled momentum: D_z = sum_k (dQ_k/dz)^T (those by Q_k) + (dU_k/dz)^T (those by U_k). */

@@ -61,11 +61,11 @@ void tvi_curve_compute_centre_state_sizes(const tvi_curve *curve, double size[])
 void tvi_curve_sum_combination(const tvi_curve *curve, const tvi_coefficient_combination *combination, double out[]);
 void tvi_curve_sum_combination_jacobian(const tvi_curve *curve, const tvi_coefficient_combination *combination,
                                         double matrix[]);
-/* Sets the direction dz for tvi_curve_multiply_jacobian_by_direction, which computes out[n], the Jacobian of the
- * combination's sum by the centre state, times dz. */
+/* tvi_curve_set_product_direction sets the direction dz for tvi_curve_differentiate_sum_along_set_dz, which computes
+ * derivative[n], the Jacobian of the combination's sum by the centre state, times dz. */
 void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[]);
-void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                              double out[]);
+void tvi_curve_differentiate_sum_along_set_dz(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                              double derivative[]);
 
 /* Computes out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k], the transposed Jacobians of the coefficients
  * times seeds [highest_order + 1][n]. seed_U may be NULL, and is not read for a separable system, whose U_k = (k+1)

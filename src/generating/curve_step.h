@@ -72,7 +72,7 @@ static inline void step_sum_combination_with_last_newton_dz(const tvi_curve_work
 {
     CURVE_CALL(sum_combination, &work->corrected_curve.curve, combination, out);
     if (!step_has_symplectic_end_corrections(work)) return;
-    CURVE_CALL(multiply_jacobian_by_direction, &work->corrected_curve.curve, combination, work->scratch);
+    CURVE_CALL(differentiate_sum_along_set_dz, &work->corrected_curve.curve, combination, work->scratch);
     for (int i = 0; i < curve_coefficient_row_length(&work->corrected_curve.curve); i++) out[i] += work->scratch[i];
 }
 
@@ -108,7 +108,7 @@ static inline void step_store_end_velocity(const tvi_curve_workspace *work)
 static inline void step_compute_tails(const tvi_curve *curve, double tail[])
 {
     if (curve_member_count(curve) == 1) tail[0] = CURVE_CALL(compute_tail, curve);
-    else curve_compute_tails(curve, tail);
+    else curve_compute_relative_last_term_per_member(curve, tail);
 }
 
 /* Computes the increments of the step and the tails of the members, and stores a Lagrangian's velocity at the end. */
@@ -135,47 +135,47 @@ typedef struct {
     void (*drop_members_outside_domain)(const tvi_curve_workspace *work, bool at_nodes, long long iterating_mask[]);
 } fast_path_expansion_and_seed_functions;
 
-/* The progress of a fast-path step while its passes run. iterating_mask [member_count] has all bits set for a member
- * whose passes have not ended, and is 0 for the others. */
+/* The memory and functions that all Newton passes of a fast-path step share, the start of the step and the progress.
+ * iterating_mask [member_count] has all bits set for a member whose passes have not ended, and is 0 for the others. */
 typedef struct {
     tvi_curve_workspace *work;
     const fast_path_expansion_and_seed_functions *functions;
     const tvi_batch_origin *origin;
     long long *iterating_mask;
     long factorisation_count;
-} fast_path_step_progress;
+} step_newton_pass_context;
 
 /* Returns the number of members whose passes have not ended. */
-static inline int step_count_iterating_members(const fast_path_step_progress *progress)
+static inline int step_count_iterating_members(const step_newton_pass_context *pass_context)
 {
     int count = 0;
-    for (int m = 0; m < curve_member_count(&progress->work->corrected_curve.curve); m++)
-        count += progress->iterating_mask[m] != 0;
+    for (int m = 0; m < curve_member_count(&pass_context->work->corrected_curve.curve); m++)
+        count += pass_context->iterating_mask[m] != 0;
     return count;
 }
 
 /* Ends the passes of members for which an evaluation, at the nodes or of the series, failed with this status. Returns
  * whether the step continues. After a failure a step of a single member does not; in a step of several members only
  * those outside of the domain are dropped, and the step continues. */
-static inline bool step_continue_without_failed_members(const fast_path_step_progress *progress, tvi_status status,
+static inline bool step_continue_without_failed_members(const step_newton_pass_context *pass_context, tvi_status status,
                                                         bool at_nodes)
 {
     if (status == TVI_OK) return true;
-    if (curve_member_count(&progress->work->corrected_curve.curve) == 1) return false;
-    progress->functions->drop_members_outside_domain(progress->work, at_nodes, progress->iterating_mask);
+    if (curve_member_count(&pass_context->work->corrected_curve.curve) == 1) return false;
+    pass_context->functions->drop_members_outside_domain(pass_context->work, at_nodes, pass_context->iterating_mask);
     return true;
 }
 
 /* Finds the members whose Jacobians must be computed anew at z, and returns their number. */
-static inline int step_find_members_with_due_jacobians(const fast_path_step_progress *progress, const double z[])
+static inline int step_find_members_with_due_jacobians(const step_newton_pass_context *pass_context, const double z[])
 {
-    tvi_corrected_curve *corrected = &progress->work->corrected_curve;
+    tvi_corrected_curve *corrected = &pass_context->work->corrected_curve;
     const int width = curve_member_count(&corrected->curve);
     long long is_one_due, *due_jacobian_mask = width > 1 ? corrected->curve.due_jacobian_mask : &is_one_due;
     int count = 0;
-    matrices_find_members_with_due_jacobians(corrected, z, progress->work->newton.scale, progress->iterating_mask,
-                                             due_jacobian_mask);
-    for (int m = 0; m < width; m++) count += (due_jacobian_mask[m] & progress->iterating_mask[m]) != 0;
+    matrices_find_members_with_due_jacobians(corrected, z, pass_context->work->newton.scale,
+                                             pass_context->iterating_mask, due_jacobian_mask);
+    for (int m = 0; m < width; m++) count += (due_jacobian_mask[m] & pass_context->iterating_mask[m]) != 0;
     if (width > 1)
         corrected->curve.keeps_old_jacobians =
             count < width && matrices_get_factors(corrected)->jacobian_computations_in_step > 0;
@@ -186,50 +186,50 @@ static inline int step_find_members_with_due_jacobians(const fast_path_step_prog
  * Rows of one unit are scaled together. In two cases the rows of the second half have another unit than those of the
  * first: in a Hamiltonian's equations, if the second equations are of coordinates, and in a Lagrangian's corrector. The
  * passes of a member end if its factors need row exchanges. */
-static inline void step_factor_jacobians(fast_path_step_progress *progress, int due_count, const double z[])
+static inline void step_factor_jacobians(step_newton_pass_context *pass_context, int due_count, const double z[])
 {
-    const tvi_corrected_curve *corrected = &progress->work->corrected_curve;
+    const tvi_corrected_curve *corrected = &pass_context->work->corrected_curve;
     const tvi_form form = curve_system_form(&corrected->curve);
     const int n = curve_dimension(&corrected->curve), size = 2 * n, width = curve_member_count(&corrected->curve);
     const bool uses_momenta = corrected->end_correction_factors->uses_mean_momentum;
     tvi_lu_factor *full = &matrices_get_factors(corrected)->full_jacobian_factor,
-                  *back = &progress->work->newton.factor;
+                  *back = &pass_context->work->newton.factor;
     matrices_record_z_of_jacobians(corrected, z);
     matrices_stack_combination_jacobians(corrected, &corrected->q_mean_weights,
                                          ends_get_lower_jacobian_combination(corrected), full->lu);
-    const int renewed = matrices_renew_corrector_jacobians(corrected, progress->iterating_mask, back->lu);
+    const int renewed = matrices_renew_corrector_jacobians(corrected, pass_context->iterating_mask, back->lu);
     linear_unpivoted_factor_in_place(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
-                                     progress->iterating_mask);
+                                     pass_context->iterating_mask);
     if (renewed > 0)
         linear_unpivoted_factor_in_place(size, form != TVI_LAGRANGIAN ? size : n, width, back,
-                                         progress->iterating_mask);
-    progress->factorisation_count += due_count + renewed;
+                                         pass_context->iterating_mask);
+    pass_context->factorisation_count += due_count + renewed;
 }
 
 /* Computes the corrections of the unknowns in one pass, but does not add them. Returns false if no member continues. */
-static inline bool step_run_corrector_pass(fast_path_step_progress *progress, bool is_first)
+static inline bool step_run_corrector_pass(step_newton_pass_context *pass_context, bool is_first)
 {
-    tvi_curve_workspace *work = progress->work;
-    const fast_path_expansion_and_seed_functions *functions = progress->functions;
+    tvi_curve_workspace *work = pass_context->work;
+    const fast_path_expansion_and_seed_functions *functions = pass_context->functions;
     tvi_corrected_curve *corrected = &work->corrected_curve;
     tvi_newton *newton = &work->newton;
     const int size = 2 * curve_dimension(&corrected->curve), width = curve_member_count(&corrected->curve);
     double *x = newton->x, *r = newton->correction;
-    const int due_count = step_find_members_with_due_jacobians(progress, x);
+    const int due_count = step_find_members_with_due_jacobians(pass_context, x);
     curve_set_centre_state(&corrected->curve, x);
     tvi_status status = (due_count > 0 ? functions->expand_with_tangents : functions->expand)(&corrected->curve);
-    if (!step_continue_without_failed_members(progress, status, false)) return false;
+    if (!step_continue_without_failed_members(pass_context, status, false)) return false;
     status = functions->compute_seeds(&work->action, &corrected->curve, corrected->action_gradient_by_coefficients_Q,
                                       corrected->action_gradient_by_coefficients_U);
-    if (!step_continue_without_failed_members(progress, status, true)) return false;
-    if (due_count > 0) step_factor_jacobians(progress, due_count, x);
-    if (step_count_iterating_members(progress) == 0) return false;
+    if (!step_continue_without_failed_members(pass_context, status, true)) return false;
+    if (due_count > 0) step_factor_jacobians(pass_context, due_count, x);
+    if (step_count_iterating_members(pass_context) == 0) return false;
     CURVE_CALL(multiply_transposed_jacobians_by_seeds, &corrected->curve, corrected->action_gradient_by_coefficients_Q,
                corrected->action_gradient_by_coefficients_U, corrected->gradient_then_solution);
     linear_unpivoted_solve_transposed(size, width, &matrices_get_factors(corrected)->full_jacobian_factor,
                                       corrected->gradient_then_solution);
     ends_compute_corrections_from_solution(corrected);
-    step_compute_residual(work, progress->origin, r);
+    step_compute_residual(work, pass_context->origin, r);
     if (is_first) {
         step_compute_unknown_scales(corrected, newton->scale);
         for (int m = 0; m < width; m++) newton_raise_scales_of_small_unknowns(newton, m);
@@ -241,52 +241,53 @@ static inline bool step_run_corrector_pass(fast_path_step_progress *progress, bo
 
 /* Judges the correction of member m. The passes of the member end if this was its last correction, or if its step is
  * left to curve_stepper.c, for example because a number is not finite. */
-static inline void step_judge_correction(const fast_path_step_progress *progress, tvi_newton_passes *passes,
-                                         const tvi_correction_sizes *sizes, int m,
-                                         const tvi_fast_path_step_results *results)
+static inline void step_judge_correction(const step_newton_pass_context *pass_context,
+                                         tvi_newton_convergence_record *record, const tvi_correction_sizes *sizes,
+                                         int m, const tvi_fast_path_step_results *results)
 {
-    const tvi_newton *newton = &progress->work->newton;
+    const tvi_newton *newton = &pass_context->work->newton;
     tvi_passes_verdict verdict = TVI_PASSES_STUCK;
     if (isfinite(sizes->largest_relative_correction[m]))
-        verdict = tvi_newton_judge_pass(passes, &newton->rules, sizes, m);
-    if (verdict != TVI_PASSES_GO_ON) progress->iterating_mask[m] = 0;
+        verdict = tvi_newton_judge_pass(record, &newton->rules, sizes, m);
+    if (verdict != TVI_PASSES_GO_ON) pass_context->iterating_mask[m] = 0;
     if (verdict != TVI_PASSES_MAY_END) return;
     newton->max_contraction_ratio_growth_of_member[m] =
-        tvi_larger(newton->max_contraction_ratio_growth_of_member[m], passes->contraction_ratio_growth);
+        tvi_larger(newton->max_contraction_ratio_growth_of_member[m], record->contraction_ratio_growth);
     results->residual[m] = sizes->largest_relative_correction[m];
-    results->pass_counts[m] = passes->passes_measured_per_unknown.count;
+    results->pass_counts[m] = record->passes_measured_per_unknown.count;
 }
 
 /* Adds the corrections to the unknowns of the members whose passes continue. */
-static inline void step_apply_corrections(const fast_path_step_progress *progress)
+static inline void step_apply_corrections(const step_newton_pass_context *pass_context)
 {
-    const tvi_newton *newton = &progress->work->newton;
-    const int width = curve_member_count(&progress->work->corrected_curve.curve);
+    const tvi_newton *newton = &pass_context->work->newton;
+    const int width = curve_member_count(&pass_context->work->corrected_curve.curve);
     const double *correction = newton->correction;
     double *restrict x = newton->x;
     for (int i = 0; i < newton_count_unknowns(newton); i++, x += width, correction += width)
-        for (int m = 0; m < width; m++) x[m] = progress->iterating_mask[m] ? x[m] + correction[m] : x[m];
+        for (int m = 0; m < width; m++) x[m] = pass_context->iterating_mask[m] ? x[m] + correction[m] : x[m];
 }
 
 /* Runs passes of the corrector until those of every member have ended, or until the greatest number of passes. */
-static inline void step_run_corrector_passes(fast_path_step_progress *progress,
+static inline void step_run_corrector_passes(step_newton_pass_context *pass_context,
                                              const tvi_fast_path_step_results *results)
 {
-    const tvi_newton *newton = &progress->work->newton;
-    const int width = curve_member_count(&progress->work->corrected_curve.curve);
-    tvi_newton_passes passes[CURVE_MOST_WIDTH];
+    const tvi_newton *newton = &pass_context->work->newton;
+    const int width = curve_member_count(&pass_context->work->corrected_curve.curve);
+    tvi_newton_convergence_record record_of_member[CURVE_MOST_WIDTH];
     for (int m = 0; m < width; m++)
-        tvi_newton_begin_passes(&passes[m], newton->max_contraction_ratio_growth_of_member[m], &newton->rules,
+        tvi_newton_begin_passes(&record_of_member[m], newton->max_contraction_ratio_growth_of_member[m], &newton->rules,
                                 newton->confirms_convergence_by_extra_pass);
-    matrices_discard_factors(&progress->work->corrected_curve);
+    matrices_discard_factors(&pass_context->work->corrected_curve);
     for (int count = 1; count <= newton->rules.per_unknown_correction_rule.max_passes; count++) {
         tvi_correction_sizes sizes;
-        if (!step_run_corrector_pass(progress, count == 1)) return;
+        if (!step_run_corrector_pass(pass_context, count == 1)) return;
         newton_measure_corrections(newton, newton->scale, &sizes);
         for (int m = 0; m < width; m++)
-            if (progress->iterating_mask[m]) step_judge_correction(progress, &passes[m], &sizes, m, results);
-        if (step_count_iterating_members(progress) == 0) return;
-        step_apply_corrections(progress);
+            if (pass_context->iterating_mask[m])
+                step_judge_correction(pass_context, &record_of_member[m], &sizes, m, results);
+        if (step_count_iterating_members(pass_context) == 0) return;
+        step_apply_corrections(pass_context);
     }
 }
 
@@ -339,16 +340,16 @@ static inline bool step_try_fast_path_steps(tvi_curve_workspace *work,
                                             tvi_stats *stats)
 {
     tvi_curve *curve = &work->corrected_curve.curve;
-    fast_path_step_progress progress = {work, functions, origin, results->iterating_mask, 0};
+    step_newton_pass_context pass_context = {work, functions, origin, results->iterating_mask, 0};
     int steps = 0, passes = 0;
     curve_set_time_unit(curve, tau);
     for (int m = 0; m < curve_member_count(curve); m++) results->pass_counts[m] = TVI_NOT_MADE;
     if (!step_set_centre_state_to_start(work, origin, work->newton.x) ||
-        !step_continue_without_failed_members(&progress, functions->expand(curve), false))
+        !step_continue_without_failed_members(&pass_context, functions->expand(curve), false))
         return false;
     step_compute_state_at_centre(work, work->newton.x);
     curve_set_centre_time(curve, origin->t, origin->t_low, -work->corrected_curve.span.start_s * tau);
-    step_run_corrector_passes(&progress, results);
+    step_run_corrector_passes(&pass_context, results);
     for (int m = 0; m < curve_member_count(curve); m++) {
         if (results->pass_counts[m] == TVI_NOT_MADE) continue;
         steps++;
@@ -360,7 +361,7 @@ static inline bool step_try_fast_path_steps(tvi_curve_workspace *work,
     step_compute_increments_and_tails(work, results->dq, results->dp, results->tail);
     stats->passes += passes;
     stats->expansions += steps + passes;
-    stats->factorisations += progress.factorisation_count;
+    stats->factorisations += pass_context.factorisation_count;
     stats->force_evaluations += passes * work->options->quadrature_points;
     return true;
 }

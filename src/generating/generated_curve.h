@@ -135,13 +135,13 @@ static const tvi_generated_curve_functions tvi_loops = {
 #if CURVE_HAS_MATRICES
     .differentiate = code_compute_jacobians,
     .sum_combination_jacobian = curve_sum_combination_jacobian,
-    .multiply_jacobian_by_direction = curve_multiply_jacobian_by_direction,
+    .differentiate_sum_along_set_dz = curve_differentiate_sum_along_set_dz,
     .multiply_transposed_jacobians_by_seeds = curve_multiply_transposed_jacobians_by_seeds,
 #endif
 #if CURVE_HAS_PRODUCTS
     .matrix_free_solver = &code_solver,
     .set_direction = products_compute_tangents,
-    .multiply_jacobian_by_direction = products_multiply_jacobian_by_direction,
+    .differentiate_sum_along_set_dz = products_differentiate_sum_along_set_dz,
 #endif
 #if CURVE_HAS_SEED
     .compute_seeds = code_compute_seeds,

@@ -72,14 +72,14 @@ void tvi_curve_set_product_direction(tvi_curve *curve, const double dz[])
     else memcpy(curve->product_direction, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
-void tvi_curve_multiply_jacobian_by_direction(const tvi_curve *curve, const tvi_coefficient_combination *combination,
-                                              double out[])
+void tvi_curve_differentiate_sum_along_set_dz(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+                                              double derivative[])
 {
-    if (curve->generated_code && curve->generated_code->multiply_jacobian_by_direction)
-        curve->generated_code->multiply_jacobian_by_direction(curve, combination, out);
+    if (curve->generated_code && curve->generated_code->differentiate_sum_along_set_dz)
+        curve->generated_code->differentiate_sum_along_set_dz(curve, combination, derivative);
     else if (curve->jacobian_method == TVI_JACOBIAN_PRODUCTS)
-        products_multiply_jacobian_by_direction(curve, combination, out);
-    else curve_multiply_jacobian_by_direction(curve, combination, out);
+        products_differentiate_sum_along_set_dz(curve, combination, derivative);
+    else curve_differentiate_sum_along_set_dz(curve, combination, derivative);
 }
 
 void tvi_curve_multiply_transposed_jacobians_by_seeds(tvi_curve *curve, const double seed_Q[], const double seed_U[],

@@ -28,7 +28,8 @@ static void allocate_jacobian_factors(tvi_corrected_curve *corrected, tvi_arena 
 
 static tvi_status factor_jacobian_block(tvi_corrected_curve *corrected, const tvi_end_correction_equations *equations)
 {
-    const size_t n = (size_t)corrected->n, first = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n;
+    const size_t n = (size_t)corrected->n,
+                 first = equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : n;
     tvi_jacobian_factors *factors = matrices_get_factors(corrected);
     tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination,
                                        factors->scratch_end_state_jacobian);
@@ -47,11 +48,12 @@ static tvi_status factor_full_matrix(tvi_corrected_curve *corrected, const tvi_e
 }
 
 /* Subtracts K^T x from the half of gradient_then_solution that was not solved for. The other half is the solution x,
- * and K is the n x n block of the Jacobian whose columns are not jacobian_column_half. */
+ * and K is the n x n block of the Jacobian whose columns are not jacobian_half_used_as_equation_matrix. */
 static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corrected,
                                                        const tvi_end_correction_equations *equations)
 {
-    const size_t n = (size_t)corrected->n, solved = equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : n,
+    const size_t n = (size_t)corrected->n,
+                 solved = equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : n,
                  other = n - solved;
     double *G = matrices_get_factors(corrected)->scratch_end_state_jacobian;
     tvi_curve_sum_combination_jacobian(&corrected->curve, equations->upper_jacobian_combination, G);
@@ -76,9 +78,10 @@ static tvi_status solve_by_factors(tvi_corrected_curve *corrected, const tvi_end
     if (equations->lower_jacobian_combination) {
         tvi_factor_solve_transposed(&factors->full_jacobian_factor, corrected->gradient_then_solution);
     } else {
-        tvi_factor_solve_transposed(&factors->jacobian_block_factor,
-                                    corrected->gradient_then_solution +
-                                        (equations->jacobian_column_half == TVI_FIRST_COLUMNS ? 0 : corrected->n));
+        tvi_factor_solve_transposed(
+            &factors->jacobian_block_factor,
+            corrected->gradient_then_solution +
+                (equations->jacobian_half_used_as_equation_matrix == TVI_FIRST_COLUMNS ? 0 : corrected->n));
         compute_residual_in_unsolved_gradient_half(corrected, equations);
     }
     return TVI_OK;

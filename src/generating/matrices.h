@@ -63,18 +63,18 @@ static inline bool matrices_is_corrector_jacobian_outdated(const tvi_jacobian_fa
     return !matrices->has_corrector_jacobian || matrices->relative_distance_since_jacobian[m] > MATRICES_MAX_MOVEMENT;
 }
 
-/* Makes new_then_valid_jacobian, which contains the newly computed Jacobian of the corrector of each member, contain
- * the Jacobian that member m uses. If the stored Jacobian of the member is outdated, the new one is stored in its
- * place; otherwise the stored one replaces the new one. */
-static inline void matrices_restore_or_store_jacobian_of_member(const tvi_corrected_curve *corrected, int m,
-                                                                double new_then_valid_jacobian[])
+/* Makes new_in_valid_out_jacobian, which contains the newly computed Jacobian of the corrector of each member, contain
+ * the Jacobian that the given member uses. If the stored Jacobian of the member is outdated, the new one replaces it in
+ * the store; otherwise the stored one is loaded in place of the new one. */
+static inline void matrices_replace_jacobian_if_outdated_else_load(const tvi_corrected_curve *corrected, int member,
+                                                                   double new_in_valid_out_jacobian[])
 {
     const int n = curve_dimension(&corrected->curve), width = curve_member_count(&corrected->curve);
     double *corrector_jacobian = matrices_get_factors(corrected)->corrector_jacobian;
-    const bool is_far = matrices_is_corrector_jacobian_outdated(matrices_get_factors(corrected), m);
-    const double *from = is_far ? new_then_valid_jacobian : corrector_jacobian;
-    double *to = is_far ? corrector_jacobian : new_then_valid_jacobian;
-    for (int at = m; at < 4 * n * n * width; at += width) to[at] = from[at];
+    const bool is_far = matrices_is_corrector_jacobian_outdated(matrices_get_factors(corrected), member);
+    const double *from = is_far ? new_in_valid_out_jacobian : corrector_jacobian;
+    double *to = is_far ? corrector_jacobian : new_in_valid_out_jacobian;
+    for (int at = member; at < 4 * n * n * width; at += width) to[at] = from[at];
 }
 
 /* Computes, for the corrector, the Jacobian matrix of the end at s- (q-, u-) by the unknowns z, as
@@ -93,7 +93,7 @@ static inline int matrices_renew_corrector_jacobians(const tvi_corrected_curve *
                                          &corrected->scaled_p_at_start_weights, corrector_jacobian_of_members);
     if (width > 1)
         for (int m = 0; m < width; m++)
-            matrices_restore_or_store_jacobian_of_member(corrected, m, corrector_jacobian_of_members);
+            matrices_replace_jacobian_if_outdated_else_load(corrected, m, corrector_jacobian_of_members);
     for (int m = 0; m < width; m++)
         if (matrices_is_corrector_jacobian_outdated(matrices, m)) matrices->relative_distance_since_jacobian[m] = 0;
     matrices->has_corrector_jacobian = true;

@@ -118,14 +118,15 @@ void tvi_newton_set_pass_rules(tvi_newton *newton, const tvi_options *options, b
 
 /* Returns whether the last correction, which did not shrink, is as small as the corrections that the residual's
  * roundoff causes. */
-static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
+static bool is_correction_roundoff(tvi_newton *newton, const tvi_equations *equations,
+                                   tvi_newton_convergence_record *record)
 {
     memcpy(newton->roundoff_scale, newton->scale, (size_t)newton->unknown_count * sizeof *newton->roundoff_scale);
     compute_roundoff_scales(newton, equations);
     tvi_correction_sizes sizes;
     newton_measure_corrections(newton, newton->roundoff_scale, &sizes);
     if (sizes.relative_group_correction[0] > NEWTON_STALLED_CORRECTION) return false;
-    passes->contraction_ratio_growth = 1; /* the corrections are roundoff, and show no contraction */
+    record->contraction_ratio_growth = 1; /* the corrections are roundoff, and show no contraction */
     return true;
 }
 
@@ -158,8 +159,8 @@ static tvi_status run_newton_pass(tvi_newton *newton, const tvi_equations *equat
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats)
 {
     const tvi_newton_rules *rules = &newton->rules;
-    tvi_newton_passes passes;
-    tvi_newton_begin_passes(&passes, *newton->max_contraction_ratio_growth_of_member, &newton->rules,
+    tvi_newton_convergence_record record;
+    tvi_newton_begin_passes(&record, *newton->max_contraction_ratio_growth_of_member, &newton->rules,
                             newton->confirms_convergence_by_extra_pass);
     int refreshes = 0;
     bool by_differences = false;
@@ -172,12 +173,12 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         tvi_correction_sizes sizes;
         newton_measure_corrections(newton, newton->scale, &sizes);
         stats->residual = sizes.largest_relative_correction[0];
-        tvi_passes_verdict verdict = tvi_newton_judge_pass(&passes, rules, &sizes, 0);
-        if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &passes))
+        tvi_passes_verdict verdict = tvi_newton_judge_pass(&record, rules, &sizes, 0);
+        if (verdict == TVI_PASSES_STUCK && is_correction_roundoff(newton, equations, &record))
             verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
             *newton->max_contraction_ratio_growth_of_member =
-                tvi_larger(*newton->max_contraction_ratio_growth_of_member, passes.contraction_ratio_growth);
+                tvi_larger(*newton->max_contraction_ratio_growth_of_member, record.contraction_ratio_growth);
             return TVI_OK;
         }
         for (int i = 0; i < newton->unknown_count; i++) newton->x[i] += newton->correction[i];

@@ -51,56 +51,57 @@ typedef struct {
      * suggests and that no later correction has confirmed yet. */
     double contraction_ratio_growth, unconfirmed_ratio_growth;
     bool must_confirm_convergence; /* whether one more pass must confirm the expected convergence */
-} tvi_newton_passes;
+} tvi_newton_convergence_record;
 
 /* Begins the passes of a solution. The first contraction is often better than the later ones: first corrections are
  * mostly of the highest orders, on which the part of the Jacobian that the approximation omits has little effect. The
  * first solution therefore makes one pass more than seems needed, and measures the later contraction. */
-static inline void tvi_newton_begin_passes(tvi_newton_passes *passes, double max_contraction_ratio_growth,
+static inline void tvi_newton_begin_passes(tvi_newton_convergence_record *record, double max_contraction_ratio_growth,
                                            const tvi_newton_rules *rules, bool confirms_convergence_by_extra_pass)
 {
-    tvi_convergence_test_begin_iteration(&passes->passes_measured_per_unknown, 0);
-    tvi_convergence_test_begin_iteration(&passes->passes_measured_per_group, 0);
-    passes->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
-    passes->unconfirmed_ratio_growth = 0;
-    passes->must_confirm_convergence = rules->per_unknown_correction_rule.exact_passes == 0 &&
+    tvi_convergence_test_begin_iteration(&record->passes_measured_per_unknown, 0);
+    tvi_convergence_test_begin_iteration(&record->passes_measured_per_group, 0);
+    record->contraction_ratio_growth = tvi_larger(max_contraction_ratio_growth, 1);
+    record->unconfirmed_ratio_growth = 0;
+    record->must_confirm_convergence = rules->per_unknown_correction_rule.exact_passes == 0 &&
                                        rules->per_unknown_correction_rule.max_trusted_contraction_ratio > 0 &&
                                        (max_contraction_ratio_growth == 0 || confirms_convergence_by_extra_pass);
 }
 
 /* Updates the factor by which the contraction ratio may grow. A greater factor that one correction suggests is accepted
  * only if the next correction contracts again, because roundoff does not contract. */
-static inline void tvi_newton_update_contraction_ratio_growth(tvi_newton_passes *passes, const tvi_newton_rules *rules,
-                                                              double relative_correction)
+static inline void tvi_newton_update_contraction_ratio_growth(tvi_newton_convergence_record *record,
+                                                              const tvi_newton_rules *rules, double relative_correction)
 {
-    const tvi_convergence_test *each = &passes->passes_measured_per_unknown;
+    const tvi_convergence_test *each = &record->passes_measured_per_unknown;
     const bool shows = relative_correction <= rules->per_unknown_correction_rule.stall_contraction_ratio * each->size;
     if (each->count < 2) return;
     if (shows)
-        passes->contraction_ratio_growth = tvi_smaller(
-            tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth), NEWTON_MAX_RATIO_GROWTH);
+        record->contraction_ratio_growth = tvi_smaller(
+            tvi_larger(record->contraction_ratio_growth, record->unconfirmed_ratio_growth), NEWTON_MAX_RATIO_GROWTH);
     const double growth = each->contraction_ratio_growth * relative_correction / each->expected_next_size;
-    passes->unconfirmed_ratio_growth = shows && relative_correction > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
+    record->unconfirmed_ratio_growth = shows && relative_correction > NEWTON_GROWTH_MIN_CORRECTION ? growth : 0;
 }
 
 /* Adds a pass with corrections of these sizes of member m, and judges it. If it returns TVI_PASSES_STUCK, the caller
  * measures whether the correction is roundoff. */
-static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_passes *passes, const tvi_newton_rules *rules,
-                                                       const tvi_correction_sizes *sizes, int m)
+static inline tvi_passes_verdict tvi_newton_judge_pass(tvi_newton_convergence_record *record,
+                                                       const tvi_newton_rules *rules, const tvi_correction_sizes *sizes,
+                                                       int m)
 {
     const double largest_relative_correction = sizes->largest_relative_correction[m],
                  relative_group_correction = sizes->relative_group_correction[m];
-    const double expected = passes->passes_measured_per_unknown.expected_next_size;
-    tvi_newton_update_contraction_ratio_growth(passes, rules, largest_relative_correction);
-    passes->passes_measured_per_unknown.contraction_ratio_growth =
-        tvi_larger(passes->contraction_ratio_growth, passes->unconfirmed_ratio_growth);
+    const double expected = record->passes_measured_per_unknown.expected_next_size;
+    tvi_newton_update_contraction_ratio_growth(record, rules, largest_relative_correction);
+    record->passes_measured_per_unknown.contraction_ratio_growth =
+        tvi_larger(record->contraction_ratio_growth, record->unconfirmed_ratio_growth);
     const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(
-        &passes->passes_measured_per_unknown, &rules->per_unknown_correction_rule, largest_relative_correction);
+        &record->passes_measured_per_unknown, &rules->per_unknown_correction_rule, largest_relative_correction);
     const tvi_passes_verdict settled = tvi_convergence_test_add_pass(
-        &passes->passes_measured_per_group, &rules->per_group_correction_rule, relative_group_correction);
+        &record->passes_measured_per_group, &rules->per_group_correction_rule, relative_group_correction);
     const bool is_confirmed = expected <= rules->per_unknown_correction_rule.correction_goal &&
                               largest_relative_correction <= NEWTON_CHECK_MAX_CORRECTION;
-    if (verdict == TVI_PASSES_MAY_END && passes->must_confirm_convergence && largest_relative_correction > 0 &&
+    if (verdict == TVI_PASSES_MAY_END && record->must_confirm_convergence && largest_relative_correction > 0 &&
         !is_confirmed)
         return TVI_PASSES_GO_ON;
     if (verdict != TVI_PASSES_STUCK) return verdict;

@@ -31,7 +31,7 @@ static inline void products_compute_tangents(tvi_curve *curve, const double dz[]
 }
 
 /* Computes out[n], the Jacobian of the combination's sum times the last direction of products_compute_tangents. */
-static inline void products_multiply_jacobian_by_direction(const tvi_curve *curve,
+static inline void products_differentiate_sum_along_set_dz(const tvi_curve *curve,
                                                            const tvi_coefficient_combination *combination, double out[])
 {
     const size_t n = (size_t)curve_dimension(curve);
@@ -121,7 +121,7 @@ static inline void products_multiply_by_transposed_jacobians(tvi_curve *curve, i
 enum { PRODUCTS_VECTOR = 8 };
 typedef struct {
     double *solution; /* the solution x, which is the initial guess of the next pass */
-    double *residual; /* the residual D_z - A^T x, in all 2n rows */
+    double *residual; /* [2n] D_z - A^T x: the action's gradient D_z, less the matrix A^T of the equations times x */
     /* [PRODUCTS_MAX_ITERATIONS][2n] the search directions, and the image of each, A^T times the direction */
     double *search_direction, *direction_image;
     double squared_image_norm[PRODUCTS_MAX_ITERATIONS]; /* the squared norm of each direction_image */
@@ -149,7 +149,8 @@ static inline void products_discard_guess(tvi_corrected_curve *corrected)
 static inline int products_get_first_solved_row(const tvi_corrected_curve *corrected,
                                                 const tvi_end_correction_equations *equations)
 {
-    const bool is_last = !equations->lower_jacobian_combination && equations->jacobian_column_half == TVI_LAST_COLUMNS;
+    const bool is_last =
+        !equations->lower_jacobian_combination && equations->jacobian_half_used_as_equation_matrix == TVI_LAST_COLUMNS;
     return is_last ? curve_dimension(&corrected->curve) : 0;
 }
 
@@ -269,8 +270,7 @@ static inline int products_choose_order_for_accuracy(const tvi_corrected_curve *
     return k;
 }
 
-/* Solves A^T x = D_z by generalised conjugate residuals, from the guess x of the pass before. Returns TVI_ENOCONV if
- * corrections do not shrink. */
+/* Solves A^T x = D_z by generalised conjugate residuals from the last pass's x. Fails if corrections do not shrink. */
 static inline tvi_status products_solve_by_conjugate_residuals(tvi_corrected_curve *corrected,
                                                                const tvi_end_correction_equations *equations)
 {

@@ -282,7 +282,7 @@ typedef struct tvi_generated_curve_functions {
     void (*sum_combination_jacobian)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
                                      double matrix[]);
     void (*set_direction)(tvi_curve *curve, const double dz[]);
-    void (*multiply_jacobian_by_direction)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
+    void (*differentiate_sum_along_set_dz)(const tvi_curve *curve, const tvi_coefficient_combination *combination,
                                            double out[]);
     void (*multiply_transposed_jacobians_by_seeds)(tvi_curve *curve, const double seed_Q[], const double seed_U[],
                                                    double out[]);

@@ -292,12 +292,12 @@ static inline void curve_compute_displacement_sizes(const tvi_curve *curve)
                                      curve->momentum_size);
 }
 
-/* Computes the tails of all members. */
-static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
+/* Computes the tail of each member (tvi_stats.tail): its last term relative to the momentum or the movement. */
+static inline void curve_compute_relative_last_term_per_member(const tvi_curve *curve, double tail_of_member[])
 {
     const int width = curve_member_count(curve);
     double *share = curve->motion_share_for_tail, *ratio = curve->last_term_ratio_for_tail;
-    for (int m = 0; m < width; m++) tail[m] = 0;
+    for (int m = 0; m < width; m++) tail_of_member[m] = 0;
     if (curve_p_degree(curve) < 2) return;
     for (int at = 0; at < curve_coefficient_row_length(curve); at++) {
         const tvi_component_sizes_in_step component = curve_compute_tail_inputs_of_component(curve, at);
@@ -305,13 +305,13 @@ static inline void curve_compute_tails(const tvi_curve *curve, double tail[])
         ratio[at] = tvi_largest_relative_last_series_term(&component);
     }
     tvi_compute_tails_of_ensemble_members(&curve->system->tail_subsystems, curve_dimension(curve), width, share, ratio,
-                                          tail);
+                                          tail_of_member);
 }
 
 static inline double curve_compute_tail(const tvi_curve *curve)
 {
     double tail;
-    curve_compute_tails(curve, &tail);
+    curve_compute_relative_last_term_per_member(curve, &tail);
     return tail;
 }
 

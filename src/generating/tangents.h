@@ -137,7 +137,7 @@ static inline void curve_sum_combination_jacobian(const tvi_curve *curve,
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-static inline void curve_multiply_jacobian_by_direction(const tvi_curve *curve,
+static inline void curve_differentiate_sum_along_set_dz(const tvi_curve *curve,
                                                         const tvi_coefficient_combination *combination, double out[])
 {
     const int directions = 2 * curve_dimension(curve), width = curve_member_count(curve);

@@ -19,8 +19,8 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
     partial_step->q = calloc(2 * n + 2 * wide, sizeof *partial_step->q);
     if (!partial_step->q) return jet_explain_out_of_memory(TVI_ENOMEM);
     partial_step->p = partial_step->q + n;
-    partial_step->rates_input = partial_step->p + n;
-    partial_step->rates_output = partial_step->rates_input + wide;
+    partial_step->state_whose_derivative_is_evaluated = partial_step->p + n;
+    partial_step->rates_output = partial_step->state_whose_derivative_is_evaluated + wide;
     tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator, 1);
     if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
         status = tvi_state_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped_system,
@@ -48,10 +48,12 @@ tvi_status tvi_partial_step_update_parameters(tvi_partial_step *partial_step)
     return tvi_integrator_set_parameters(partial_step->partial_step_integrator, it->parameters);
 }
 
-/* Sets the history from which the partial step starts: the low-order parts of the state, and the numbers from which the
- * corrector predicts. The low-order parts are those at the start of the full step. The numbers of the corrector are
- * those at the start of the full step, too; with predicts_from_history_after_full_step they are those at the end of
- * the full step, or those of the partial step before if it ended near `offset`. */
+/* Sets the history from which the partial step of size `offset` starts. It has two parts. The first part, the low-order
+ * parts of the state's numbers, is always copied from the start of the full step. The second part is what the corrector
+ * has learned, from which it predicts its unknowns. If predicts_from_history_after_full_step is false, this part, too,
+ * is copied from the start of the full step. If it is true, this part is copied from the end of the full step; but if
+ * the last partial step began at the same full step and had almost the size `offset`, this part is kept as that partial
+ * step left it. */
 static void copy_history_to_partial_step_integrator(tvi_partial_step *partial_step, double offset)
 {
     const tvi_integrator *it = partial_step->full_step_integrator;
@@ -125,11 +127,13 @@ static tvi_status compute_dt_ds(tvi_partial_step *partial_step, double *dt_ds)
 {
     const tvi_integrator *partial = partial_step->partial_step_integrator;
     const size_t n = (size_t)partial->stepped->n;
-    memcpy(partial_step->rates_input, partial->state.q, n * sizeof *partial_step->rates_input);
-    memcpy(partial_step->rates_input + n, partial->state.p, n * sizeof *partial_step->rates_input);
-    partial_step->rates_input[2 * n] = partial->state.q[n];
-    const tvi_status status =
-        tvi_state_rates_compute(&partial_step->rates_evaluator, partial_step->rates_input, partial_step->rates_output);
+    memcpy(partial_step->state_whose_derivative_is_evaluated, partial->state.q,
+           n * sizeof *partial_step->state_whose_derivative_is_evaluated);
+    memcpy(partial_step->state_whose_derivative_is_evaluated + n, partial->state.p,
+           n * sizeof *partial_step->state_whose_derivative_is_evaluated);
+    partial_step->state_whose_derivative_is_evaluated[2 * n] = partial->state.q[n];
+    const tvi_status status = tvi_state_rates_compute(
+        &partial_step->rates_evaluator, partial_step->state_whose_derivative_is_evaluated, partial_step->rates_output);
     *dt_ds = partial_step->rates_output[partial->system->n];
     return status;
 }

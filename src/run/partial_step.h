@@ -19,7 +19,8 @@ typedef struct {
     bool predicts_from_history_after_full_step;
     double t, *q, *p;                    /* the state (t, q[n], p[n]) that was computed last */
     tvi_rates_evaluator rates_evaluator; /* evaluates dq/ds and dp/ds of a rescaled system; unused otherwise */
-    double *rates_input, *rates_output;  /* scratch memory: a state [2(n+1)+1], and its rates [2(n+1)] */
+    /* Scratch memory: a state [2(n+1)+1] of a rescaled system, and its derivatives by s [2(n+1)]. */
+    double *state_whose_derivative_is_evaluated, *rates_output;
     long copied_parameter_version; /* full_step_integrator->parameter_version when the parameters were last copied */
     long full_step_number;         /* the number of the full step that the state lies in; 0 if there is no state */
     /* The distance, 0 to h, of the state (t, q, p) from the start of the full step. */

@@ -95,7 +95,7 @@ static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_inte
     const double *const end = tvi_scout_state(scout, 1);
     double size[2] = {0, 0}, apart[2] = {0, 0};
     store_current_state(scout, orbit);
-    tvi_integrated_orbit_set_state(orbit, n, scout->states);
+    tvi_integrated_orbit_set_state(orbit, n, scout->states_along_explored_orbit);
     for (int half = 0; half < 2 && scout->last_status == TVI_OK; half++) {
         scout->tried_step_count++;
         scout->last_status =
@@ -104,7 +104,7 @@ static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_inte
     for (int i = 0; i < 2 * n; i++) {
         const double x = i < n ? orbit->q[i] : orbit->p[i - n];
         apart[i / n] = fmax(apart[i / n], fabs(x - end[i]));
-        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->states[i])));
+        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(scout->states_along_explored_orbit[i])));
     }
     tvi_integrated_orbit_set_state(orbit, n, end);
     return scout->last_status == TVI_OK && apart[0] <= SCOUT_MAX_DISTANCE * size[0] &&
@@ -118,7 +118,7 @@ static bool do_half_steps_agree_with_first_step(tvi_orbit_scout *scout, tvi_inte
 static bool is_energy_conserved_by_first_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
     const tvi_system *system = orbit->integrator->system;
-    const double *const q = scout->states, *const p = q + scout->n, t = q[2 * scout->n];
+    const double *const q = scout->states_along_explored_orbit, *const p = q + scout->n, t = q[2 * scout->n];
     double before, after, action = 0;
     if (system->uses_time || system->is_driven) return do_half_steps_agree_with_first_step(scout, orbit);
     const tvi_status first = tvi_energy(system, t, q, p, &before);
@@ -142,7 +142,7 @@ static bool is_first_step_too_large(tvi_orbit_scout *scout, tvi_integrated_orbit
 /* Restores the state at the start of the run, and returns a shorter size for the first step. */
 static double restart_with_shorter_step(tvi_orbit_scout *scout, tvi_integrated_orbit *orbit)
 {
-    tvi_integrated_orbit_set_state(orbit, scout->n, scout->states);
+    tvi_integrated_orbit_set_state(orbit, scout->n, scout->states_along_explored_orbit);
     scout->step_count = scout->smallest_resolving_step_size_index = 0;
     scout->largest_q = scout->largest_p = 0;
     update_largest_q_and_p(scout, orbit);

@@ -22,7 +22,7 @@ void tvi_integrated_orbit_set_state(tvi_integrated_orbit *orbit, int n, const do
 typedef struct {
     int n; /* the number of coordinates of the orbit */
     /* [SCOUT_MAX_STEPS + 1][2n + 1] The states (q, p, t) between the steps, in memory of the caller. */
-    double *states;
+    double *states_along_explored_orbit;
     long tried_step_count; /* the number of tried steps, including those that failed or were undone */
     int step_count;        /* the number of steps that succeeded; step k leads from state k to state k + 1 */
     double state_abscissas_in_time_or_s[SCOUT_MAX_STEPS + 1]; /* the abscissas of the states */
@@ -41,7 +41,7 @@ typedef struct {
 /* Returns the state [2n + 1] after state_index steps of the scout. */
 static inline double *tvi_scout_state(const tvi_orbit_scout *scout, int state_index)
 {
-    return scout->states + (size_t)state_index * (size_t)(2 * scout->n + 1);
+    return scout->states_along_explored_orbit + (size_t)state_index * (size_t)(2 * scout->n + 1);
 }
 
 /* Explores the orbit from its current state by at most SCOUT_MAX_STEPS steps, or to the end of the run. It fails if no

@@ -19,9 +19,10 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
     const size_t n = (size_t)system->n, state = 2 * n + 1;
     doubling->n = system->n;
     doubling->is_rescaled = tvi_is_rescaled(doubling->full_step_orbit.integrator);
-    doubling->rates_input = calloc((4 + SCOUT_MAX_STEPS + 1) * state, sizeof *doubling->rates_input);
-    if (!doubling->rates_input) return jet_explain_out_of_memory(TVI_ENOMEM);
-    doubling->rates_output = doubling->rates_input + state;
+    doubling->state_whose_derivative_is_evaluated =
+        calloc((4 + SCOUT_MAX_STEPS + 1) * state, sizeof *doubling->state_whose_derivative_is_evaluated);
+    if (!doubling->state_whose_derivative_is_evaluated) return jet_explain_out_of_memory(TVI_ENOMEM);
+    doubling->rates_output = doubling->state_whose_derivative_is_evaluated + state;
     doubling->full_step_orbit.q = doubling->rates_output + state,
     doubling->full_step_orbit.p = doubling->full_step_orbit.q + n;
     doubling->half_step_orbit.q = doubling->full_step_orbit.q + state,
@@ -35,7 +36,7 @@ tvi_status tvi_step_doubling_open(tvi_step_doubling *doubling, const tvi_system 
 void tvi_step_doubling_close(tvi_step_doubling *doubling)
 {
     tvi_state_rates_close(&doubling->rates_evaluator);
-    free(doubling->rates_input);
+    free(doubling->state_whose_derivative_is_evaluated);
     tvi_integrator_free(doubling->half_step_orbit.integrator);
     tvi_integrator_free(doubling->full_step_orbit.integrator);
 }
@@ -54,10 +55,13 @@ static tvi_status compute_rates_of_full_step_orbit(tvi_step_doubling *doubling)
 {
     const size_t n = (size_t)doubling->n;
     if (!doubling->is_rescaled) return TVI_OK;
-    memcpy(doubling->rates_input, doubling->full_step_orbit.q, n * sizeof *doubling->rates_input);
-    memcpy(doubling->rates_input + n, doubling->full_step_orbit.p, n * sizeof *doubling->rates_input);
-    doubling->rates_input[2 * n] = doubling->full_step_orbit.t;
-    return tvi_state_rates_compute(&doubling->rates_evaluator, doubling->rates_input, doubling->rates_output);
+    memcpy(doubling->state_whose_derivative_is_evaluated, doubling->full_step_orbit.q,
+           n * sizeof *doubling->state_whose_derivative_is_evaluated);
+    memcpy(doubling->state_whose_derivative_is_evaluated + n, doubling->full_step_orbit.p,
+           n * sizeof *doubling->state_whose_derivative_is_evaluated);
+    doubling->state_whose_derivative_is_evaluated[2 * n] = doubling->full_step_orbit.t;
+    return tvi_state_rates_compute(&doubling->rates_evaluator, doubling->state_whose_derivative_is_evaluated,
+                                   doubling->rates_output);
 }
 
 static tvi_status make_step_of_orbit(tvi_step_doubling *doubling, tvi_integrated_orbit *orbit, double h)

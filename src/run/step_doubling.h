@@ -15,8 +15,9 @@ typedef struct {
     tvi_integrated_orbit full_step_orbit, half_step_orbit; /* the orbits with steps h and h/2 */
     double largest_q, largest_p;         /* the largest |q_i| and |p_i| so far, by which differences are divided */
     tvi_rates_evaluator rates_evaluator; /* evaluates dq/dt and dp/dt of a rescaled system; unused otherwise */
-    double *rates_input, *rates_output;  /* a state [2n + 1] of full_step_orbit, and its time derivatives [2n] */
-    double *memory_of_scout_states;      /* memory for tvi_orbit_scout.states */
+    /* A state [2n + 1] of full_step_orbit, and its time derivatives [2n]. */
+    double *state_whose_derivative_is_evaluated, *rates_output;
+    double *memory_of_scout_states; /* memory for tvi_orbit_scout.states_along_explored_orbit */
     /* The largest |dq_i/dt| / largest_q or |dp_i/dt| / largest_p so far. */
     double largest_time_derivative_over_state_size;
     double orbit_distance;     /* the relative distance of the two orbits when it was last measured */

@@ -300,7 +300,7 @@ static tvi_status search_step_size(suggestion_search *search, tvi_step_suggestio
     do trial = tvi_make_step_size_trial(trials, h);
     while (trial.status != TVI_ENOMEM && update_suggestion_and_plan_next_trial(search, &trial, &h, suggestion));
     scale_trial_error_by_perturbation_growth(search, &trial, suggestion);
-    suggestion->step_count = trials->step_doubling.tried_step_count;
+    suggestion->step_count_spent_on_search = trials->step_doubling.tried_step_count;
     if (trial.status == TVI_ENOMEM || trials->step_doubling.has_exhausted_memory)
         return jet_explain_out_of_memory(TVI_ENOMEM);
     if (search->roundoff_error > 0)
@@ -330,7 +330,8 @@ static tvi_status open_suggestion_search(suggestion_search *search, const tvi_sy
     trials->largest_orbit_distance_due_to_roundoff = SUGGEST_ROUNDOFF;
     trials->aimed_error = fmax(search->aimed_error, SUGGEST_ROUNDOFF * pow(TVI_STEPS_OF_TRIAL / TRIALS_PART_OF_RUN,
                                                                            trials->error_growth_exponent));
-    trials->scout = (tvi_orbit_scout){.n = system->n, .states = trials->step_doubling.memory_of_scout_states};
+    trials->scout =
+        (tvi_orbit_scout){.n = system->n, .states_along_explored_orbit = trials->step_doubling.memory_of_scout_states};
     return TVI_OK;
 }
 

@@ -13,7 +13,8 @@ typedef struct {
     double fraction_of_run_error_in_trial;
     double estimated_error;               /* the error at the end of a run with trial_step_size */
     double explored_fraction_of_duration; /* the part of the run's duration that was explored, 0 to 1 */
-    long step_count;                      /* the number of steps of all trials, including those of size h/2 */
+    /* The number of steps that the scout (scout.h) and all trials have tried, including those of size h/2. */
+    long step_count_spent_on_search;
 } tvi_step_suggestion;
 
 /* Computes the suggestion of tvi_suggest_step for a run from the state (t, q, p), with its details. */

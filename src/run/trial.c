@@ -1,14 +1,27 @@
-/* trial.c - Makes a trial of a step size h (trial.h). suggest.c calls it.
+/* trial.c - Makes a trial of a step size h: a short integration that estimates the error which a whole run with steps
+ * of this size would have at its end. suggest.c, which searches the largest step size that meets a wanted error, calls
+ * it.
  *
- * Two orbits with steps h and h/2 start at the start of the run, or near its hardest step (scout.h) if the trial could
- * not reach that step from the start. Their distance e, relative to the largest coordinate and the largest momentum, is
- * the error of the first orbit up to a part 2^-order (step_doubling.h). If the trial covers the part x of the run's
- * error (tvi_scout_integrate_relative_error_density), the estimate at the end of the run is e x^-a, where errors grow
- * as t^a with the time t. The error of a symplectic method on a regular orbit grows linearly, a = 1, and that of
- * another method at most quadratically. a = 5/4 suits the problems of the benchmark, and a = 1.1 rescaled ones. In a
- * driven system errors may decay; there a is measured, and is at most 5/4.
+ * A trial integrates two orbits from the same state, one with steps of size h and one with steps of size h/2
+ * (step_doubling.h). The state is the start of the run. But if the trial could not reach the run's hardest step from
+ * there, the trial begins at the hardest step or some steps before it. This is the place where the orbit needs the
+ * shortest steps, as a quick exploration with few steps has found (scout.h).
  *
- * A trial goes on as long as its estimate is near the error that is aimed at, and the budget of steps allows it. */
+ * The distance e of the two orbits is the largest difference of a coordinate at equal times, divided by the largest
+ * coordinate, or of a momentum, divided by the largest momentum. For a method of order r it is the error of the orbit
+ * with steps h, except for the error of the orbit with steps h/2, which is smaller by the factor 2^-r.
+ *
+ * From e at the end of the trial follows an estimate of the error at the end of the run. The exploration tells which
+ * part x of the whole run's error, 0 < x <= 1, arises in the part of the orbit that the trial covers
+ * (tvi_scout_integrate_relative_error_density). If the error of a run grows with the time t as t^a, the estimate is e
+ * x^-a. The exponent a (error_growth_exponent) is chosen as follows. The error of a symplectic method on a regular
+ * orbit (one that is not chaotic) grows linearly, a = 1, and that of another method at most quadratically, a = 2. In
+ * between, a = 1.25 was found to suit the benchmark's problems, and a = 1.1 those whose time is rescaled
+ * (docs/adaptive.md). In a driven system (tvi_system_driven), in which forces may do work, such as friction, errors may
+ * also decay; there a is measured from the growth of e during the trial, and limited to the range from 0 to 1.25.
+ *
+ * A trial ends at the end of the run, when the budget of steps of the exploration and all trials is spent, or when its
+ * estimate is so far above or below the wanted error that further steps are not needed (can_trial_be_ended). */
 #include "run/trial.h"
 #include "algebra/sizes.h"
 #include "run/integrator.h"

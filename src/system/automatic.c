@@ -52,16 +52,17 @@ static bool record_second_derivatives(jet_graph *graph, jet H, const linearised_
 
 /* ---- H_pp is regular --------------------------------------------------------------------------------------------- */
 
-/* Replaces coordinate i by q_i - factor q_j. With the matrix E of this transformation, A becomes E A E^-1, and W
- * becomes E^-T W E^-1. */
-static void transform_A_and_W_to_q_i_minus_factor_q_j(const linearised_motion *motion, int i, int j, jet factor)
+/* Replaces coordinate q_i by q_i - subtracted_q_j_factor q_j. With the matrix E of this transformation, A = H_pq
+ * becomes E A E^-1, and W, which is still H_qq, becomes E^-T W E^-1. */
+static void change_coordinate_q_i_in_H_pq_and_H_qq(const linearised_motion *motion, int i, int j,
+                                                   jet subtracted_q_j_factor)
 {
     const int n = motion->n;
-    const jet negative_factor = jet_neg(factor);
+    const jet negative_factor = jet_neg(subtracted_q_j_factor);
     for (int k = 0; k < n; k++) add_multiple(&motion->A[i * n + k], negative_factor, motion->A[j * n + k]);
-    for (int k = 0; k < n; k++) add_multiple(&motion->A[k * n + j], factor, motion->A[k * n + i]);
-    for (int k = 0; k < n; k++) add_multiple(&motion->W[k * n + j], factor, motion->W[k * n + i]);
-    for (int k = 0; k < n; k++) add_multiple(&motion->W[j * n + k], factor, motion->W[i * n + k]);
+    for (int k = 0; k < n; k++) add_multiple(&motion->A[k * n + j], subtracted_q_j_factor, motion->A[k * n + i]);
+    for (int k = 0; k < n; k++) add_multiple(&motion->W[k * n + j], subtracted_q_j_factor, motion->W[k * n + i]);
+    for (int k = 0; k < n; k++) add_multiple(&motion->W[j * n + k], subtracted_q_j_factor, motion->W[i * n + k]);
 }
 
 /* Makes H_pp = diag(d) by elimination below the diagonal, and transforms A and W in the same way. The entries of H_pp
@@ -75,7 +76,7 @@ static void diagonalise_H_pp(const linearised_motion *motion)
             if (is_constant_zero(row[j])) continue;
             const jet l = jet_div(row[j], motion->H_pp[j * n + j]), negative_l = jet_neg(l);
             for (int k = j + 1; k <= i; k++) add_multiple(&row[k], negative_l, motion->H_pp[k * n + j]);
-            transform_A_and_W_to_q_i_minus_factor_q_j(motion, i, j, l);
+            change_coordinate_q_i_in_H_pq_and_H_qq(motion, i, j, l);
         }
 }
 

@@ -99,19 +99,20 @@ static tvi_status drop_hessian_if_expensive(tvi_system *system, const jet jets[]
     return created ? TVI_OK : TVI_ENOMEM;
 }
 
-tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets)
+tvi_status tvi_record_hessian_of_factored_H(tvi_system *system, const jet hamiltonian_factor[2],
+                                            jet **field_and_hessian)
 {
     const int rows = 2 * system->n, nodes = jet_graph_node_count(system->graph);
     tvi_status status = jet_graph_check_outputs(system->graph, rows, system->field);
     if (status != TVI_OK) return status;
     if (rows <= HESSIAN_WHOLE_MAX_NUMBERS / nodes) {
-        status = tvi_hessian_record(system, jets);
-        if (status == TVI_OK) status = drop_hessian_if_expensive(system, *jets);
+        status = tvi_hessian_record(system, field_and_hessian);
+        if (status == TVI_OK) status = drop_hessian_if_expensive(system, *field_and_hessian);
     }
     system->hessian_is_complete = system->hessian_entry_count > 0;
     if (status != TVI_OK || system->hessian_is_complete || nodes > HESSIAN_SHORT_MAX_NODES) return status;
-    status = record_second_derivatives_of_product(system, factor, jets);
-    return status == TVI_OK ? drop_hessian_if_expensive(system, *jets) : status;
+    status = record_second_derivatives_of_product(system, hamiltonian_factor, field_and_hessian);
+    return status == TVI_OK ? drop_hessian_if_expensive(system, *field_and_hessian) : status;
 }
 
 tvi_status tvi_hessian_create_tape(tvi_system *system, const jet jets[])

@@ -179,7 +179,7 @@ static tvi_status record_factored_hamiltonian(system_recording *recording, const
     recording->user_function = jet_mul(factor[0], factor[1]);
     system->form = TVI_HAMILTONIAN;
     tvi_status status = record_full_gradient(recording, &recording->user_function, recording->field);
-    if (status == TVI_OK) status = tvi_hessian_record_of_product(system, factor, &recording->field_and_hessian);
+    if (status == TVI_OK) status = tvi_record_hessian_of_factored_H(system, factor, &recording->field_and_hessian);
     return status == TVI_OK ? record_direction_dot_H_p_gradient(recording) : status;
 }
 

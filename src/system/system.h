@@ -57,7 +57,7 @@ struct tvi_system {
      * needs it. The inputs are q, p, t, r. */
     jet_tape *r_dot_Hp_values;
     /* Computes the field and then second derivatives. Lagrangian: those of L in (q, v) that are not 0 everywhere,
-     * one of each symmetric pair. Hamiltonian: those that tvi_hessian_record_of_product describes, or
+     * one of each symmetric pair. Hamiltonian: those that tvi_record_hessian_of_factored_H describes, or
      * NULL. */
     jet_tape *hessian_values;
     tvi_hessian_entry *hessian; /* [hessian_entry_count] Rows and columns of the second derivatives. */
@@ -77,7 +77,7 @@ struct tvi_system {
 };
 
 /* Creates a system with the Hamiltonian g f for solutions with f = 0. The function `factors` records factor = {g, f}.
- * The system has second derivatives if they are cheap (tvi_hessian_record_of_product). */
+ * The system has second derivatives if they are cheap (tvi_record_hessian_of_factored_H). */
 typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
 TVI_NODISCARD tvi_status tvi_system_create_from_hamiltonian_factors(tvi_system **out, int n, tvi_factors_fn *factors,
                                                                     void *ctx);
@@ -112,10 +112,12 @@ jet tvi_record_automatic_time_scale(const tvi_system *base, jet H);
  * whatever the status. */
 TVI_NODISCARD tvi_status tvi_hessian_record(tvi_system *system, jet **jets);
 
-/* Records the second derivatives of K = g f with factor = {g, f}, for solutions with f = 0, and sets *jets as
- * tvi_hessian_record does. If the complete K'' is too expensive, the function records g f'' + g' f'^T + f' g'^T, which
- * leaves out f g''. If this matrix is too expensive, too, it records no second derivatives. */
-TVI_NODISCARD tvi_status tvi_hessian_record_of_product(tvi_system *system, const jet factor[2], jet **jets);
+/* Records the second derivatives of the Hamiltonian K = g f with hamiltonian_factor = {g, f}, for solutions with f = 0,
+ * and sets *field_and_hessian as tvi_hessian_record sets *jets. If the complete K'' is too expensive, the function
+ * records g f'' + g' f'^T + f' g'^T, which leaves out f g''. If this matrix is too expensive, too, it records no second
+ * derivatives. */
+TVI_NODISCARD tvi_status tvi_record_hessian_of_factored_H(tvi_system *system, const jet hamiltonian_factor[2],
+                                                          jet **field_and_hessian);
 
 /* Creates the tape of the second derivatives if there are any. The recording must be finished
  * (jet_graph_end_recording). */

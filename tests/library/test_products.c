@@ -83,8 +83,8 @@ START_TEST(products_are_those_of_the_matrices)
     check_close(2 * n, got, want);
     tvi_curve_set_product_direction(&matrices.curve, x);
     tvi_curve_set_product_direction(&products.curve, x);
-    tvi_curve_multiply_jacobian_by_direction(&matrices.curve, &matrices.u, want);
-    tvi_curve_multiply_jacobian_by_direction(&products.curve, &products.u, got);
+    tvi_curve_differentiate_sum_along_set_dz(&matrices.curve, &matrices.u, want);
+    tvi_curve_differentiate_sum_along_set_dz(&products.curve, &products.u, got);
     check_close(n, got, want);
     memset(want, 0, sizeof want);
     for (int second = 0; second < 2; second++) {
