@@ -43,9 +43,10 @@
 
 /* Defines the rule of z = function(a). SIGN names the bodies for s = 1 or -1. The functions exist for all numbers. */
 #define GROWTH_RULES(name, function, SIGN, s)                                                                          \
-    static bool evaluate_##name(double exponent, int width, const double *a, const double *b, double *restrict z)      \
+    static bool evaluate_##name(double unused_exponent, int width, const double *a, const double *b,                   \
+                                double *restrict z)                                                                    \
     {                                                                                                                  \
-        (void)exponent, (void)b;                                                                                       \
+        (void)unused_exponent, (void)b;                                                                                \
         jet_array_##function(width, a, z);                                                                             \
         return true;                                                                                                   \
     }                                                                                                                  \
@@ -68,9 +69,9 @@ GROWTH_RULES(erf, erf, PLUS, 1)   /* w = 2 exp(-a^2) / sqrt(pi) */
 
 /* ---- z = sech^2 a = 1 - w^2 with w = tanh a: the value without the cancellation, the series with w --------------- */
 
-static bool evaluate_sech2(double exponent, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_sech2(double unused_exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)exponent, (void)b;
+    (void)unused_exponent, (void)b;
     jet_array_cosh(width, a, z);
     for (int i = 0; i < width; i++) z[i] = 1 / (z[i] * z[i]);
     return true;

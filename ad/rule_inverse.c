@@ -48,9 +48,10 @@
 /* Defines the rule of z = function(a). SIGN names the bodies for s = 1 or -1. z does not exist if outside(a) is
  * true. */
 #define INVERSE_RULES(name, function, SIGN, s, outside)                                                                \
-    static bool evaluate_##name(double exponent, int width, const double *a, const double *b, double *restrict z)      \
+    static bool evaluate_##name(double unused_exponent, int width, const double *a, const double *b,                   \
+                                double *restrict z)                                                                    \
     {                                                                                                                  \
-        (void)exponent, (void)b;                                                                                       \
+        (void)unused_exponent, (void)b;                                                                                \
         int bad = 0;                                                                                                   \
         for (int i = 0; i < width; i++) bad |= outside(a[i]);                                                          \
         jet_array_##function(width, a, z);                                                                             \

@@ -13,9 +13,9 @@ static bool is_any_at_origin(int width, const double *a, const double *b)
 
 /* ---- z = sqrt(a^2 + b^2), whose value neither overflows nor underflows ------------------------------------------- */
 
-static bool evaluate_hypot(double exponent, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_hypot(double unused_exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)exponent;
+    (void)unused_exponent;
     for (int i = 0; i < width; i++) z[i] = hypot(a[i], b[i]);
     return !is_any_at_origin(width, a, b);
 }
@@ -64,9 +64,9 @@ JET_RULE(hypot, 2, W_NONE)
 
 /* ---- z = atan2(a, b), w = a^2 + b^2 ------------------------------------------------------------------------------ */
 
-static bool evaluate_atan2(double exponent, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_atan2(double unused_exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)exponent;
+    (void)unused_exponent;
     for (int i = 0; i < width; i++) z[i] = atan2(a[i], b[i]);
     return !is_any_at_origin(width, a, b);
 }

@@ -8,9 +8,9 @@
 
 /* ---- z = sqrt a,  a_0 > 0 ---------------------------------------------------------------------------------------- */
 
-static bool evaluate_sqrt(double exponent, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_sqrt(double unused_exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)exponent, (void)b;
+    (void)unused_exponent, (void)b;
     int outside = 0;
     for (int w = 0; w < width; w++) {
         outside |= a[w] <= 0;

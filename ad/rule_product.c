@@ -4,9 +4,9 @@
 
 /* ---- z = a b ----------------------------------------------------------------------------------------------------- */
 
-static bool evaluate_mul(double exponent, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_mul(double unused_exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)exponent;
+    (void)unused_exponent;
     for (int w = 0; w < width; w++) z[w] = a[w] * b[w];
     return true;
 }
@@ -37,9 +37,9 @@ JET_RULE_ROW(sqr, .operand_count = 1, .record_pullback = record_sqr_pullback)
 
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 
-static bool evaluate_div(double exponent, int width, const double *a, const double *b, double *restrict z)
+static bool evaluate_div(double unused_exponent, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)exponent;
+    (void)unused_exponent;
     int outside = 0;
     for (int w = 0; w < width; w++) {
         outside |= b[w] == 0;

@@ -281,7 +281,7 @@ static tvi_status make_batch_pass(void *work, const galerkin_nodes *nodes, doubl
             !tvi_is_member_inside_domain(&stepper->member_stepper, tape, nodes->values, nodes->node_count, member))
             hold_excluded_member_at_start_state(stepper, member);
     }
-    stepper->step_inputs.kernels->move(nodes, stepper->step_inputs.impulse_matrix, nodes->values,
+    stepper->step_inputs.kernels->move(nodes, stepper->step_inputs.node_impulse_to_node_unknown_matrix, nodes->values,
                                        equations->rate_row_of_unknown, movement);
     return TVI_OK;
 }

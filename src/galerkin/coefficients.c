@@ -128,7 +128,7 @@ void tvi_galerkin_allocate_coefficients(galerkin_coefficients *coefficients, tvi
     coefficients->lane_count = lanes;
     coefficients->node_weight = tvi_arena_allocate_doubles(arena, width);
     coefficients->node_abscissa = tvi_arena_allocate_doubles(arena, width);
-    coefficients->impulse_matrix = tvi_arena_allocate_doubles(arena, width * width);
+    coefficients->node_impulse_to_node_unknown_matrix = tvi_arena_allocate_doubles(arena, width * width);
     coefficients->impulse_sum_weights.one_minus_abscissa = tvi_arena_allocate_doubles(arena, width);
     coefficients->impulse_sum_weights.last_term_weight = tvi_arena_allocate_doubles(arena, width);
 }
@@ -197,7 +197,7 @@ static void set_impulse_matrix(galerkin_coefficients *coefficients, const galerk
 {
     long double collocation_matrix[MAX_LANES][MAX_LANES];
     const int m = coefficients->node_count, lanes = coefficients->lane_count;
-    double *matrix = coefficients->impulse_matrix;
+    double *matrix = coefficients->node_impulse_to_node_unknown_matrix;
     for (int i = 0; i < m; i++)
         integrate_node_polynomials(polynomials, coefficients->long_double_node_abscissa[i],
                                    coefficients->long_double_node_abscissa, collocation_matrix[i]);

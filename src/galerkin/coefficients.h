@@ -42,7 +42,7 @@ typedef struct {
     double inverse_weight_of_end_nodes;
     /* [j][i] The factor of the impulse of node j in an unknown at node i: a_ij / b_j, or sum_k a_ik a_kj / b_j for a
      * separable system. */
-    double *impulse_matrix;
+    double *node_impulse_to_node_unknown_matrix;
     galerkin_double_integral_and_tail_weights impulse_sum_weights;
     long double long_double_node_abscissa[TVI_GALERKIN_MAX_LANES], long_double_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;

@@ -11,7 +11,7 @@ static void allocate_fixed_point_iteration(galerkin_equations *equations, tvi_ar
     equations->nodes.values =
         tvi_arena_allocate_block(arena, equations->system->field_values, 1, equations->nodes.lane_count, 0);
     equations->tape_block = equations->nodes.values;
-    equations->impulse_to_predicted_unknown_or_rate_matrix = equations->impulse_matrix;
+    equations->impulse_to_predicted_unknown_or_rate_matrix = equations->node_impulse_to_node_unknown_matrix;
 }
 
 /* Returns the tape's output slot that contains the rate of an unknown: F for a separable system; H_p for a
@@ -45,7 +45,7 @@ static tvi_status predict_fixed_point_unknowns_from_start(galerkin_equations *eq
     for (int u = 0; u < nodes->unknown_count; u++)
         for (int i = 0; i < nodes->lane_count; i++) nodes->values[u * nodes->lane_count + i] = nodes->start_values[u];
     const tvi_status status = galerkin_evaluate_field(equations);
-    if (status == TVI_OK) (void)galerkin_move_unknowns_by_rates(equations);
+    if (status == TVI_OK) (void)galerkin_move_unknowns_sum_squared_changes(equations);
     return status;
 }
 

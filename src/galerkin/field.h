@@ -36,7 +36,7 @@ typedef struct {
     double *rate_per_impulse;
     double *tape_block; /* the block of the field's tape, whose inputs include the time */
     /* [j][i] The matrix of coefficients.h, a_ij / b_j, or (a a)_ij / b_j for a separable system. */
-    double *impulse_matrix;
+    double *node_impulse_to_node_unknown_matrix;
     /* [j][i] The factor of the impulse of node j in the predicted quantity at node i. The predicted quantity is the
      * unknown in the fixed-point form, and h times the rate of the unknown in the other forms. */
     double *impulse_to_predicted_unknown_or_rate_matrix;
@@ -111,10 +111,10 @@ static inline tvi_status galerkin_evaluate_field(galerkin_equations *equations)
 
 /* Moves the unknowns by their rates. Returns the movement: the sum of the squares of the relative changes of the
  * unknowns. */
-static inline double galerkin_move_unknowns_by_rates(const galerkin_equations *equations)
+static inline double galerkin_move_unknowns_sum_squared_changes(const galerkin_equations *equations)
 {
     double movement;
-    equations->kernels->move(&equations->nodes, equations->impulse_matrix, equations->nodes.values,
+    equations->kernels->move(&equations->nodes, equations->node_impulse_to_node_unknown_matrix, equations->nodes.values,
                              equations->rate_row_of_unknown, &movement);
     return movement;
 }
@@ -138,7 +138,7 @@ static inline tvi_status galerkin_make_pass(galerkin_equations *equations, doubl
         if (status != TVI_OK) return status;
     } else {
         if (galerkin_evaluate_field(equations) != TVI_OK) return TVI_EDOMAIN;
-        *movement = galerkin_move_unknowns_by_rates(equations);
+        *movement = galerkin_move_unknowns_sum_squared_changes(equations);
     }
     stats->passes++;
     return isfinite(*movement) ? TVI_OK : TVI_ENONFINITE;

@@ -120,7 +120,7 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
     const int unknowns = stepper.equations.nodes.unknown_count, lanes = stepper.equations.nodes.lane_count;
     tvi_galerkin_allocate_coefficients(&stepper.coefficients, arena, stepper.equations.node_count, lanes);
     stepper.equations.node_weight = stepper.coefficients.node_weight;
-    stepper.equations.impulse_matrix = stepper.coefficients.impulse_matrix;
+    stepper.equations.node_impulse_to_node_unknown_matrix = stepper.coefficients.node_impulse_to_node_unknown_matrix;
     tvi_galerkin_allocate_predictor(&stepper.predictor, arena, &stepper.equations);
     tvi_galerkin_allocate_node_polynomials(&stepper.node_polynomials, arena, stepper.equations.node_count, lanes,
                                            system->field_values->sweeps);
@@ -154,7 +154,7 @@ static void set_tables_of_stepper(void *work)
         .tail_inputs = &stepper->tail_inputs,
         .impulse_sum_weights = &stepper->coefficients.impulse_sum_weights,
         .passes_rule = &stepper->passes_rule,
-        .impulse_matrix = stepper->equations.impulse_matrix,
+        .node_impulse_to_node_unknown_matrix = stepper->equations.node_impulse_to_node_unknown_matrix,
         .node_abscissa = stepper->coefficients.node_abscissa,
         .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
         .last_step_extrapolation = stepper->predictor.last_step_extrapolation,

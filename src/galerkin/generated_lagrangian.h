@@ -32,7 +32,7 @@ static void galerkin_make_generated_steps(const galerkin_step_inputs *step_input
     lagrangian_pass_context context =
         *(const lagrangian_pass_context *)step_inputs->lagrangian_or_hamiltonian_pass_workspace;
     local_inputs.tail_inputs = &inputs;
-    context.inversion_count = 0;
+    context.velocity_hessian_inversions_made = 0;
     context.nodes = &nodes;
     context.derivative_tapes = galerkin_copy_tapes_to_stack_if_small(&context.derivative_tapes, &nodes, &own);
     if (GALERKIN_HAS_LOCAL_BLOCKS)
@@ -62,7 +62,7 @@ static void galerkin_make_generated_steps(const galerkin_step_inputs *step_input
     const galerkin_pass_functions pass_functions = {galerkin_make_lagrangian_pass, lagrangian_predict_unknowns, NULL,
                                                     &context};
     galerkin_make_steps(&local_inputs, &nodes, &pass_functions, run, origin, state, outcome);
-    outcome->inversion_pass_count = context.inversion_count;
+    outcome->inversion_pass_count = context.velocity_hessian_inversions_made;
 }
 
 #endif

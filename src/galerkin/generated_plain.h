@@ -56,7 +56,7 @@ JET_INLINE tvi_status galerkin_make_fixed_point_pass(void *work, const galerkin_
     const galerkin_array_shape shape = {GALERKIN_NODE_COUNT, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
     if (!galerkin_sweep_force_tape(nodes)) return TVI_EDOMAIN;
-    *movement = NAME(move_unknowns)(nodes, step_inputs->impulse_matrix, NULL, shape, 0);
+    *movement = NAME(move_unknowns)(nodes, step_inputs->node_impulse_to_node_unknown_matrix, NULL, shape, 0);
     return TVI_OK;
 }
 

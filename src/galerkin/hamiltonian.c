@@ -141,7 +141,7 @@ static void set_tables_of_inner_iterations(const galerkin_equations *equations, 
         append_unknowns_with_hessian_row(equations, sparse_hessian, false, inner->hessian_column_count, unknown);
     inner->hessian_block = sparse_hessian->derivative_tapes.hessian_block;
     for (int i = 0; i < equations->nodes.lane_count * equations->nodes.lane_count; i++)
-        inner->impulse_to_unknown_change_matrix[i] = (float)equations->impulse_matrix[i];
+        inner->impulse_to_unknown_change_matrix[i] = (float)equations->node_impulse_to_node_unknown_matrix[i];
     list_indices_in_hessian_block(equations, sparse_hessian, inner, work->index_in_hessian_block);
 }
 
@@ -159,7 +159,7 @@ static void set_tables_of_hamiltonian_equations(galerkin_equations *equations)
             equations->system->hessian_values->output_slot[find_gradient_component_of_rate(equations, u)];
     }
     context->nodes = &equations->nodes;
-    context->impulse_matrix = equations->impulse_matrix;
+    context->node_impulse_to_node_unknown_matrix = equations->node_impulse_to_node_unknown_matrix;
     context->rate_row_of_unknown = equations->rate_row_of_unknown;
     context->derivative_tapes = work->sparse_hessian.derivative_tapes;
 }
@@ -180,7 +180,7 @@ static tvi_status predict_hamiltonian_unknowns_from_start(galerkin_equations *eq
     for (int u = 0; u < nodes->unknown_count; u++)
         memcpy(nodes->values + equations->rate_row_of_unknown[u] * lanes, rates + slot[u] * lanes,
                (size_t)lanes * sizeof *rates);
-    (void)galerkin_move_unknowns_by_rates(equations);
+    (void)galerkin_move_unknowns_sum_squared_changes(equations);
     return TVI_OK;
 }
 

@@ -20,7 +20,7 @@ typedef struct {
      * and the drift values, to which `predict` adds these sums, are 0. */
     galerkin_nodes nodes_with_rates_as_unknowns;
     /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
-    const double *impulse_matrix;
+    const double *node_impulse_to_node_unknown_matrix;
     /* [unknowns] The row of nodes->values that contains each unknown's rate. */
     const int *rate_row_of_unknown;
     galerkin_derivative_tapes derivative_tapes;
@@ -48,7 +48,7 @@ static inline void hamiltonian_predict_unknowns(void *work, const galerkin_nodes
     double moved;
     const galerkin_nodes all = galerkin_copy_nodes_with_all_unknowns_moving(context->nodes);
     GALERKIN_KERNEL(context->kernels, predict, &context->nodes_with_rates_as_unknowns, extrapolation);
-    GALERKIN_KERNEL(context->kernels, move, &all, context->impulse_matrix, context->nodes->values,
+    GALERKIN_KERNEL(context->kernels, move, &all, context->node_impulse_to_node_unknown_matrix, context->nodes->values,
                     context->rate_row_of_unknown, &moved);
     context->last_pass_movement_square = INFINITY;
 }
@@ -78,8 +78,9 @@ static inline bool hamiltonian_make_pass(hamiltonian_pass_context *context, gale
     if (is_first) hamiltonian_set_magnitudes_of_inner_unknowns(context);
     GALERKIN_KERNEL(context->kernels, run_inner_iterations, nodes, &context->newton_inner_iteration_data, rates, slot,
                     !serves, context->last_pass_movement_square, least, context->impulse_changes);
-    context->last_pass_movement_square = GALERKIN_KERNEL(
-        context->kernels, move_with_changes, nodes, context->impulse_matrix, rates, context->impulse_changes, slot);
+    context->last_pass_movement_square =
+        GALERKIN_KERNEL(context->kernels, move_with_changes, nodes, context->node_impulse_to_node_unknown_matrix, rates,
+                        context->impulse_changes, slot);
     return true;
 }
 

@@ -16,7 +16,7 @@
 typedef struct {
     lagrangian_pass_context pass_context;
     galerkin_sparse_hessian sparse_hessian;
-    tvi_legendre legendre_transform;
+    tvi_legendre_transform legendre_transform;
     double *start_velocity; /* [n] the velocity at the start of the step */
 } lagrangian_work;
 
@@ -83,7 +83,7 @@ static void set_pointers_of_lagrangian_pass_context(lagrangian_pass_context *con
 {
     const tvi_system *system = equations->system;
     context->nodes = &equations->nodes;
-    context->impulse_matrix = equations->impulse_matrix;
+    context->node_impulse_to_node_unknown_matrix = equations->node_impulse_to_node_unknown_matrix;
     context->rate_row_of_unknown = equations->rate_row_of_unknown;
     context->derivative_tapes = sparse_hessian->derivative_tapes;
     context->tape_slot_of_gradient_component[false] = system->field_values->output_slot;
@@ -155,9 +155,9 @@ static tvi_status make_lagrangian_pass(galerkin_equations *equations, double *mo
                                         [LAGRANGIAN_NONFINITE] = TVI_ENONFINITE,
                                         [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
     lagrangian_work *work = equations->lagrangian_or_hamiltonian_pass_workspace;
-    const int factors = work->pass_context.inversion_count;
+    const int factors = work->pass_context.velocity_hessian_inversions_made;
     const lagrangian_pass_result passed = lagrangian_make_pass(&work->pass_context, tvi_galerkin_sweep_tape);
-    stats->factorisations += (work->pass_context.inversion_count - factors) * equations->node_count;
+    stats->factorisations += (work->pass_context.velocity_hessian_inversions_made - factors) * equations->node_count;
     *movement = work->pass_context.last_pass_movement_square;
     return status[passed];
 }

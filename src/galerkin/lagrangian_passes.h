@@ -22,7 +22,7 @@ typedef struct {
      * and the drift values, to which `predict` adds these sums, are 0. */
     galerkin_nodes nodes_with_rates_as_unknowns;
     /* [j][i] the factor of the impulse of node j in an unknown at node i (coefficients.h) */
-    const double *impulse_matrix;
+    const double *node_impulse_to_node_unknown_matrix;
     const int *rate_row_of_unknown;
     galerkin_derivative_tapes derivative_tapes;
     /* [2n] The slots of the gradient: tape_slot_of_gradient_component[false] is for gradient_block,
@@ -43,7 +43,7 @@ typedef struct {
     const lanes_matrix_inverse *velocity_hessian_inverse_with_row_exchanges;
     /* The tvi_lu_factor in which invert_with_row_exchanges factors L_vv of one node after the other. */
     void *velocity_hessian_lu_factor;
-    int inversion_count; /* the number of times that L_vv was inverted at all nodes */
+    int velocity_hessian_inversions_made; /* the number of times that L_vv was inverted at all nodes */
     /* The movement of the last pass: the sum of the squares of the relative changes of the unknowns. It is infinity
      * before the first pass of a step. */
     double last_pass_movement_square;
@@ -86,16 +86,16 @@ static inline double lagrangian_move_momenta(const lagrangian_pass_context *cont
     const int n = context->nodes->unknown_count / 2;
     const galerkin_nodes momenta = lagrangian_select_half_of_unknowns(context->nodes, n);
     double moved;
-    GALERKIN_KERNEL(context->kernels, move, &momenta, context->impulse_matrix, context->nodes->values,
-                    context->rate_row_of_unknown + n, &moved);
+    GALERKIN_KERNEL(context->kernels, move, &momenta, context->node_impulse_to_node_unknown_matrix,
+                    context->nodes->values, context->rate_row_of_unknown + n, &moved);
     return moved;
 }
 
 static inline double lagrangian_move_coordinates(const lagrangian_pass_context *context)
 {
     const galerkin_nodes positions = lagrangian_select_half_of_unknowns(context->nodes, 0);
-    return GALERKIN_KERNEL(context->kernels, move_in_parts, &positions, context->impulse_matrix, context->nodes->values,
-                           context->rate_row_of_unknown, context->q_minus_start_q);
+    return GALERKIN_KERNEL(context->kernels, move_in_parts, &positions, context->node_impulse_to_node_unknown_matrix,
+                           context->nodes->values, context->rate_row_of_unknown, context->q_minus_start_q);
 }
 
 /* Moves Q and P by the current rates V and F. */
@@ -161,7 +161,7 @@ static inline lagrangian_pass_result lagrangian_invert_velocity_hessian(lagrangi
                 memcpy(element, context->derivative_tapes.hessian_block + term->slot * lanes,
                        (size_t)lanes * sizeof *a);
         }
-    context->inversion_count++;
+    context->velocity_hessian_inversions_made++;
     if (GALERKIN_KERNEL(context->kernels, invert, &context->velocity_hessian_inverse)) return LAGRANGIAN_PASSED;
     /* The called function must not get the address of a local array of generated code. Otherwise a compiler would have
      * to assume that other pointers may point to the array, too. */

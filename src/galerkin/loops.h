@@ -223,7 +223,7 @@ typedef struct {
      * by construction. */
     const double *hessian_block;
     /* [lanes][lanes] The factor of the impulse of one node in an unknown at another:
-     * galerkin_coefficients.impulse_matrix, in single precision. */
+     * galerkin_coefficients.node_impulse_to_node_unknown_matrix, in single precision. */
     float *impulse_to_unknown_change_matrix;
     /* [hessian_column_count][rows of the group][lanes] for each group of rows: the matrix elements, in single
      * precision. */

@@ -17,7 +17,7 @@ typedef struct galerkin_step_inputs {
     const galerkin_tail_inputs *tail_inputs;
     const galerkin_double_integral_and_tail_weights *impulse_sum_weights;
     const tvi_stopping_rule *passes_rule;
-    const double *impulse_matrix, *node_abscissa;
+    const double *node_impulse_to_node_unknown_matrix, *node_abscissa;
     /* the fields of the same names in galerkin_predictor */
     const double *two_step_extrapolation, *last_step_extrapolation;
     /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from

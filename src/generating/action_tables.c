@@ -21,13 +21,13 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
     const tvi_curve_definition *definition = &tvi_find_method(options)->curve;
     const int degree = options->degree, p_degree = definition->uses_highest_momentum_term ? degree : degree - 1;
     const int points = options->quadrature_points;
-    const bool uses_hamilton_principle = definition->action == TVI_ACTION_HAMILTON,
+    const bool is_phase_space_action = definition->action == TVI_ACTION_HAMILTON,
                is_separable = system->form == TVI_SEPARABLE;
     const bool one_more = definition->uses_highest_momentum_term && is_separable; /* p of degree N needs Q_{N+1} */
-    tvi_action sizes = {.uses_hamilton_principle = uses_hamilton_principle,
+    tvi_action sizes = {.is_phase_space_action = is_phase_space_action,
                         .omits_highest_order_at_nodes = options->nodes == TVI_NODES_TRUNCATED,
-                        .has_gradient_by_v = !uses_hamilton_principle && !is_separable,
-                        .has_gradient_by_p = uses_hamilton_principle && (!is_separable || p_degree >= degree),
+                        .has_gradient_by_v = !is_phase_space_action && !is_separable,
+                        .has_gradient_by_p = is_phase_space_action && (!is_separable || p_degree >= degree),
                         .q_degree = degree,
                         .p_degree = p_degree,
                         .node_count = points,
@@ -43,8 +43,8 @@ tvi_action tvi_create_unallocated_action(const tvi_system *system, const tvi_opt
 
 const jet_tape *tvi_select_node_tape(const tvi_system *system, const tvi_action *action)
 {
-    return system->form == TVI_HAMILTONIAN && !action->uses_hamilton_principle ? system->field_series
-                                                                               : system->field_values;
+    return system->form == TVI_HAMILTONIAN && !action->is_phase_space_action ? system->field_series
+                                                                             : system->field_values;
 }
 
 static void allocate_node_table(tvi_node_table *table, tvi_arena *arena, const tvi_action *action)
@@ -77,7 +77,7 @@ void tvi_allocate_action(tvi_action *action, tvi_arena *arena, const tvi_system 
         action->summation_by_parts_error = tvi_arena_allocate_doubles(arena, orders * orders);
     action->field_tape_values_at_nodes =
         tvi_arena_allocate_block(arena, action->field_tape, 1, action->node_count * width, 0);
-    if (system->form == TVI_HAMILTONIAN && action->uses_hamilton_principle && action->omits_highest_order_at_nodes)
+    if (system->form == TVI_HAMILTONIAN && action->is_phase_space_action && action->omits_highest_order_at_nodes)
         action->hessian_product_block =
             tvi_arena_allocate_block(arena, system->r_dot_Hp_values, 1, action->node_count, 0);
     action->momentum_coefficients = tvi_arena_allocate_doubles(arena, orders * n);

@@ -25,7 +25,9 @@ typedef struct {
     double *node_blend_weight; /* [points] the weight of this curve in the blend at each node: w or 1 - w */
     /* [degree + 1][n] The derivatives of the action by the coefficients Q_k. */
     double *action_gradient_by_coefficients_Q;
-    double *action_gradient_by_z; /* [2n] the derivative of the action by z, in defect form (action.h) */
+    /* [2n] The derivative R of the action (both_ends.c) by z, the state about which this curve is expanded. R is a sum
+     * over the nodes in which the residuals of the equations of motion, which nearly vanish, are factors (action.h). */
+    double *action_gradient_by_z;
     /* [n][2n] The Jacobian of q at the other end less q at this end, by z. With the identity added to its first n
      * columns it is the Jacobian of q at the other end. */
     double *q_increment_jacobian;
@@ -45,7 +47,7 @@ typedef struct {
     bool action_has_momentum_terms;
     tvi_one_end_curve start_curve, end_curve;
     tvi_newton newton; /* the corrector; its unknowns are v0, q1, v1, scaled as the z of the curves */
-    tvi_legendre legendre_transform;
+    tvi_legendre_transform legendre_transform;
     /* The weights of the start curve's coefficients for q and tau v (of a Hamiltonian p) at the end of the step. They
      * predict the centre state of the end curve. */
     tvi_coefficient_combination q_at_end_weights, velocity_at_end_weights;

@@ -13,9 +13,10 @@ static tvi_status solve_for_end_corrections(tvi_corrected_curve *corrected,
 
 tvi_status tvi_solve_end_corrections_by_mean_q_jacobian(tvi_corrected_curve *corrected)
 {
-    return solve_for_end_corrections(
-        corrected, &(tvi_end_correction_equations){&corrected->q_mean_weights,
-                                                   ends_get_lower_jacobian_combination(corrected), TVI_FIRST_COLUMNS});
+    return solve_for_end_corrections(corrected,
+                                     &(tvi_end_correction_equations){&corrected->q_mean_weights,
+                                                                     ends_get_weights_of_lower_jacobian_rows(corrected),
+                                                                     TVI_FIRST_COLUMNS});
 }
 
 tvi_status tvi_solve_end_corrections_by_jacobian_block(tvi_corrected_curve *corrected,

@@ -89,13 +89,13 @@ typedef struct tvi_corrected_curve {
 /* Returns the combination whose Jacobian is J2 in the equations of tvi_solve_end_corrections_by_mean_q_jacobian: the
  * mean of the scaled momenta u- and u+ if end_correction_factors->uses_mean_momentum is true, otherwise the difference
  * q+ - q-. */
-static inline const tvi_coefficient_combination *ends_get_lower_jacobian_combination(const tvi_corrected_curve *c)
+static inline const tvi_coefficient_combination *ends_get_weights_of_lower_jacobian_rows(const tvi_corrected_curve *c)
 {
     return c->end_correction_factors->uses_mean_momentum ? &c->scaled_p_mean_weights : &c->q_increment_weights;
 }
 
 /* Solves [J1; J2]^T (x, y) = D_z, with J1 the Jacobian of the mean of q- and q+ (q_mean_weights) and J2 that of
- * ends_get_lower_jacobian_combination, and computes the corrections from (x, y) by end_correction_factors. */
+ * ends_get_weights_of_lower_jacobian_rows, and computes the corrections from (x, y) by end_correction_factors. */
 tvi_correct_ends_fn tvi_solve_end_corrections_by_mean_q_jacobian;
 
 /* Solves J^T x = D_z in half of the rows: J is the n x n block of the combination's Jacobian with the columns

@@ -25,9 +25,8 @@ static bool is_plain_taylor_method(const tvi_options *options)
  * momenta at the nodes need no iteration of their own. */
 static bool can_batch_steps_with_symplectic_corrections(const tvi_system *system, const tvi_options *options)
 {
-    const bool uses_hamilton_principle = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
-    const bool has_field =
-        system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && uses_hamilton_principle);
+    const bool is_phase_space_action = tvi_find_method(options)->curve.action == TVI_ACTION_HAMILTON;
+    const bool has_field = system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && is_phase_space_action);
     return tvi_has_fast_path_step(system, options) && has_field && options->nodes == TVI_NODES_ON_CURVE &&
            options->degree > 1;
 }

@@ -196,7 +196,7 @@ static inline void step_factor_jacobians(step_newton_pass_context *pass_context,
                   *back = &pass_context->work->newton.factor;
     matrices_record_z_of_jacobians(corrected, z);
     matrices_stack_combination_jacobians(corrected, &corrected->q_mean_weights,
-                                         ends_get_lower_jacobian_combination(corrected), full->lu);
+                                         ends_get_weights_of_lower_jacobian_rows(corrected), full->lu);
     const int renewed = matrices_renew_corrector_jacobians(corrected, pass_context->iterating_mask, back->lu);
     linear_unpivoted_factor_in_place(size, form != TVI_HAMILTONIAN || uses_momenta ? size : n, width, full,
                                      pass_context->iterating_mask);

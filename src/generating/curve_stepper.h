@@ -32,7 +32,7 @@ typedef struct tvi_curve_workspace {
     int q_degree;
     tvi_action action;
     tvi_newton newton;
-    tvi_legendre legendre_transform;
+    tvi_legendre_transform legendre_transform;
     /* The weights of the Q_k for the difference q- - Q_0 of the coordinates at the start and at the centre. */
     tvi_coefficient_combination q_start_minus_centre_weights;
     /* The weights of the coefficients of the curve that starts at (q0, p0), for q and tau v (of a Hamiltonian p) at the

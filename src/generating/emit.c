@@ -80,10 +80,10 @@ static void emit_action_sizes(jet_text *text, const tvi_action *action)
 {
     jet_text_append(
         text,
-        "#define CURVE_ACTION {.uses_hamilton_principle = %d, .omits_highest_order_at_nodes = %d, "
+        "#define CURVE_ACTION {.is_phase_space_action = %d, .omits_highest_order_at_nodes = %d, "
         ".has_gradient_by_v = %d, .has_gradient_by_p = %d, .q_degree = %d, .p_degree = %d, .node_count = %d, "
         ".order_count = %d, .half_node_count = %d}\n",
-        action->uses_hamilton_principle, action->omits_highest_order_at_nodes, action->has_gradient_by_v,
+        action->is_phase_space_action, action->omits_highest_order_at_nodes, action->has_gradient_by_v,
         action->has_gradient_by_p, action->q_degree, action->p_degree, action->node_count, action->order_count,
         action->half_node_count);
 }

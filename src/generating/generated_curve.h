@@ -92,7 +92,7 @@ static const tvi_action code_action = CURVE_ACTION;
 JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     tvi_action sized_action = *action;
-    sized_action.uses_hamilton_principle = code_action.uses_hamilton_principle;
+    sized_action.is_phase_space_action = code_action.is_phase_space_action;
     sized_action.omits_highest_order_at_nodes = code_action.omits_highest_order_at_nodes;
     sized_action.has_gradient_by_v = code_action.has_gradient_by_v;
     sized_action.has_gradient_by_p = code_action.has_gradient_by_p;
@@ -101,7 +101,7 @@ JET_APART tvi_status code_compute_seeds(tvi_action *action, tvi_curve *curve, do
     sized_action.node_count = code_action.node_count;
     sized_action.order_count = code_action.order_count;
     sized_action.half_node_count = code_action.half_node_count;
-    return seeds_compute_without_second_derivatives(&sized_action, curve, seed_Q, seed_U);
+    return seeds_compute_adjoint_seeds_from_field_only(&sized_action, curve, seed_Q, seed_U);
 }
 
 #endif

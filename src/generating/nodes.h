@@ -23,7 +23,7 @@ typedef struct {
 } tvi_node_table;
 
 typedef struct tvi_action {
-    bool uses_hamilton_principle;      /* whether the action is that of Hamilton's principle in phase space */
+    bool is_phase_space_action;        /* the action is an integral of p.q' - H by t; otherwise of L */
     bool omits_highest_order_at_nodes; /* the positions at the nodes omit the highest order */
     /* The tape of the field at the nodes; it also has tangents if momenta must be found from velocities. */
     const jet_tape *field_tape;
@@ -151,7 +151,7 @@ static inline void seeds_set_node_velocities(const tvi_action *action, const tvi
 static inline void seeds_compute_node_momenta(tvi_action *action, const tvi_curve *curve)
 {
     const int width = curve_member_count(curve), lanes = seeds_count_lanes(action), degree = action->p_degree;
-    const bool has_momenta = action->uses_hamilton_principle || action->has_gradient_by_v;
+    const bool has_momenta = action->is_phase_space_action || action->has_gradient_by_v;
     if (!has_momenta && !action->summation_by_parts_error && curve_system_form(curve) == TVI_SEPARABLE) return;
     curve_compute_momentum_coefficients(curve, degree, action->momentum_coefficients);
     if (!has_momenta) return;

@@ -9,13 +9,13 @@ static bool try_single_member_fast_path_step(tvi_curve_workspace *work, double t
                                              const tvi_fast_path_step_results *results, tvi_stats *stats)
 {
     static const fast_path_expansion_and_seed_functions functions = {
-        curve_expand_series, fast_path_expand_with_tangents, seeds_compute_without_second_derivatives, NULL};
+        curve_expand_series, fast_path_expand_with_tangents, seeds_compute_adjoint_seeds_from_field_only, NULL};
     return step_try_fast_path_steps(work, &functions, tau, origin, results, stats);
 }
 
 const tvi_curve_isa_functions JET_FOR_ISA(tvi_curve_isa_functions) = {
     .rescale_and_sum = curve_rescale_and_sum,
-    .compute_seeds = seeds_compute_without_second_derivatives,
+    .compute_seeds = seeds_compute_adjoint_seeds_from_field_only,
     .fast_path_step = try_single_member_fast_path_step,
     .fast_path_step_of_members = JET_FOR_ISA(tvi_fast_path_step_of_members),
     .taylor_step_of_members = JET_FOR_ISA(tvi_taylor_step_of_members),

@@ -22,7 +22,7 @@ bool JET_FOR_ISA(tvi_fast_path_step_of_members)(tvi_curve_workspace *work, doubl
                                                 const tvi_fast_path_step_results *results, tvi_stats *stats)
 {
     static const fast_path_expansion_and_seed_functions functions = {
-        curve_expand_series, fast_path_expand_with_tangents, seeds_compute_without_second_derivatives,
+        curve_expand_series, fast_path_expand_with_tangents, seeds_compute_adjoint_seeds_from_field_only,
         drop_members_outside_domain};
     return step_try_fast_path_steps(work, &functions, tau, origin, results, stats);
 }

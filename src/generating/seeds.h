@@ -220,7 +220,7 @@ static inline void seeds_compute_from_node_gradient(tvi_action *action, const tv
                                                     double seed_U[])
 {
     const int n = curve_dimension(curve);
-    const bool is_bent = action->uses_hamilton_principle && action->omits_highest_order_at_nodes;
+    const bool is_bent = action->is_phase_space_action && action->omits_highest_order_at_nodes;
     seeds_set_gradient_by_q_terms(action, curve, seed_Q);
     if (is_bent || action->has_gradient_by_v) seeds_add_gradient_by_v_terms(action, n, seed_Q);
     if (is_bent || action->has_gradient_by_p) seeds_add_gradient_by_p_terms(action, curve, seed_Q, seed_U);
@@ -230,19 +230,20 @@ static inline void seeds_compute_from_node_gradient(tvi_action *action, const tv
 /* Returns whether the seeds need only the field, and no second derivatives. */
 static inline bool seeds_need_no_second_derivatives(const tvi_action *action)
 {
-    return !(action->uses_hamilton_principle && action->omits_highest_order_at_nodes);
+    return !(action->is_phase_space_action && action->omits_highest_order_at_nodes);
 }
 
-static inline tvi_status seeds_compute_without_second_derivatives(tvi_action *action, tvi_curve *curve, double seed_Q[],
-                                                                  double seed_U[])
+static inline tvi_status seeds_compute_adjoint_seeds_from_field_only(tvi_action *action, tvi_curve *curve,
+                                                                     double q_coefficient_seed[],
+                                                                     double scaled_p_coefficient_seed[])
 {
-    seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);
+    seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, q_coefficient_seed, scaled_p_coefficient_seed);
     if (action->has_gradient_by_v) seeds_set_node_velocities(action, curve, action->gradient_by_v);
-    const tvi_status status = action->uses_hamilton_principle ? seeds_compute_hamilton_node_gradient(action, curve)
-                              : action->has_gradient_by_v     ? seeds_compute_lagrange_node_gradient(action, curve)
-                                                              : seeds_compute_separable_node_gradient(action, curve);
+    const tvi_status status = action->is_phase_space_action ? seeds_compute_hamilton_node_gradient(action, curve)
+                              : action->has_gradient_by_v   ? seeds_compute_lagrange_node_gradient(action, curve)
+                                                            : seeds_compute_separable_node_gradient(action, curve);
     if (status == TVI_OK || curve_member_count(curve) > 1)
-        seeds_compute_from_node_gradient(action, curve, seed_Q, seed_U);
+        seeds_compute_from_node_gradient(action, curve, q_coefficient_seed, scaled_p_coefficient_seed);
     return status;
 }
 

@@ -112,17 +112,18 @@ static inline double step_size_compute_log_max_s_of_small_term(const tvi_curve *
 
 /* Returns the logarithm of the largest s at which each of the last terms is small enough. It is the least of the
  * logarithms that step_size_compute_log_max_s_of_small_term returns for these terms. */
-static inline double step_size_compute_log_max_s_of_last_terms(const tvi_curve *curve,
-                                                               const series_first_and_last_terms *terms, int degree,
-                                                               double log_max_relative_size)
+static inline double step_size_log_max_scaled_time_by_last_terms(const tvi_curve *curve,
+                                                                 const series_first_and_last_terms *terms, int degree,
+                                                                 double log_max_ratio_to_first_terms)
 {
     double least = INFINITY;
     for (int i = 0; i < STEP_SIZE_LAST; i++) {
         const series_term_size x = terms->last_terms[i];
-        const double usable_s = x.order > 1 ? step_size_compute_log_max_s_of_small_term(
-                                                  curve, terms->first_terms, x,
-                                                  log_max_relative_size * x.order * curve->reciprocal_integer[degree])
-                                            : INFINITY;
+        const double usable_s = x.order > 1
+                                    ? step_size_compute_log_max_s_of_small_term(curve, terms->first_terms, x,
+                                                                                log_max_ratio_to_first_terms * x.order *
+                                                                                    curve->reciprocal_integer[degree])
+                                    : INFINITY;
         least = tvi_smaller(usable_s, least);
     }
     return least;
@@ -160,8 +161,8 @@ static inline double curve_estimate_largest_usable_s(const tvi_curve *curve, dou
     if (curve_system_form(curve) == TVI_SEPARABLE) step_size_find_derivative_terms(curve, &q, &p);
     else step_size_find_first_and_last_terms(curve, true, p_degree, &p);
     const double usable_s =
-        exp(tvi_smaller(step_size_compute_log_max_s_of_last_terms(curve, &q, q_degree, log_relative_size),
-                        step_size_compute_log_max_s_of_last_terms(curve, &p, p_degree, log_relative_size)));
+        exp(tvi_smaller(step_size_log_max_scaled_time_by_last_terms(curve, &q, q_degree, log_relative_size),
+                        step_size_log_max_scaled_time_by_last_terms(curve, &p, p_degree, log_relative_size)));
     return step_size_limit_to_convergence_radius(curve, usable_s);
 }
 

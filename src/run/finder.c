@@ -106,11 +106,12 @@ static void set_line_origin_to_partial_step_state(tvi_event_finder *finder, doub
 
 /* ---- Lines with the slope of the curve --------------------------------------------------------------------------- */
 
-/* Computes the state [2n + 1] on the line, state = line_origin + distance line_direction. */
-static void compute_state_on_line(const tvi_event_finder *finder, double distance, double state[])
+/* Computes the state [2n + 1] on the line, state = line_origin + theta_from_line_origin line_direction. */
+static void compute_state_on_line_along_orbit(const tvi_event_finder *finder, double theta_from_line_origin,
+                                              double state[])
 {
     for (int i = 0; i < finder->state_size; i++)
-        state[i] = finder->line_origin[i] + distance * finder->line_direction[i];
+        state[i] = finder->line_origin[i] + theta_from_line_origin * finder->line_direction[i];
 }
 
 /* The context argument of the functions that tvi_narrow_bracket calls: the event whose function they evaluate. */
@@ -122,7 +123,7 @@ typedef struct {
 static tvi_status evaluate_event_at_line_distance(void *ctx, double distance, double *g)
 {
     const finder_event_context *context = ctx;
-    compute_state_on_line(context->finder, distance, context->finder->scratch_state);
+    compute_state_on_line_along_orbit(context->finder, distance, context->finder->scratch_state);
     return tvi_search_evaluate_event(context->finder->search, context->event_index, context->finder->scratch_state, g);
 }
 
@@ -185,7 +186,7 @@ static void set_event_state_on_line(const tvi_event_finder *finder, tvi_event_ro
                                     double state[])
 {
     root->theta = finder->line_origin_theta + distance;
-    compute_state_on_line(finder, distance, state);
+    compute_state_on_line_along_orbit(finder, distance, state);
 }
 
 /* Sets root->theta to the given theta, and computes the event's state there by a partial step. */
@@ -312,7 +313,7 @@ static tvi_status find_event_on_line_along_rates(tvi_event_finder *finder, tvi_e
                               is_theta_correction_small_against_bracket(root, root->theta_guess, distance)))
         return status;
     if (fabs(distance) > EVENT_LINE_MAX_LENGTH) {
-        compute_state_on_line(finder, distance / 2, finder->scratch_state);
+        compute_state_on_line_along_orbit(finder, distance / 2, finder->scratch_state);
         status = compute_line_direction_from_rates(finder, finder->scratch_state);
     }
     if (status == TVI_OK) status = find_root_on_line(finder, root, g, slope, &found);

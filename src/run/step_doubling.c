@@ -130,17 +130,17 @@ double tvi_step_doubling_measure_orbit_distance(tvi_step_doubling *doubling)
                    : d.largest_difference;
 }
 
-tvi_status tvi_step_doubling_measure_time_shift_distance(tvi_step_doubling *doubling, const double *state, double h,
-                                                         double time_shift, double *step_end_distance)
+tvi_status tvi_measure_step_change_by_start_time_shift(tvi_step_doubling *doubling, const double *start_state, double h,
+                                                       double start_time_shift, double *step_end_state_distance)
 {
     tvi_integrated_orbit *a = &doubling->full_step_orbit, *b = &doubling->half_step_orbit;
-    *step_end_distance = 0;
-    tvi_step_doubling_set_state(doubling, state);
-    b->t += time_shift;
+    *step_end_state_distance = 0;
+    tvi_step_doubling_set_state(doubling, start_state);
+    b->t += start_time_shift;
     if (make_step_of_orbit(doubling, a, h) == TVI_OK && make_step_of_orbit(doubling, b, h) == TVI_OK &&
         compute_rates_of_full_step_orbit(doubling) == TVI_OK) {
-        b->t -= time_shift;
-        *step_end_distance = tvi_step_doubling_measure_orbit_distance(doubling);
+        b->t -= start_time_shift;
+        *step_end_state_distance = tvi_step_doubling_measure_orbit_distance(doubling);
     }
     return doubling->has_exhausted_memory ? TVI_ENOMEM : TVI_OK;
 }

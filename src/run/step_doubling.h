@@ -37,11 +37,12 @@ void tvi_step_doubling_set_state(tvi_step_doubling *doubling, const double *stat
 TVI_NODISCARD tvi_status tvi_step_doubling_make_step(tvi_step_doubling *doubling, double h);
 
 /* Measures how a shift of the time changes a step: makes a step of size h from the state, and one from the same q and p
- * at the time t + time_shift. *step_end_distance is the distance between the ends of the two steps; it is 0 if a step
- * fails. Returns TVI_ENOMEM or TVI_OK. */
-TVI_NODISCARD tvi_status tvi_step_doubling_measure_time_shift_distance(tvi_step_doubling *doubling, const double *state,
-                                                                       double h, double time_shift,
-                                                                       double *step_end_distance);
+ * at the time t + start_time_shift. *step_end_state_distance is the distance between the ends of the two steps; it is 0
+ * if a step fails. Returns TVI_ENOMEM or TVI_OK. */
+TVI_NODISCARD tvi_status tvi_measure_step_change_by_start_time_shift(tvi_step_doubling *doubling,
+                                                                     const double *start_state, double h,
+                                                                     double start_time_shift,
+                                                                     double *step_end_state_distance);
 
 /* Measures orbit_distance, the largest difference of a component of q or p between the orbits, divided by largest_q or
  * largest_p. In a rescaled system one orbit may lag behind the other, which causes a large distance only where the

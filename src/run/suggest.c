@@ -249,7 +249,7 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
         often * ulp < SUGGEST_TIME_DOUBT * search->wanted_error * dt)
         return TVI_OK;
     const tvi_status status =
-        tvi_step_doubling_measure_time_shift_distance(&trials->step_doubling, state, h, shift, &apart);
+        tvi_measure_step_change_by_start_time_shift(&trials->step_doubling, state, h, shift, &apart);
     if (status != TVI_OK) return status;
     const double time_roundoff_error = often * apart / shift * ulp / 2;
     if (time_roundoff_error > search->wanted_error)
@@ -261,7 +261,7 @@ static tvi_status measure_time_roundoff(suggestion_search *search)
     return TVI_OK;
 }
 
-static double compute_safety_divisor_for_step_size_spread(const suggestion_search *search)
+static double safety_divisor_for_step_size_spread_on_orbit(const suggestion_search *search)
 {
     const tvi_orbit_scout *s = &search->trials.scout;
     double shortest = INFINITY, longest = 0;
@@ -277,7 +277,7 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
     const double of_aim = pow(search->aimed_error / search->trials.aimed_error, 1.0 / search->order),
                  unknown = search->is_suggestion_reliable ? 1 : SUGGEST_UNKNOWN_FACTOR;
     suggestion->h = tvi_number_nearer_to_zero(suggestion->h * of_aim, search->longest_allowed_step_size) * unknown /
-                    compute_safety_divisor_for_step_size_spread(search);
+                    safety_divisor_for_step_size_spread_on_orbit(search);
     if (search->longest_good_step_size != 0)
         suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,
         suggestion->fraction_of_run_error_in_trial = 1,

@@ -16,7 +16,7 @@ tvi_status tvi_apply_legendre_transform(const tvi_system *system, const double p
     const int n = system->n;
     if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, input))
         return tvi_refuse_nonfinite_state(n, t, q, name[2], input);
-    tvi_legendre legendre;
+    tvi_legendre_transform legendre;
     void *memory;
     tvi_status status = tvi_legendre_create(&legendre, system, parameters, &memory);
     if (status != TVI_OK) return jet_explain_out_of_memory(status);

@@ -8,9 +8,9 @@
 /* The memory in which energies are computed, of one state or of several states at once. */
 typedef struct {
     const tvi_system *system;
-    double *tape_block;    /* The block of the energy's tape. Each state is a lane of it. */
-    int lane_count;        /* The number of states whose energies are computed at once. */
-    tvi_legendre legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
+    double *tape_block;              /* The block of the energy's tape. Each state is a lane of it. */
+    int lane_count;                  /* The number of states whose energies are computed at once. */
+    tvi_legendre_transform legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
     /* [n] The velocities of a Lagrangian, which Newton's method finds from the momenta. */
     double *velocity;
     /* [slots of the energy's tape] The values of all slots in long double, for a Hamiltonian. NULL: the energy is

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system)
+void tvi_legendre_allocate(tvi_legendre_transform *legendre, tvi_arena *arena, const tvi_system *system)
 {
     const size_t slots = (size_t)system->field_series->slot_count, n = (size_t)system->n;
     legendre->system = system;
@@ -22,7 +22,8 @@ void tvi_legendre_allocate(tvi_legendre *legendre, tvi_arena *arena, const tvi_s
     tvi_roundoff_allocate(&legendre->roundoff, arena, system);
 }
 
-tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double q[], const double x[], double y[])
+tvi_status tvi_legendre_evaluate(tvi_legendre_transform *legendre, double t, const double q[], const double x[],
+                                 double y[])
 {
     const tvi_system *system = legendre->system;
     const jet_tape *tape = system->field_series;
@@ -43,7 +44,7 @@ tvi_status tvi_legendre_evaluate(tvi_legendre *legendre, double t, const double 
 }
 
 /* Computes and factors the Jacobian matrix dy/dx at the point where the transform was evaluated last. */
-static tvi_status factor_jacobian(tvi_legendre *legendre)
+static tvi_status factor_jacobian(tvi_legendre_transform *legendre)
 {
     const jet_tape *tape = legendre->system->field_series;
     const int n = legendre->system->n;
@@ -56,7 +57,7 @@ static tvi_status factor_jacobian(tvi_legendre *legendre)
 }
 
 /* Returns |y - f(x)| in the maximum norm. legendre->transform_of_x is f(x). */
-static double compute_residual_norm(const tvi_legendre *legendre, const double y[])
+static double compute_residual_norm(const tvi_legendre_transform *legendre, const double y[])
 {
     double largest = 0;
     for (int i = 0; i < legendre->system->n; i++) largest = fmax(largest, fabs(y[i] - legendre->transform_of_x[i]));
@@ -65,8 +66,8 @@ static double compute_residual_norm(const tvi_legendre *legendre, const double y
 
 /* Adds the correction to x, halved until f(x) exists and is nearer to y than before. After
  * LEGENDRE_MAX_GROWTH_HALVINGS halvings it need not be nearer, since roundoff may prevent that. */
-static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, const double q[], const double y[],
-                                          double old_residual, double x[])
+static tvi_status apply_damped_correction(tvi_legendre_transform *legendre, double t, const double q[],
+                                          const double y[], double old_residual, double x[])
 {
     const int n = legendre->system->n;
     tvi_status status = TVI_OK;
@@ -84,7 +85,7 @@ static tvi_status apply_damped_correction(tvi_legendre *legendre, double t, cons
 
 /* Computes the Newton correction at x, with a new Jacobian matrix dy/dx if needs_new_jacobian is true, and otherwise
  * with the last one. If the new matrix is singular, as that of L = v^4 at rest, the correction is y - f(x) itself. */
-static tvi_status compute_newton_correction(tvi_legendre *legendre, const double y[], bool needs_new_jacobian)
+static tvi_status compute_newton_correction(tvi_legendre_transform *legendre, const double y[], bool needs_new_jacobian)
 {
     const int n = legendre->system->n;
     for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->transform_of_x[i];
@@ -94,7 +95,7 @@ static tvi_status compute_newton_correction(tvi_legendre *legendre, const double
 }
 
 /* Returns ROUNDOFF_MAX_UNITS times the size of a correction that the roundoff of y and f(x) causes. */
-static double estimate_correction_roundoff(tvi_legendre *legendre, const double y[])
+static double estimate_correction_roundoff(tvi_legendre_transform *legendre, const double y[])
 {
     const tvi_system *system = legendre->system;
     tvi_roundoff_estimator *roundoff = &legendre->roundoff;
@@ -107,7 +108,8 @@ static double estimate_correction_roundoff(tvi_legendre *legendre, const double 
 }
 
 /* Tells whether the correction that was just computed is the last one. */
-static bool is_last_correction(tvi_legendre *legendre, const double x[], const double y[], tvi_convergence_test *passes)
+static bool is_last_correction(tvi_legendre_transform *legendre, const double x[], const double y[],
+                               tvi_convergence_test *passes)
 {
     const double size = tvi_largest_magnitude(legendre->system->n, x, 1);
     const tvi_stopping_rule rule = {.correction_goal = DBL_EPSILON * size,
@@ -121,7 +123,8 @@ static bool is_last_correction(tvi_legendre *legendre, const double x[], const d
            tvi_convergence_test_is_at_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
-tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
+tvi_status tvi_legendre_solve(tvi_legendre_transform *legendre, double t, const double q[], const double y[],
+                              double x[])
 {
     const int n = legendre->system->n;
     if (legendre->system->form == TVI_SEPARABLE) {
@@ -153,9 +156,9 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
-tvi_status tvi_legendre_compute_initial_coefficients(tvi_legendre *legendre, const tvi_system *system, double time_unit,
-                                                     double t, const double q[], const double p[], double velocity[],
-                                                     double initial_coefficients[])
+tvi_status tvi_legendre_compute_initial_coefficients(tvi_legendre_transform *legendre, const tvi_system *system,
+                                                     double time_unit, double t, const double q[], const double p[],
+                                                     double velocity[], double initial_coefficients[])
 {
     const int n = system->n;
     double *second_half = initial_coefficients + n;
@@ -180,7 +183,7 @@ tvi_status tvi_legendre_compute_initial_coefficients(tvi_legendre *legendre, con
     return status;
 }
 
-tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, const double parameters[],
+tvi_status tvi_legendre_create(tvi_legendre_transform *legendre, const tvi_system *system, const double parameters[],
                                void **memory)
 {
     tvi_arena arena = {0};
@@ -198,7 +201,7 @@ tvi_status tvi_legendre_test_regularity(tvi_system *system)
 {
     system->is_regular = true;
     if (system->form == TVI_SEPARABLE) return TVI_OK;
-    tvi_legendre legendre;
+    tvi_legendre_transform legendre;
     void *memory;
     const tvi_status status = tvi_legendre_create(&legendre, system, NULL, &memory);
     double *point = malloc(3 * (size_t)system->n * sizeof *point);

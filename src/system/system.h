@@ -56,9 +56,10 @@ struct tvi_system {
     /* Computes the gradient of r.H_p by q and p, for a vector r. The node rule TVI_NODES_TRUNCATED of a Hamiltonian
      * needs it. The inputs are q, p, t, r. */
     jet_tape *r_dot_Hp_values;
-    /* Computes the field and then second derivatives. Lagrangian: those of L in (q, v) that are not 0 everywhere,
-     * one of each symmetric pair. Hamiltonian: those that tvi_record_hessian_of_factored_H describes, or
-     * NULL. */
+    /* Computes the field and then second derivatives, those that are not 0 everywhere, one of each symmetric pair.
+     * Lagrangian: those of L by q and v. Hamiltonian K = g f of a rescaled system, whose solutions have f = 0: those of
+     * K by q and p, or, if these are too expensive, the same without the term f g''; NULL if those are, too. NULL for
+     * all other systems. */
     jet_tape *hessian_values;
     tvi_hessian_entry *hessian; /* [hessian_entry_count] Rows and columns of the second derivatives. */
     int hessian_entry_count;

@@ -153,7 +153,7 @@ static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nod
             const int at = u * a->lane_count + i;
             long double of_impulses = 0;
             for (int j = 0; j < a->node_count; j++)
-                of_impulses += (long double)a->impulse_matrix[j * a->lane_count + i] *
+                of_impulses += (long double)a->node_impulse_to_node_unknown_matrix[j * a->lane_count + i] *
                                (nodes->impulse_weight[j] * force[u * a->lane_count + j]);
             const long double way = nodes->drift_values_low[at] + nodes->unknown_change_per_impulse[u] * of_impulses;
             sample_add(errors, (double)((nodes->values[at] - nodes->drift_values[at]) - way) / DBL_EPSILON);
@@ -190,7 +190,7 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_kernels *
             w.force[k] = 12 + number_of(&bits);
         }
         double moved;
-        loops->move(&nodes, a->impulse_matrix, w.force, slot, &moved);
+        loops->move(&nodes, a->node_impulse_to_node_unknown_matrix, w.force, slot, &moved);
         add_errors(a, &nodes, w.force, &errors);
     }
     return errors;
