@@ -3,8 +3,9 @@
  * this code knows every size, slot and number of the tape as a constant. src/compiled/ calls it, and so do the files of
  * the methods that write generated steps (docs/compiled.md).
  *
- * The text begins with the source of the rules themselves (embed.awk), as functions to be inlined. The generated code
- * calls these functions in the order of the tape, with constants for arguments. Each rule is therefore written once. On
+ * The text begins with the source of the functions that compute each kind of operation, its rules (rule.h), to be
+ * inlined. The generated code calls them in the order of the tape, with constants for arguments; each rule is therefore
+ * written once (embed.awk). A run is a group of equal operations that one call computes. On
  * small tapes each sum is a run of its own. If only values are requested, each operation of any kind is a run of its
  * own. Values then stay in registers. Large tapes keep their runs of equal operations as loops, since the time to
  * compile them grows with the number of runs. */

@@ -1,5 +1,6 @@
-/* jet.c - Records the operations on jets that the user's function calls, as nodes of a graph. Operations on constants
- * are folded, and a node that equals an earlier one is not recorded again (docs/jets.md, section 1). */
+/* jet.c - Records the operations that the user's function calls on jets, the numbers of the library's automatic
+ * differentiation. Each operation becomes a node of a graph. Operations on constants are computed at once, and a node
+ * that equals an earlier one is not recorded again (docs/jets.md, section 1). */
 #include "graph.h"
 #include "rule.h"
 

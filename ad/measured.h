@@ -1,9 +1,9 @@
 /* measured.h - Defines the constants of ad/ and src/ that were found by measurement. compiler.h includes this file, and
  * generated code begins with both. Each constant has its unit in brackets and its meaning: [1] is a number without
- * unit, [h] a part of the step, [eps] a multiple of DBL_EPSILON. The heading of a group names the command whose table,
- * or the suite of tests whose bounds, show what the constants of the group do. A constant for which another command
- * shows it names that command. Constants that follow from mathematics, sizes of tables and limits of memory stand in
- * the files that use them. */
+ * unit, [h] a fraction of the step size, [eps] a multiple of DBL_EPSILON. The heading of a group names a command or a
+ * suite of tests, which shows by its table or its bounds what the constants of the group do; some constants name a
+ * command of their own. Constants that follow from mathematics, sizes of tables and limits of memory stand in the files
+ * that use them. */
 #ifndef TVI_AD_MEASURED_H
 #define TVI_AD_MEASURED_H
 
@@ -327,7 +327,7 @@
  * suggested step size divided by that of the last trial. */
 #define SUGGEST_FAILED_FACTOR          0.88 /* The factor of a trial after a failed one, or one with a large error. */
 #define SUGGEST_FAILED_FACTOR_RESCALED 0.7  /* The factor of a trial after a failed one, in a rescaled system. */
-#define SUGGEST_UNKNOWN_FACTOR         0.8  /* The factor of the suggestion if no error of a trial was near the aim. */
+#define SUGGEST_UNKNOWN_FACTOR         0.8  /* The factor of the suggestion if no trial came near the aim. */
 #define SUGGEST_MIN_FACTOR             0.25 /* The least factor of a trial; the largest is 1 / SUGGEST_MIN_FACTOR. */
 #define SUGGEST_MIN_AIM_PER_ERROR      1e-3 /* The aim divided by the error of a trial counts as at least this. */
 /* The error of a trial is roundoff if SUGGEST_ROUNDOFF_DOUBT is above the distance of its orbits, and if a step size
@@ -381,12 +381,13 @@
  * the forces, divided by the momentum. */
 #define SCOUT_RESOLVING_TAIL 0.003
 #define SCOUT_MAX_TAIL       0.03 /* A step with a larger tail is undone and repeated. */
-/* The size of the scout's next step, divided by that of the last one. */
+/* The scout estimates the resolving step size of a position, whose tail would be SCOUT_RESOLVING_TAIL, from the tail of
+ * its last step there. The other factors are the size of the scout's next step, divided by that of the last one. */
 #define SCOUT_FIRST_FAILED_FACTOR  0.125 /* The scout's next step is this part of a first step that fails. */
 #define SCOUT_FAILED_FACTOR        0.6   /* The scout's next step is this part of a later step that fails. */
 #define SCOUT_MAX_GROWTH           1.6   /* The scout's next step is at most this many times the last one. */
-#define SCOUT_MIN_RESOLVING_FACTOR 0.4   /* A resolving step size is taken as at least this part of the last step. */
-#define SCOUT_MAX_RESOLVING_FACTOR 8.0   /* A resolving step size is taken as at most this many times the last step. */
+#define SCOUT_MIN_RESOLVING_FACTOR 0.4   /* The estimated resolving step size is at least this part of the last step. */
+#define SCOUT_MAX_RESOLVING_FACTOR 8.0   /* The estimated resolving step size is at most this many times the last. */
 #define SCOUT_HARDER_FACTOR        0.9   /* A harder position has a resolving step below this part of the least. */
 #define SCOUT_MAX_ENERGY_CHANGE    0.1   /* The scout's first step may change the energy by this part. */
 #define SCOUT_MAX_DISTANCE         0.25  /* The scout's first step and two half steps may differ by this part. */

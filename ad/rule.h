@@ -3,8 +3,9 @@
  * recurrences share a file rule_*.c.
  *
  * Series are normalised: x(s) = sum_k x_k s^k. The macros below make the loops of a rule from a body that is written
- * for a vector type V (vector.h). A body reads the numbers of a series by its parameter S, a macro: JET_OF, or
- * JET_ONE_OF if one number of the series serves all lanes of a tangent. */
+ * once, for a vector type V (vector.h). The body reads a series by a macro that is its parameter S. S is JET_OF, which
+ * reads a vector, or JET_ONE_OF if the tangents of several directions belong to one series: it then reads one number,
+ * and uses it for all directions. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 
@@ -156,8 +157,9 @@ JET_INLINE jet_run_of_operations jet_make_run_with_lanes_as_operations(const jet
         }                                                                                                              \
     }
 
-/* Defines the function name_adjoint from the body ADJOINT(V, S), which adds to JET_AT(V, abar, j), that is abar_j, and
- * likewise to the adjoints of b, w and z. */
+/* Defines the function name_adjoint, which adds the contributions of order k of a result z to the adjoints of its
+ * operands a and b and of its auxiliary series w. It calls the body ADJOINT(V, S) for each vector type V; S reads a
+ * coefficient of a series, and JET_AT(V, abar, j) is the adjoint of the coefficient of order j of a. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
     static void name##_adjoint(const jet_run_of_operations *run, const double *x, double *bar, int k, int top,         \
                                size_t stride)                                                                          \

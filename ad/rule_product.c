@@ -1,5 +1,6 @@
-/* rule_product.c - Defines the rule of quotients, and the values and recorded derivatives of products and squares
- * (docs/jets.md, section 4). A tape computes products and squares as sums of products (sum_products.c). */
+/* rule_product.c - Defines the rule of quotients. Also defines how products and squares are differentiated when a
+ * derivative is recorded as operations of its own, and how they are computed for constants (docs/jets.md, section 4).
+ * Tapes contain products and squares as sums of products, which sum_products.c computes. */
 #include "rule.h"
 
 /* ---- z = a b ----------------------------------------------------------------------------------------------------- */

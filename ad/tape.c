@@ -19,7 +19,8 @@ static void append_tape_term(jet_tape *tape, double coefficient, int slot_a, int
 
 /* Makes a LINEAR run of one operation, and appends its constant term and its terms to the tape. A copy is a sum of
  * one term. */
-static jet_run_of_operations make_linear_run(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
+static jet_run_of_operations make_run_of_one_linear_sum(const graph_lowering *lowering, jet_tape *tape,
+                                                        const tape_placement *z)
 {
     const int terms = z->node ? z->node->count : 1;
     const double number = z->node ? z->node->number : 0;
@@ -49,7 +50,7 @@ static bool try_joining_linear_run(jet_run_of_operations *run, const jet_run_of_
 
 /* Makes a run of one sum of products, and appends its terms to the tape. try_joining_product_run removes these terms
  * again if the operation joins the last run, whose terms it shares. */
-static jet_run_of_operations make_product_run(jet_tape *tape, const tape_placement *z)
+static jet_run_of_operations make_run_of_one_product_sum(jet_tape *tape, const tape_placement *z)
 {
     const jet_run_of_operations run = {z->op, 1, z->slot, .term_count = z->operand_pair_count,
                                        .first_term_index = tape->term_count};
@@ -74,7 +75,8 @@ static bool try_joining_product_run(jet_tape *tape, const jet_run_of_operations 
 
 /* Makes a run of one operation that has a rule. The member w of the run is the slot of the auxiliary series. Such a
  * series that is read at the order that is being computed is the second operand of the placement. */
-static jet_run_of_operations make_rule_run(const graph_lowering *lowering, const tape_placement *z)
+static jet_run_of_operations make_run_of_one_elementary_operation(const graph_lowering *lowering,
+                                                                  const tape_placement *z)
 {
     const int *operand = z->operand[0];
     jet_run_of_operations run = {z->op, 1, z->slot, operand[0], operand[1], .exponent = z->node->number};
@@ -111,9 +113,10 @@ static bool try_joining_last_run(const graph_lowering *lowering, jet_tape *tape,
 /* Appends an operation to the last run, or as a run of its own. */
 static void append_operation(const graph_lowering *lowering, jet_tape *tape, const tape_placement *z)
 {
-    const jet_run_of_operations next = z->op == OP_LINEAR              ? make_linear_run(lowering, tape, z)
-                                       : jet_is_sum_of_products(z->op) ? make_product_run(tape, z)
-                                                                       : make_rule_run(lowering, z);
+    const jet_run_of_operations next = z->op == OP_LINEAR ? make_run_of_one_linear_sum(lowering, tape, z)
+                                       : jet_is_sum_of_products(z->op)
+                                           ? make_run_of_one_product_sum(tape, z)
+                                           : make_run_of_one_elementary_operation(lowering, z);
     if (!try_joining_last_run(lowering, tape, &next)) tape->runs[tape->run_count++] = next;
 }
 

@@ -71,7 +71,8 @@ typedef struct {
     /* Name of the operations that the library recorded itself (jet_graph_begin_nodes_added_by_library); NULL: there are
      * none. */
     const char *name_of_operations_added_by_library;
-    /* recorded_operation_number_of_slot of the first operation that the library recorded. */
+    /* The number, in the order of recording, of the first operation that the library and not the user's function
+     * recorded. A refusal names it by name_of_operations_added_by_library. */
     int first_operation_number_added_by_library;
 } jet_tape;
 

@@ -1,10 +1,10 @@
 /* batch.c - Makes a step of the Galerkin curves of several members of an ensemble at once. The ensembles of src/run/
- * call these functions through tvi_stepper_galerkin.batch. In an array [unknowns][node_count][member_count], lane m +
- * member_count i of each row belongs to node i of member m, and is one lane of the tape. The members in lanes are those
- * that make a step together: their last step had the same size and ended where the new step begins. Each member has its
- * own test of convergence: a member that has converged no longer moves, while passes of other members go on. The
- * stepper of a single curve (galerkin.c) makes all other steps, one member after the other: the first step of a run, a
- * step that fails in lanes, and a step whose roundoff has to be measured. */
+ * call these functions through tvi_stepper_galerkin.batch. Arrays of unknowns are [unknowns][node_count][member_count]:
+ * number m + member_count i of a row belongs to node i of member m, and the tape of the field computes all of them in
+ * one sweep. The members in lanes are those that make a step together: their last step had the same size and ended
+ * where the new step begins. Each member has its own test of convergence: a member that has converged no longer moves,
+ * while passes of other members go on. The stepper of a single curve (galerkin.c) makes all other steps, one member
+ * after the other: the first step of a run, a step that fails in lanes, and one whose roundoff has to be measured. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 #include "method/single.h"

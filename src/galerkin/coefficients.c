@@ -1,6 +1,7 @@
-/* coefficients.c - Computes the nodes, the weights and the impulse matrix of Gauss collocation, and the polynomials
- * through the nodes (coefficients.h). The stepper of the Galerkin curve (galerkin.c) calls these functions when it is
- * made. */
+/* coefficients.c - Computes the coefficients of Gauss collocation: its nodes and weights, and the matrix that turns the
+ * impulses of the forces, h b_j F_j at node j, into the changes of the unknowns at all nodes. Also computes the
+ * polynomials through the nodes (coefficients.h). The stepper of the Galerkin curve (galerkin.c) calls these functions
+ * when it is made. */
 #include "galerkin/coefficients.h"
 #include "algebra/quadrature.h"
 

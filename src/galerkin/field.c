@@ -1,8 +1,8 @@
-/* field.c - Evaluates the field at the nodes for passes that are a fixed-point iteration: F of a separable system, or
- * (H_p, -H_q) of a Hamiltonian. The unknowns at the nodes are inputs of the field's tape, and their rates follow from
- * its outputs. For a Hamiltonian the tape computes H_q, but the rate of a momentum is -H_q: the factor
- * unknown_change_per_impulse = -1 of the momenta changes the sign. The stepper (galerkin.c) calls the functions of
- * tvi_galerkin_form_fixed_point. */
+/* field.c - Evaluates the right-hand side of the equations at the nodes of a Galerkin step that is solved by
+ * fixed-point iteration: F of a separable system, or (H_p, -H_q) of a Hamiltonian. The unknowns at the nodes are inputs
+ * of the field's tape, and their rates follow from its outputs. For a Hamiltonian the tape computes H_q, but the rate
+ * of a momentum is -H_q: the factor -1 in unknown_change_per_impulse, by which impulses change the momenta, gives it
+ * this sign. The stepper (galerkin.c) calls the functions of tvi_galerkin_form_fixed_point. */
 #include "galerkin/field.h"
 
 static void allocate_fixed_point_iteration(galerkin_equations *equations, tvi_arena *arena)

@@ -5,7 +5,7 @@
  *    q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
  * and for any other system, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h),
  *    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j.
- * Passes solve these equations. They begin with a prediction from earlier steps. The nodes are lanes of one sweep. */
+ * Passes, iterations that begin with a prediction from earlier steps, solve them. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
@@ -158,7 +158,7 @@ static void set_tables_of_stepper(void *work)
         .node_abscissa = stepper->coefficients.node_abscissa,
         .two_step_extrapolation = stepper->predictor.two_step_extrapolation,
         .last_step_extrapolation = stepper->predictor.last_step_extrapolation,
-        .first_movement_square_limit_for_two_steps = stepper->predictor.first_movement_square_limit_for_two_steps,
+        .two_step_prediction_max_first_movement = stepper->predictor.two_step_prediction_max_first_movement,
         .impulse_ring = stepper->predictor.impulse_ring,
         .coordinate_drift_over_step = stepper->step_inputs.coordinate_drift_over_step,
         .coordinate_drift_over_step_low = stepper->step_inputs.coordinate_drift_over_step_low,

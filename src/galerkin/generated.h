@@ -1,5 +1,7 @@
-/* generated.h - Defines the parts that the generated steps of all forms share (emit.c): copies of structures in
- * which sizes are constants. Only generated code includes it, after kernel.h and steps.h. */
+/* generated.h - Copies the data of a Galerkin step with all sizes replaced by constants, in generated code: the arrays
+ * of unknowns at the nodes, and the inputs of the tail. The generated steps of all kinds of systems (generated_plain.h,
+ * generated_lagrangian.h, generated_hamiltonian.h) use these copies, so that the compiler knows the lengths of all
+ * loops. Only generated code includes this file, after kernel.h and steps.h. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_H
 #define TVI_SRC_GALERKIN_GENERATED_H
 

@@ -1,4 +1,5 @@
-/* generated_hamiltonian.h - Makes steps in generated code, for a Hamiltonian whose passes use second derivatives
+/* generated_hamiltonian.h - Makes Galerkin steps in generated code, for a Hamiltonian system. The step's equations are
+ * solved by an approximate Newton iteration with second derivatives of H, whose iterations are called passes
  * (hamiltonian.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HAMILTONIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HAMILTONIAN_H

@@ -1,7 +1,8 @@
-/* generated_hessian.h - Evaluates the tapes of generated passes that use second derivatives (blocks.h), in blocks that
- * are local variables of the step. The first GALERKIN_READ_ONLY_ROWS rows of gradient_block and the first
- * GALERKIN_HESSIAN_READ_ONLY_ROWS rows of hessian_block contain inputs and constants, which a tape reads and does not
- * set. */
+/* generated_hessian.h - Evaluates, in generated code, the gradient and the second derivatives of a Lagrangian or a
+ * Hamiltonian at all nodes of a Galerkin step (blocks.h). The numbers of both computations are in two arrays,
+ * gradient_block and hessian_block, which are local variables of the step if they are small. Their first
+ * GALERKIN_READ_ONLY_ROWS and GALERKIN_HESSIAN_READ_ONLY_ROWS rows contain inputs and constants, which the computations
+ * read and do not set. */
 #ifndef TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_HESSIAN_H
 

@@ -1,5 +1,6 @@
-/* generated_plain.h - Makes steps in generated code, for a system whose passes evaluate the force alone, without
- * second derivatives (field.c). */
+/* generated_plain.h - Makes Galerkin steps in generated code, for a system whose step equations are solved by a
+ * fixed-point iteration: each iteration, called a pass, evaluates the force alone, without second derivatives
+ * (field.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 #define TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 

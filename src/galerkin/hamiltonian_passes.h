@@ -1,6 +1,7 @@
-/* hamiltonian_passes.h - Makes the passes of a Hamiltonian's Galerkin curve that use second derivatives
- * (hamiltonian.c). The library calls kernels through tables; in generated code kernels are inlined, and all sizes
- * are constants. */
+/* hamiltonian_passes.h - Makes passes, the iterations that solve the equations of a Galerkin step, for a Hamiltonian
+ * whose second derivatives are used. A pass evaluates the gradient at the nodes of the step, and corrects the
+ * coordinates and momenta there by an approximate Newton iteration (docs/method.md section 5). hamiltonian.c calls
+ * this file; generated code contains its text. */
 #ifndef TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 #define TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
 

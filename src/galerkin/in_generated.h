@@ -1,5 +1,6 @@
-/* in_generated.h - Defines how the parts of a Galerkin step call one another in generated code (emit.c), in place of
- * in_library.h. There is one number of lanes, all sizes are constants, and all functions are inlined. */
+/* in_generated.h - Defines the macros by which the files of a Galerkin step call its loops over nodes in generated code
+ * (emit.c): the loops are compiled for one number of nodes and are inlined. In the library in_library.h defines the
+ * same macros, by calls through tables of functions. */
 #ifndef TVI_SRC_GALERKIN_IN_GENERATED_H
 #define TVI_SRC_GALERKIN_IN_GENERATED_H
 

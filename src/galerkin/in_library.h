@@ -1,5 +1,6 @@
-/* in_library.h - Defines how the parts of a Galerkin step call one another in the library, which compiles them for
- * any system. Generated code includes in_generated.h in place of this file. */
+/* in_library.h - Defines the macros by which the files of a Galerkin step call its loops over nodes in the library: by
+ * tables of functions, since the number of nodes and the instruction set are chosen at run time. In generated code
+ * in_generated.h defines the same macros, by inlined calls. */
 #ifndef TVI_SRC_GALERKIN_IN_LIBRARY_H
 #define TVI_SRC_GALERKIN_IN_LIBRARY_H
 

@@ -1,7 +1,8 @@
-/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). The file is included once for
- * each number of lanes of a single member (LANES), and once for several members (MEMBERS). A vector V holds successive
- * nodes of one member, or one node of successive members, the first of which has the number `here`. The code is the
- * same for both, so that a member gets the same results alone and in a batch, bit for bit. */
+/* kernel.h - Defines the loops of a Galerkin step over its nodes (loops.h explains them). The loops are written once,
+ * for a vector type V, and compiled several times: for each length LANES of an array of nodes of a single orbit, where
+ * V holds successive nodes, and for MEMBERS, several orbits of an ensemble, where V holds one node of successive
+ * members and `here` is the number of the first of them. The code is the same for both, so that a member gets the same
+ * results alone and in a batch, bit for bit. */
 #undef NAME
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS

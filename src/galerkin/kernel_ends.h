@@ -1,4 +1,5 @@
-/* kernel_ends.h - Defines the part of kernel.h that sums the impulses at the end of a step. */
+/* kernel_ends.h - Sums the impulses of a step, h b_j F_j at node j with the force F_j, over the nodes, with compensated
+ * sums. The increments of the step and its tail follow from the sums. It is a part of kernel.h. */
 
 /* ---- The sums of the impulses at the end of a step --------------------------------------------------------------- */
 

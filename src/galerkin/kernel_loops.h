@@ -1,5 +1,7 @@
-/* kernel_loops.h - Defines the functions of the kernel table of loops.h, for one number of lanes. kernel.h includes
- * it after the functions that they call. */
+/* kernel_loops.h - Defines the functions that a Galerkin step calls for all unknowns at all its nodes, for one number
+ * of nodes: they predict the unknowns, change them by the forces, sum the impulses of the forces over the step, and
+ * compute its increments and its tail. loops.h describes each of them. kernel.h includes this file after the functions
+ * for a single unknown. */
 
 KERNEL_FUNCTION void NAME(set_constant_drift_values)(const galerkin_nodes *nodes, int n, const tvi_step_origin *origin)
 {

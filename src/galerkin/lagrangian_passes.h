@@ -1,5 +1,6 @@
-/* lagrangian_passes.h - Makes the passes of a Lagrangian's Galerkin curve (lagrangian.c). The library calls kernels
- * through tables; in generated code kernels are inlined, and all sizes are constants. */
+/* lagrangian_passes.h - Makes passes, the iterations that solve the equations of a Galerkin step, for a Lagrangian
+ * L(q, v). A pass evaluates the gradient (L_q, L_v) at the nodes of the step and corrects the coordinates, velocities
+ * and momenta there (docs/method.md section 5). lagrangian.c calls this file; generated code contains its text. */
 #ifndef TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 #define TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 

@@ -11,7 +11,7 @@ void tvi_galerkin_allocate_predictor(galerkin_predictor *predictor, tvi_arena *a
     const int unknowns = equations->nodes.unknown_count, lanes = equations->nodes.lane_count;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     predictor->history = tvi_arena_allocate_restored_if_step_fails(arena, sizeof *predictor->history);
-    predictor->first_movement_square_limit_for_two_steps =
+    predictor->two_step_prediction_max_first_movement =
         unknowns * lanes * (GALERKIN_ROUGH_PREDICTION * GALERKIN_ROUGH_PREDICTION);
     for (int i = 0; i < GALERKIN_RING_LENGTH; i++)
         predictor->impulse_ring[i] = tvi_arena_allocate_kept_even_if_step_fails(arena, count * width * sizeof(double));

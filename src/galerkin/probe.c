@@ -1,6 +1,7 @@
-/* probe.c - Defines when the passes of a Galerkin step may end (algebra/passes.h), and measures the roundoff of a
- * pass, below which movements cannot fall. For example, in a small motion about a position of size 1 the force has
- * absolute errors of the roundoff of that position, which exceed the roundoff of the small momenta. */
+/* probe.c - Defines when the iteration that solves the equations of a Galerkin step may end (algebra/passes.h), and
+ * measures its roundoff: how far one iteration, a pass, moves the unknowns by roundoff alone, so that further passes
+ * bring nothing. For example, in a small motion about a position of size 1 the force has absolute errors of the
+ * roundoff of that position, which exceed the roundoff of the small momenta. */
 #include "galerkin/step.h"
 #include "method/stepper.h"
 

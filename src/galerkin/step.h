@@ -38,7 +38,7 @@ typedef struct {
     /* The limit of the movement of the first pass of a step, a sum of squares. If the movement is larger, the
      * prediction of the step had a relative error above 1/100, and the next step is predicted from the last step
      * alone. */
-    double first_movement_square_limit_for_two_steps;
+    double two_step_prediction_max_first_movement;
     /* [j][lanes] The factors of the last step's impulses in the rates of a step that is new_to_last_step_size_ratio
      * times as large and begins at the fraction resized_step_elapsed_fraction of the last step. */
     double *resized_step_extrapolation;

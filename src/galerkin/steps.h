@@ -22,7 +22,7 @@ typedef struct galerkin_step_inputs {
     const double *two_step_extrapolation, *last_step_extrapolation;
     /* The limit of the movement of the first pass of a step. If the movement is larger, the next step is predicted from
      * the last step alone. */
-    double first_movement_square_limit_for_two_steps;
+    double two_step_prediction_max_first_movement;
     /* [unknowns][member_count] h M^-1 p0 of a separable system, and its low-order part. */
     double *coordinate_drift_over_step, *coordinate_drift_over_step_low;
     /* [GALERKIN_RING_LENGTH] The impulses of the last steps, stored in the history. */
@@ -98,12 +98,11 @@ JET_INLINE double *galerkin_find_impulses_in_ring(const galerkin_step_inputs *st
 
 /* Returns a mask with all bits set if the next step of a member is to be predicted from its last step alone: only one
  * earlier step has the same size, or the first movement of the last step exceeded
- * first_movement_square_limit_for_two_steps. Otherwise returns 0. */
+ * two_step_prediction_max_first_movement. Otherwise returns 0. */
 JET_INLINE long long galerkin_make_last_step_only_mask(const galerkin_step_inputs *step_inputs, int equal_step_count,
                                                        double first_movement_square)
 {
-    return equal_step_count < 2 || first_movement_square > step_inputs->first_movement_square_limit_for_two_steps ? -1
-                                                                                                                  : 0;
+    return equal_step_count < 2 || first_movement_square > step_inputs->two_step_prediction_max_first_movement ? -1 : 0;
 }
 
 JET_INLINE galerkin_extrapolation galerkin_select_extrapolation(const galerkin_step_inputs *step_inputs, int ring_index,

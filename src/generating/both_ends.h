@@ -61,8 +61,8 @@ typedef struct {
     double *start_curve_z;        /* [2n] the centre state of the start curve */
     /* [n] a Lagrangian's velocity at the last predictor, from which the next search begins; part of the history. */
     double *velocity_guess;
-    double *start_correction_p;          /* [n] the correction p0 - p_a(0) */
-    double *increment_correction_p;      /* [n] the correction (p1 - p0) - (p_b(0) - p_a(0)) */
+    double *start_correction_p;          /* [n] p0 less the momentum of the start curve there */
+    double *increment_correction_p;      /* [n] p1 - p0 less the difference of the curves' momenta at the two ends */
     double *last_step_dq, *last_step_dp; /* [n] the increments of the last step */
     double *scratch;                     /* [n] scratch: one vector */
 } tvi_both_ends_workspace;

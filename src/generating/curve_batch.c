@@ -69,7 +69,7 @@ static void prepare_batch(void *work)
 {
     batch *members = work;
     tvi_member_stepper_set_tables(&members->single_stepper);
-    tvi_curve_workspace_fill_tables(members->work_of_members);
+    tvi_curve_workspace_compute_constant_tables(members->work_of_members);
 }
 
 /* Returns the history of all members, [member_count]. The history of a member is one number: the largest growth of the

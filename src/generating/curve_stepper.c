@@ -278,13 +278,13 @@ static void *allocate_stepper(tvi_arena *arena, const tvi_system *system, const 
 }
 
 const tvi_stepper tvi_stepper_curve = {.allocate = allocate_stepper,
-                                       .set_tables = tvi_curve_workspace_fill_tables,
+                                       .set_tables = tvi_curve_workspace_compute_constant_tables,
                                        .step = step_with_one_taylor_curve,
                                        .interpolate = compute_dense_output,
                                        .list_tapes = find_used_tapes,
                                        .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.allocate = allocate_stepper,
-                                        .set_tables = tvi_curve_workspace_fill_tables,
+                                        .set_tables = tvi_curve_workspace_compute_constant_tables,
                                         .step = step_with_one_taylor_curve,
                                         .interpolate = compute_dense_output,
                                         .step_within_tolerance = step_to_tolerance,

@@ -61,7 +61,7 @@ typedef struct tvi_curve_workspace {
 /* Allocates the workspace of `width` members. */
 void *tvi_curve_workspace_allocate(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
 /* Fills the tables of the workspace; it is called once. */
-void tvi_curve_workspace_fill_tables(void *work);
+void tvi_curve_workspace_compute_constant_tables(void *work);
 
 /* Returns whether the method has a fast-path step (curve_step.h): its ends are corrected by
  * tvi_solve_end_corrections_by_mean_q_jacobian, its matrices are small, and its seeds need no second derivatives. */

@@ -115,7 +115,7 @@ static void set_predictor_combinations(work *w)
     tvi_combination_set_weights(&w->scaled_end_velocity_weights, curve, false, weight);
 }
 
-void tvi_curve_workspace_fill_tables(void *workspace)
+void tvi_curve_workspace_compute_constant_tables(void *workspace)
 {
     work *w = workspace;
     tvi_corrected_curve *c = &w->corrected_curve;

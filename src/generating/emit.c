@@ -1,6 +1,7 @@
-/* emit.c - emits the functions of a curve and of its seeds into generated code, for one system and degree. The emitted
- * code expands the whole series in one function, and all tangents in one; every size in it is a constant. The generator
- * of code calls this file through tvi_tapes_of_steps.emit_loops (curve.h). */
+/* emit.c - Writes into generated code the functions that compute a Taylor curve and the gradient of its discrete
+ * action, for one system and one degree. The emitted code expands the whole series in one function, and all its
+ * tangents in another; every size in it is a constant. The generator of code calls this file through
+ * tvi_tapes_of_steps.emit_loops (curve.h). */
 #include "generating/curve_stepper.h"
 #include "method/method.h"
 #include "split.h"

@@ -1,8 +1,10 @@
-/* generated_curve.h - defines the functions of tvi_generated_curve_functions for one system and degree. Only generated
- * code includes it (emit.c), after the sweeps of its tapes. The generated text before it defines the sizes of series.h;
- * CURVE_LANES, the number of directions in one block of tangents; CURVE_REST, the number of directions in a smaller
- * last block, or 0; and CURVE_ACTION, the sizes of the action. It also defines the switches CURVE_HAS_MATRICES,
- * CURVE_HAS_PRODUCTS, CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_STEP_SIZE, which say which functions are defined. */
+/* generated_curve.h - Defines the functions that generated code offers for the Taylor curve of one system and one
+ * degree, such as the expansion of the series, its tangents, its tail and the fast-path step
+ * (tvi_generated_curve_functions in seeds.h lists them). Only generated code includes it (emit.c), after the sweeps of
+ * its tapes. The generated text before it defines the sizes as macros: those of series.h; CURVE_LANES, the number of
+ * directions in one block of tangents; CURVE_REST, that of a smaller last block, or 0; and CURVE_ACTION. The macros
+ * CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS, CURVE_HAS_SEED, CURVE_HAS_STEP and CURVE_HAS_STEP_SIZE say which functions
+ * are defined. */
 #ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
 #define TVI_SRC_GENERATING_GENERATED_CURVE_H
 

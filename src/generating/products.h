@@ -45,14 +45,14 @@ static inline double *products_get_adjoint_of_Q(const tvi_curve *curve, int k)
     return curve->adjoint_block + (size_t)k * tvi_curve_order_stride(curve);
 }
 
-/* The vectors that a product with transposed Jacobians adds up: the seeds seed_Q [highest_order + 1][n] are multiplied
- * by the transposed Jacobians of the coefficients Q_k; upper_jacobian_vector and lower_jacobian_vector [n], times
- * vector_factor, by those of the sums of the two combinations. Seeds and combinations that are NULL are omitted. */
+/* The vectors of a product with transposed Jacobians, a sum: the seeds seed_Q [highest_order + 1][n] times those of the
+ * coefficients Q_k, and the vectors for upper and lower rows [n], times vector_factor, by those of the sums of the two
+ * combinations. Seeds and combinations that are NULL are omitted. */
 typedef struct {
     const double *seed_Q;
     double vector_factor;
     const tvi_coefficient_combination *upper_jacobian_combination, *lower_jacobian_combination;
-    const double *upper_jacobian_vector, *lower_jacobian_vector;
+    const double *vector_for_upper_jacobian_rows, *vector_for_lower_jacobian_rows;
 } tvi_transposed_jacobian_operands;
 
 #define PRODUCTS_SEED(V, S)                                                                                            \
@@ -61,10 +61,10 @@ typedef struct {
         if (operands->seed_Q) sum += JET_OF(V, operands->seed_Q + k * n, 0);                                           \
         if (operands->upper_jacobian_combination)                                                                      \
             sum += operands->vector_factor * operands->upper_jacobian_combination->order_weight[k] *                   \
-                   JET_OF(V, operands->upper_jacobian_vector, 0);                                                      \
+                   JET_OF(V, operands->vector_for_upper_jacobian_rows, 0);                                             \
         if (operands->lower_jacobian_combination)                                                                      \
             sum += operands->vector_factor * operands->lower_jacobian_combination->order_weight[k] *                   \
-                   JET_OF(V, operands->lower_jacobian_vector, 0);                                                      \
+                   JET_OF(V, operands->vector_for_lower_jacobian_rows, 0);                                             \
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
@@ -353,10 +353,10 @@ static inline void products_apply_inverse_flow_jacobian(tvi_corrected_curve *cor
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-/* Sets the size by which each unknown of a subsystem is measured, for the components `component[first .. end - 1]`. The
- * unknowns have the unit of momenta, and their size is momentum_term_abs_sum. A size of 0 is replaced by the largest
- * scaled momentum over |kappa|, and a much smaller size is raised to NEWTON_MIN_SCALE times that quotient. If all
- * momenta are 0, as at rest with degree 1, the sizes are those of the positions; if these are 0, they are 1. */
+/* Sets the sizes relative to which the unknowns of a subsystem, its components `component[first .. end - 1]`, are
+ * measured. The size of a component is the sum of the magnitudes of all terms of its momentum. A size that is 0 or much
+ * smaller than the largest one is raised, to NEWTON_MIN_SCALE times it or more. If all momenta are 0, the sizes are
+ * those of the positions; if these are 0, too, they are 1. */
 static inline void products_set_subsystem_unknown_sizes(const tvi_corrected_curve *corrected, const int *component,
                                                         int first, int end)
 {

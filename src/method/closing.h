@@ -1,5 +1,6 @@
-/* closing.h - Declares the ends of a Taylor curve in scaled time, and the factors by which the equations of a
- * generating function correct the curve's ends (docs/method.md, section 4). Descriptors of methods (descriptor.h)
+/* closing.h - Declares two constants of each method with a Taylor curve: where the step's start and end lie in the
+ * curve's scaled time s, and the factors with which the solution of the generating function's equations is added to the
+ * curve's ends, so that the step is symplectic (docs/method.md, section 4). Descriptors of methods (descriptor.h)
  * contain both. The file is part of the text of generated code. */
 #ifndef TVI_SRC_METHOD_CLOSING_H
 #define TVI_SRC_METHOD_CLOSING_H

@@ -31,7 +31,7 @@ extern const tvi_supported_forms tvi_supports_all, tvi_supports_type1, tvi_suppo
 typedef struct {
     const char *name; /* The name for tvi_options_named; NULL: the rule has no name. */
     int order_per_degree, order_offset;
-} tvi_node_rule;
+} tvi_order_with_node_rule;
 
 /* The choice of a method's quadrature. */
 typedef enum {
@@ -66,8 +66,8 @@ typedef struct tvi_descriptor tvi_descriptor;
 struct tvi_descriptor {
     tvi_method method;
     tvi_expansion expansion;
-    const char *title;                            /* The title of the method in error messages. */
-    tvi_node_rule nodes[TVI_NODES_TRUNCATED + 1]; /* The node rules, indexed by tvi_nodes. */
+    const char *title;                                       /* The title of the method in error messages. */
+    tvi_order_with_node_rule nodes[TVI_NODES_TRUNCATED + 1]; /* The node rules, indexed by tvi_nodes. */
     int least_degree, most_degree;
     const tvi_supported_forms *supports;
     /* The adjoint (Phi_-h)^-1, with the mirrored quadrature. A symmetric method is its own adjoint. NULL: there is no

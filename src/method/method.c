@@ -31,7 +31,7 @@ static tvi_status refuse_with_reason(tvi_status status, const char *reason, cons
 
 static int compute_order(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
 {
-    const tvi_node_rule *rule = &descriptor->nodes[options->nodes];
+    const tvi_order_with_node_rule *rule = &descriptor->nodes[options->nodes];
     const int order = rule->order_per_degree * degree + rule->order_offset;
     return tvi_is_method_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
 }

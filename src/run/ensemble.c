@@ -1,6 +1,7 @@
 /* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
- * integrators of its threads. Between runs an ensemble keeps the history of an integrator for each batch
- * (integrator.h), and the parameters, the stop and the status of the failure for each member. */
+ * integrators of its threads. Between runs an ensemble keeps for each batch of members what its steps have learned from
+ * earlier ones (the history, integrator.h). For each member it keeps the parameters, the event that stopped its last
+ * run, and the status of its failure. */
 #include "run/ensemble.h"
 #include "run/saved.h"
 #include "run/parallel_for.h"

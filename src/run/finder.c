@@ -19,8 +19,8 @@ tvi_status tvi_finder_open(tvi_event_finder *finder, tvi_event_search *search)
         .search = search, .state_size = size, .line_origin = calloc((size_t)size * 4, sizeof *finder->line_origin)};
     if (!finder->line_origin) return TVI_ENOMEM;
     finder->line_direction = finder->line_origin + size;
-    finder->line_direction_chord_midpoint_state = finder->line_direction + size;
-    finder->scratch_state = finder->line_direction_chord_midpoint_state + size;
+    finder->slope_chord_midpoint_state = finder->line_direction + size;
+    finder->scratch_state = finder->slope_chord_midpoint_state + size;
     return tvi_state_rates_open(&finder->rates_evaluator, it->system, it->parameters);
 }
 
@@ -31,7 +31,7 @@ void tvi_finder_close(tvi_event_finder *finder)
 }
 
 /* Estimates derivatives at theta by difference quotients between two states x on the curve: finder->line_direction
- * becomes dx/dtheta, finder->line_direction_chord_midpoint_state the midpoint of the chord between the two states,
+ * becomes dx/dtheta, finder->slope_chord_midpoint_state the midpoint of the chord between the two states,
  * *dg_dtheta the derivative dg/dtheta, and *theta_distance_to_zero the distance from theta to the zero of g. */
 static tvi_status estimate_curve_and_g_slopes_by_chord(tvi_event_finder *finder, int event_index, double theta,
                                                        double *dg_dtheta, double *theta_distance_to_zero)
@@ -41,20 +41,19 @@ static tvi_status estimate_curve_and_g_slopes_by_chord(tvi_event_finder *finder,
     tvi_status status = tvi_search_compute_curve_state(finder->search, a, finder->line_direction);
     if (status == TVI_OK) status = tvi_search_evaluate_event(finder->search, event_index, finder->line_direction, &ga);
     if (status == TVI_OK)
-        status = tvi_search_compute_curve_state(finder->search, b, finder->line_direction_chord_midpoint_state);
+        status = tvi_search_compute_curve_state(finder->search, b, finder->slope_chord_midpoint_state);
     if (status == TVI_OK)
-        status =
-            tvi_search_evaluate_event(finder->search, event_index, finder->line_direction_chord_midpoint_state, &gb);
+        status = tvi_search_evaluate_event(finder->search, event_index, finder->slope_chord_midpoint_state, &gb);
     *dg_dtheta = (gb - ga) / (b - a);
     *theta_distance_to_zero = -(ga + gb) / (2 * *dg_dtheta);
     for (int i = 0; i < finder->state_size; i++) {
-        const double low = finder->line_direction[i], high = finder->line_direction_chord_midpoint_state[i];
+        const double low = finder->line_direction[i], high = finder->slope_chord_midpoint_state[i];
         finder->line_direction[i] = (high - low) / (b - a);
-        finder->line_direction_chord_midpoint_state[i] = (low + high) / 2;
+        finder->slope_chord_midpoint_state[i] = (low + high) / 2;
     }
     /* If both ends a and b of the chord are inside the step, 0 < a and b < 1, the slope is a central difference, whose
      * error is proportional to EVENT_CHORD^2. Otherwise it is one-sided, with an error proportional to EVENT_CHORD. */
-    finder->are_line_direction_chord_ends_inside_step = a > 0 && b < 1;
+    finder->is_slope_chord_inside_step = a > 0 && b < 1;
     return status;
 }
 
@@ -74,7 +73,7 @@ static bool is_theta_correction_small_against_bracket(const tvi_event_root *root
                                                                            root->bracket.right - (theta + correction)));
 }
 
-/* Returns the largest difference between finder->line_direction_chord_midpoint_state, which represents the curve, and
+/* Returns the largest difference between finder->slope_chord_midpoint_state, which represents the curve, and
  * finder->line_origin in the component_count components from first_component on, divided by the largest of these
  * components. */
 static double step_curve_error_relative_to_state_size(const tvi_event_finder *finder, int first_component,
@@ -82,18 +81,18 @@ static double step_curve_error_relative_to_state_size(const tvi_event_finder *fi
 {
     double apart = 0, size = 0;
     for (int i = first_component; i < first_component + component_count; i++) {
-        apart = fmax(apart, fabs(finder->line_origin[i] - finder->line_direction_chord_midpoint_state[i]));
+        apart = fmax(apart, fabs(finder->line_origin[i] - finder->slope_chord_midpoint_state[i]));
         size = fmax(size, fabs(finder->line_origin[i]));
     }
     return tvi_ratio_or_zero(apart, size);
 }
 
 /* Returns the difference between the time t of finder->line_origin and the time of
- * finder->line_direction_chord_midpoint_state, which represents the curve, divided by |t| + |dt/dtheta|. */
+ * finder->slope_chord_midpoint_state, which represents the curve, divided by |t| + |dt/dtheta|. */
 static double step_curve_time_error_relative_to_time_size(const tvi_event_finder *finder)
 {
     const int t = finder->state_size - 1;
-    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->line_direction_chord_midpoint_state[t]),
+    return tvi_ratio_or_zero(fabs(finder->line_origin[t] - finder->slope_chord_midpoint_state[t]),
                              fabs(finder->line_origin[t]) + fabs(finder->line_direction[t]));
 }
 
@@ -212,7 +211,7 @@ static tvi_status compute_line_origin_and_accuracy_at_theta(tvi_event_finder *fi
     const double apart = fmax(fmax(step_curve_error_relative_to_state_size(finder, 0, n),
                                    step_curve_error_relative_to_state_size(finder, n, n)),
                               step_curve_time_error_relative_to_time_size(finder));
-    finder->accurate_distance = finder->are_line_direction_chord_ends_inside_step
+    finder->accurate_distance = finder->is_slope_chord_inside_step
                                     ? fmin(EVENT_LINE_MAX_LENGTH, DBL_EPSILON / (8 * EVENT_SLOPE_ERROR) / apart)
                                     : 0;
     return TVI_OK;

@@ -17,10 +17,10 @@ typedef struct {
      * the line is accurate to roundoff. */
     double *line_direction, accurate_distance;
     /* The midpoint of the chord of the curve whose slope is line_direction. */
-    double *line_direction_chord_midpoint_state;
-    bool are_line_direction_chord_ends_inside_step; /* true if both ends of this chord lie inside the step */
-    bool has_root_on_line; /* true if the event function changes its sign on the current line */
-    double *scratch_state; /* scratch memory for one state */
+    double *slope_chord_midpoint_state;
+    bool is_slope_chord_inside_step; /* true if both ends of this chord lie inside the step */
+    bool has_root_on_line;           /* true if the event function changes its sign on the current line */
+    double *scratch_state;           /* scratch memory for one state */
 } tvi_event_finder;
 
 /* Allocates the memory of a finder for the events of a search. */

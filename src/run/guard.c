@@ -46,12 +46,11 @@ static const int FAR_Q_EXPONENTS[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 60,
 /* The straight lines from the coordinates at the start of a step on which the lowest H(q, 0) is searched. FORWARD and
  * BACK follow the increment of q in the step and its opposite; DOWNHILL moves each coordinate by the size of its
  * increment in the direction of its force. */
-typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } minimum_energy_search_line;
+typedef enum { FORWARD, BACK, DOWNHILL, LINE_COUNT } line_for_minimum_of_H;
 
 /* Returns one component of the line's direction, for the step's increments dq and dp of this component.
  * time_direction has the sign of the step. */
-static double search_line_direction_component(minimum_energy_search_line line, double dq, double dp,
-                                              double time_direction)
+static double search_line_direction_component(line_for_minimum_of_H line, double dq, double dp, double time_direction)
 {
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);
 }
@@ -67,8 +66,8 @@ static double member_energy_or_nonfinite(tvi_integrator *it, int member, const d
 
 /* Returns H(factor_of_step_start_q q + distance d, 0), where q are the coordinates at the start of the member's step,
  * and d is the direction of the line. */
-static double zero_momentum_energy_on_search_line(tvi_integrator *it, int member, double factor_of_step_start_q,
-                                                  double distance, minimum_energy_search_line line)
+static double H_at_zero_p_on_line(tvi_integrator *it, int member, double factor_of_step_start_q, double distance,
+                                  line_for_minimum_of_H line)
 {
     const int width = it->width, end = it->system->n * width;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
@@ -81,9 +80,9 @@ static double zero_momentum_energy_on_search_line(tvi_integrator *it, int member
     return member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
 }
 
-static double zero_momentum_energy_at_step_start(tvi_integrator *it, int member)
+static double H_at_zero_p_at_step_start(tvi_integrator *it, int member)
 {
-    return zero_momentum_energy_on_search_line(it, member, 1, 0, FORWARD);
+    return H_at_zero_p_on_line(it, member, 1, 0, FORWARD);
 }
 
 /* Tells whether H(q, -p) and H(q, p) agree at the end of the step, up to the relative difference
@@ -111,11 +110,11 @@ static bool is_energy_even_in_p(tvi_integrator *it, int member)
 static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, int member, double energy_at_start,
                                                         double roundoff_of_energy)
 {
-    double last = zero_momentum_energy_on_search_line(it, member, 1, 1, FORWARD), difference = INFINITY;
+    double last = H_at_zero_p_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
     for (size_t k = 0; k < sizeof FAR_Q_EXPONENTS / sizeof *FAR_Q_EXPONENTS; k++) {
         const double factor = ldexp(1, FAR_Q_EXPONENTS[k]),
-                     next = zero_momentum_energy_on_search_line(it, member, factor, factor, FORWARD);
+                     next = H_at_zero_p_on_line(it, member, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff_of_energy;
         falls = falls && difference <= roundoff_of_energy;
@@ -127,26 +126,25 @@ static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, int 
 
 /* Returns the lowest H(q, 0) along the line, from its start, where H(q, 0) is energy_at_start, to the point from which
  * H(q, 0) rises. */
-static double lowest_zero_momentum_energy_on_search_line(tvi_integrator *it, int member,
-                                                         minimum_energy_search_line line, double energy_at_start,
-                                                         double roundoff)
+static double minimum_of_H_at_zero_p_along_line(tvi_integrator *it, int member, line_for_minimum_of_H line,
+                                                double energy_at_start, double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
          distance *= GUARD_LEVEL_RATIO) {
-        const double next = zero_momentum_energy_on_search_line(it, member, 1, distance, line);
+        const double next = H_at_zero_p_on_line(it, member, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
     }
     return lowest;
 }
 
-static double lowest_zero_momentum_energy_of_all_search_lines(tvi_integrator *it, int member, double roundoff)
+static double minimum_of_H_at_zero_p_along_lines(tvi_integrator *it, int member, double roundoff)
 {
-    const double here = zero_momentum_energy_at_step_start(it, member);
+    const double here = H_at_zero_p_at_step_start(it, member);
     double lowest = here;
-    for (minimum_energy_search_line line = 0; line < LINE_COUNT; line++)
-        lowest = fmin(lowest, lowest_zero_momentum_energy_on_search_line(it, member, line, here, roundoff));
+    for (line_for_minimum_of_H line = 0; line < LINE_COUNT; line++)
+        lowest = fmin(lowest, minimum_of_H_at_zero_p_along_line(it, member, line, here, roundoff));
     return lowest;
 }
 
@@ -164,10 +162,9 @@ static void set_member_energy_zero_level_and_scale(tvi_integrator *it, int membe
     tvi_reference_energy *reference = &it->reference_energy[member];
     const double limit = limit_of_zero_momentum_energy_for_large_q(it, member, H, roundoff);
     const bool is_even_in_p = is_energy_even_in_p(it, member), has_limit = is_even_in_p && !isnan(limit);
-    reference->zero_level_of_energy = has_limit ? limit
-                                      : is_even_in_p
-                                          ? lowest_zero_momentum_energy_of_all_search_lines(it, member, roundoff)
-                                          : 0;
+    reference->zero_level_of_energy = has_limit      ? limit
+                                      : is_even_in_p ? minimum_of_H_at_zero_p_along_lines(it, member, roundoff)
+                                                     : 0;
     reference->energy_scale =
         is_even_in_p ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it, member);
     reference->has_tried_to_find_zero_level_of_energy = true;
@@ -183,7 +180,7 @@ static void decrease_energy_zero_level_to_step_start_value(tvi_integrator *it, i
 {
     tvi_reference_energy *reference = &it->reference_energy[member];
     if (!reference->is_zero_level_of_energy_only_upper_bound) return;
-    const double fall = reference->zero_level_of_energy - zero_momentum_energy_at_step_start(it, member);
+    const double fall = reference->zero_level_of_energy - H_at_zero_p_at_step_start(it, member);
     if (!(fall > 0) || !isfinite(fall)) return;
     reference->zero_level_of_energy -= fall;
     reference->energy_scale += fall;

@@ -9,7 +9,7 @@
 
 int tvi_parallel_default_thread_count(void) { return omp_get_max_threads(); }
 
-static void *wait_for_mutex(void *mutex)
+static void *lock_and_unlock_mutex(void *mutex)
 {
     (void)pthread_mutex_lock(mutex);
     (void)pthread_mutex_unlock(mutex);
@@ -25,7 +25,7 @@ bool tvi_parallel_can_start_threads(int threads)
     pthread_t *all = malloc((size_t)others * sizeof *all);
     if (!all) return false;
     (void)pthread_mutex_lock(&mutex);
-    while (started < others && pthread_create(&all[started], NULL, wait_for_mutex, &mutex) == 0) started++;
+    while (started < others && pthread_create(&all[started], NULL, lock_and_unlock_mutex, &mutex) == 0) started++;
     (void)pthread_mutex_unlock(&mutex);
     for (int i = 0; i < started; i++) (void)pthread_join(all[i], NULL);
     free(all);

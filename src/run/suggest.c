@@ -132,7 +132,7 @@ static bool is_trial_informative(const suggestion_search *search, const tvi_step
         trial->has_passed_hardest_step && !trial->covers_whole_run && !tvi_trial_error_is_far_above_aim(trials, trial);
     const bool is_long =
         trial->has_passed_hardest_step &&
-        trial->fraction_of_run_error_in_trial >= TRIAL_EQUAL_LENGTH * trials->largest_fraction_of_run_error_in_trials;
+        trial->run_error_fraction_of_trial >= TRIAL_EQUAL_LENGTH * trials->largest_run_error_fraction_of_a_trial;
     return is_long || trial->covers_whole_run ||
            (trial->is_finished && tvi_trial_error_is_above(trials, trial, trials->aimed_error));
 }
@@ -154,13 +154,13 @@ static bool update_suggestion_and_plan_next_trial(suggestion_search *search, con
         suggestion->h = suggestion->h == 0 ? trial->h : tvi_number_nearer_to_zero(suggestion->h, trial->h);
     if (!failed && (is_new || !search->is_suggestion_reliable))
         suggestion->trial_step_size = trial->h,
-        suggestion->fraction_of_run_error_in_trial = trial->fraction_of_run_error_in_trial,
+        suggestion->run_error_fraction_of_trial = trial->run_error_fraction_of_trial,
         suggestion->estimated_error = trial->estimated_error;
     if (!failed)
         suggestion->explored_fraction_of_duration =
             fmax(suggestion->explored_fraction_of_duration, trial->fraction_of_run_duration_done),
-        trials->largest_fraction_of_run_error_in_trials =
-            fmax(trials->largest_fraction_of_run_error_in_trials, trial->fraction_of_run_error_in_trial);
+        trials->largest_run_error_fraction_of_a_trial =
+            fmax(trials->largest_run_error_fraction_of_a_trial, trial->run_error_fraction_of_trial);
     detect_roundoff_error(search, trial);
     update_step_size_bracket(search, trial);
     /* If the budget is used up, the steps that are reserved for the companion are released for another trial. */
@@ -280,7 +280,7 @@ static void complete_suggestion(suggestion_search *search, tvi_step_suggestion *
                     safety_divisor_for_step_size_spread_on_orbit(search);
     if (search->longest_good_step_size != 0)
         suggestion->h = suggestion->trial_step_size = search->longest_good_step_size,
-        suggestion->fraction_of_run_error_in_trial = 1,
+        suggestion->run_error_fraction_of_trial = 1,
         suggestion->estimated_error = search->error_of_longest_good_step_size;
     if (suggestion->explored_fraction_of_duration > 1 - TRIAL_END) suggestion->explored_fraction_of_duration = 1;
 }

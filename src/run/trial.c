@@ -45,7 +45,7 @@ static void update_error_estimate(tvi_trials *trials, tvi_step_size_trial *trial
     trial->estimated_error =
         distance < TRIAL_MAX_DISTANCE
             ? fmax(trial->largest_orbit_distance_since_power_of_two_step, trial->previous_orbit_distance) *
-                  pow(trial->fraction_of_run_error_in_trial, -trials->error_growth_exponent)
+                  pow(trial->run_error_fraction_of_trial, -trials->error_growth_exponent)
             : INFINITY;
 }
 
@@ -70,7 +70,7 @@ static bool can_trial_be_ended(const tvi_trials *trials, const tvi_step_size_tri
         return true;
     return tvi_trial_error_is_far_below_aim(trials, trial) && trial->has_passed_hardest_step &&
            is_power_of_two(step_number) &&
-           trial->fraction_of_run_error_in_trial > trials->largest_fraction_of_run_error_in_trials;
+           trial->run_error_fraction_of_trial > trials->largest_run_error_fraction_of_a_trial;
 }
 
 /* Makes step number step_number of the trial, and updates the trial. Returns true if the trial needs further steps. */
@@ -88,7 +88,7 @@ static bool make_step_and_tell_if_trial_goes_on(tvi_trials *trials, tvi_step_siz
     trials->run_length_in_steps = fabs(trials->run_end_abscissa / trial->h);
     trial->end_abscissa = trials->start_abscissa + (double)step_number * trial->h;
     trial->fraction_of_run_duration_done = (whole->t - trials->start_time) / trials->duration;
-    trial->fraction_of_run_error_in_trial =
+    trial->run_error_fraction_of_trial =
         fmin(tvi_scout_integrate_relative_error_density(&trials->scout, trials->start_abscissa, trial->end_abscissa) /
                  trials->run_integral_of_relative_error_density,
              1);
@@ -106,7 +106,7 @@ static bool can_continue_with_perturbed_orbit_steps(tvi_trials *trials, const tv
 {
     const bool takes =
         trials->step_count_kept_for_perturbed_orbit > 0 &&
-        trial->fraction_of_run_error_in_trial < TRIAL_EQUAL_LENGTH * trials->largest_fraction_of_run_error_in_trials;
+        trial->run_error_fraction_of_trial < TRIAL_EQUAL_LENGTH * trials->largest_run_error_fraction_of_a_trial;
     if (takes) trials->step_count_kept_for_perturbed_orbit = 0;
     return takes && tvi_trials_have_budget_for_trial_step(trials);
 }

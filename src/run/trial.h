@@ -34,14 +34,14 @@ typedef struct {
     double run_length_in_steps; /* run_end_abscissa divided by the current step size */
     /* The largest share, 0 to 1, of the run's expected error that arises in the part of the orbit of one of the trials
      * so far. */
-    double largest_fraction_of_run_error_in_trials;
+    double largest_run_error_fraction_of_a_trial;
 } tvi_trials;
 
 /* A trial of one step size, and the error that it estimates. */
 typedef struct {
     /* The step size; and the share, 0 to 1, of the run's expected error that arises in the part of the orbit that the
      * trial has integrated (tvi_scout_integrate_relative_error_density). */
-    double h, fraction_of_run_error_in_trial;
+    double h, run_error_fraction_of_trial;
     /* The abscissa at which the trial ends: the sum of the step sizes from the start of the run (tvi_orbit_scout). */
     double end_abscissa;
     double fraction_of_run_duration_done; /* the part of the run's duration up to the end of the trial, 0 to 1 */

@@ -1,5 +1,6 @@
-/* hessian.c - Records the second derivatives of a Lagrangian, or those of the Hamiltonian K = g f of a rescaled system,
- * where f = H + e, if they are cheap to evaluate (system.h). statement.c calls it. */
+/* hessian.c - Records the second derivatives of a Lagrangian or of a Hamiltonian, if they are cheap to evaluate
+ * (system.h). The Hamiltonian is that of a system whose time is rescaled by a function g: K = g (H + e), with a
+ * constant e (rescaled.c). statement.c calls it. */
 #include "system/system.h"
 
 #include <stdlib.h>

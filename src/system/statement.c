@@ -1,5 +1,5 @@
-/* statement.c - Creates systems, also the lifts of systems: calls the user's function on jets, brings the recording
- * into one of the three forms (tvi_form), and creates the tapes that the steppers run. */
+/* statement.c - Creates systems, also lifts, whose tangents move with the motion: calls the user's function on jets,
+ * which record its operations, brings the recording into a form of tvi_form, and creates the tapes for the steppers. */
 #include "system/system.h"
 #include "system/legendre.h"
 #include "system/refuse.h"

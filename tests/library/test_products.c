@@ -95,8 +95,8 @@ START_TEST(products_are_those_of_the_matrices)
     const tvi_transposed_jacobian_operands of = {.vector_factor = 1,
                                                  .upper_jacobian_combination = &products.q,
                                                  .lower_jacobian_combination = &products.u,
-                                                 .upper_jacobian_vector = x,
-                                                 .lower_jacobian_vector = x + n};
+                                                 .vector_for_upper_jacobian_rows = x,
+                                                 .vector_for_lower_jacobian_rows = x + n};
     products_multiply_by_transposed_jacobians(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
