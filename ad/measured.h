@@ -372,7 +372,7 @@
 #define TRIAL_GROWTH_FIRST_STEP        8          /* [steps] Driven systems: errors' growth is measured from here on. */
 #define TRIAL_GROWTH_INTERVAL          4          /* [steps] Driven systems: errors' growth is measured this often. */
 #define TRIAL_MIN_STEPS                4          /* [steps] A large estimate does not end a trial of fewer steps. */
-#define TRIAL_MAX_HARDEST_PART         0.6        /* A trial passes its hardest step by this part of its length. */
+#define TRIAL_MAX_HARDEST_PART         0.6        /* The hardest step comes before this part of the trial. */
 #define TRIAL_COMPANION_MIN_EXPLORED   0.5        /* The companion orbit needs a scout that saw this part of the run. */
 #define DOUBLING_MIN_SPEED             (1.0 / 30) /* The lag of two orbits counts above this part of the top speed. */
 #define DOUBLING_START_DISTANCE        1e-7       /* The companion orbit's first distance from the scout's orbit. */

@@ -52,7 +52,7 @@ static double value_of_operand_outside_domain(const jet_run_of_operations *run, 
     return block[((run->op == OP_DIV ? run->b : run->a) + operation) * lanes + lane];
 }
 
-bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes)
+bool jet_set_error_text_of_failed_sweep(const jet_tape *tape, double *block, int lanes)
 {
     double z;
     /* Generated code does not store the values of all slots; the interpreter therefore computes all of them again. */

@@ -130,13 +130,13 @@ const jet_sweeps *jet_choose_sweeps_for_processor(void);
 
 /* Computes the values of a block, for which a sweep has failed, once more. Sets the text of the refusal (refusal.h): it
  * names the first operation that is outside its domain. Returns false. */
-bool jet_explain_failed_sweep(const jet_tape *tape, double *block, int lanes);
+bool jet_set_error_text_of_failed_sweep(const jet_tape *tape, double *block, int lanes);
 
 /* Computes the values of all slots, which are their coefficients of order 0, from those of the inputs. Returns false
  * if an operation is outside its domain. */
 static inline bool jet_sweep_values(const jet_tape *tape, double *block, int lanes)
 {
-    return tape->sweeps->values(tape, block, lanes) || jet_explain_failed_sweep(tape, block, lanes);
+    return tape->sweeps->values(tape, block, lanes) || jet_set_error_text_of_failed_sweep(tape, block, lanes);
 }
 
 /* Computes values[slot_count] at one point in long double from the inputs and the constants of a block. They are NaN if
@@ -148,7 +148,7 @@ void jet_sweep_long_double_values(const jet_tape *tape, const double *block, lon
  * thus O(N^2). Returns false if an operation is outside its domain, at order 0. */
 static inline bool jet_sweep_series(const jet_tape *tape, double *series, int order, int lanes)
 {
-    return tape->sweeps->series(tape, series, order, lanes) || jet_explain_failed_sweep(tape, series, lanes);
+    return tape->sweeps->series(tape, series, order, lanes) || jet_set_error_text_of_failed_sweep(tape, series, lanes);
 }
 
 /* Computes the tangents of one order along a series of one lane, with one direction for each lane of `tangents`,

@@ -124,7 +124,7 @@ static void set_tables_of_batch_stepper(void *work)
     nodes->moving_unknown_count = member_nodes->moving_unknown_count;
     nodes->impulse_weight = member_nodes->impulse_weight;
     nodes->unknown_change_per_impulse = member_nodes->unknown_change_per_impulse;
-    nodes->momentum_per_coordinate_drift_of_step = member_nodes->momentum_per_coordinate_drift_of_step;
+    nodes->momentum_that_moves_coordinate_by_1_in_step = member_nodes->momentum_that_moves_coordinate_by_1_in_step;
     nodes->subsystems = member_nodes->subsystems;
     const galerkin_tail_inputs arrays = stepper->tail_inputs;
     stepper->tail_inputs = single_stepper->tail_inputs;

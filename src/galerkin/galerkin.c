@@ -90,7 +90,7 @@ static void allocate_equations(galerkin_equations *equations, tvi_arena *arena, 
     nodes->start_values = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->unknown_change_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
     nodes->inverse_unknown_size = tvi_arena_allocate_doubles(arena, unknowns);
-    nodes->momentum_per_coordinate_drift_of_step = tvi_arena_allocate_doubles(arena, (size_t)system->n);
+    nodes->momentum_that_moves_coordinate_by_1_in_step = tvi_arena_allocate_doubles(arena, (size_t)system->n);
     equations->rate_row_of_unknown = tvi_arena_allocate(arena, unknowns * sizeof(int));
     equations->rate_per_impulse = tvi_arena_allocate_doubles(arena, unknowns);
 }
@@ -182,7 +182,7 @@ void tvi_galerkin_set_step_size(galerkin_stepper *stepper, double h)
     for (int i = 0; i < stepper->n; i++) {
         stepper->increment_per_impulse[i] = nodes->unknown_change_per_impulse[i];
         stepper->tail_inputs.inverse_unknown_change_per_impulse[i] = 1 / fabs(nodes->unknown_change_per_impulse[i]);
-        nodes->momentum_per_coordinate_drift_of_step[i] =
+        nodes->momentum_that_moves_coordinate_by_1_in_step[i] =
             stepper->equations.system->has_masses ? stepper->equations.system->mass[i] / fabs(h) : INFINITY;
         stepper->increment_per_impulse[stepper->n + i] =
             galerkin_is_second_order(&stepper->equations) ? 1 : nodes->unknown_change_per_impulse[stepper->n + i];

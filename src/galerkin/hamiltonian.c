@@ -57,7 +57,7 @@ static void allocate_hamiltonian_equations(galerkin_equations *equations, tvi_ar
     work.pass_context.newton_inner_iteration_data.index_in_hessian_block = work.index_in_hessian_block =
         tvi_arena_allocate(arena, unknowns * unknowns * sizeof(int));
     allocate_inner_iterations(&work.pass_context.newton_inner_iteration_data, arena, unknowns, lanes);
-    work.pass_context.impulse_changes = tvi_arena_allocate_doubles(arena, unknowns * lanes);
+    work.pass_context.change_of_step_impulses_by_inner_iterations = tvi_arena_allocate_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++)
         work.pass_context.tape_slot_of_rate[i] = work.tape_slot_of_rate[i] =
             tvi_arena_allocate(arena, unknowns * sizeof(int));
@@ -105,9 +105,9 @@ static int find_index_in_hessian_block(const galerkin_equations *equations,
 /* Appends to `unknown_list`, which has `count` elements, the unknowns whose rates depend on unknowns: those that take
  * part in the inner iterations if in_inner_iterations is set, otherwise those that do not. Returns the new length of
  * the list. */
-static int append_unknowns_with_hessian_row(const galerkin_equations *equations,
-                                            const galerkin_sparse_hessian *sparse_hessian, bool in_inner_iterations,
-                                            int count, int *unknown_list)
+static int append_unknowns_in_or_outside_inner_iterations(const galerkin_equations *equations,
+                                                          const galerkin_sparse_hessian *sparse_hessian,
+                                                          bool in_inner_iterations, int count, int *unknown_list)
 {
     for (int u = 0; u < equations->nodes.unknown_count; u++)
         if (has_hessian_row_entries(sparse_hessian, find_gradient_component_of_rate(equations, u)) &&
@@ -136,9 +136,10 @@ static void set_tables_of_inner_iterations(const galerkin_equations *equations, 
 {
     const galerkin_sparse_hessian *sparse_hessian = &work->sparse_hessian;
     int *unknown = work->unknown_of_row;
-    inner->hessian_column_count = append_unknowns_with_hessian_row(equations, sparse_hessian, true, 0, unknown);
-    inner->hessian_row_count =
-        append_unknowns_with_hessian_row(equations, sparse_hessian, false, inner->hessian_column_count, unknown);
+    inner->hessian_column_count =
+        append_unknowns_in_or_outside_inner_iterations(equations, sparse_hessian, true, 0, unknown);
+    inner->hessian_row_count = append_unknowns_in_or_outside_inner_iterations(equations, sparse_hessian, false,
+                                                                              inner->hessian_column_count, unknown);
     inner->hessian_block = sparse_hessian->derivative_tapes.hessian_block;
     for (int i = 0; i < equations->nodes.lane_count * equations->nodes.lane_count; i++)
         inner->impulse_to_unknown_change_matrix[i] = (float)equations->node_impulse_to_node_unknown_matrix[i];

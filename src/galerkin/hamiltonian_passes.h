@@ -30,7 +30,7 @@ typedef struct {
     const int *tape_slot_of_rate[2];
     lanes_inner_iterations newton_inner_iteration_data;
     /* [unknowns][lanes] The changes of the impulses that the inner iterations make. */
-    double *impulse_changes;
+    double *change_of_step_impulses_by_inner_iterations;
     /* The movement of the last pass: the sum of the squares of the relative changes of the unknowns. It is infinity
      * before the first pass of a step. */
     double last_pass_movement_square;
@@ -78,10 +78,11 @@ static inline bool hamiltonian_make_pass(hamiltonian_pass_context *context, gale
     if (!rates) return false;
     if (is_first) hamiltonian_set_magnitudes_of_inner_unknowns(context);
     GALERKIN_KERNEL(context->kernels, run_inner_iterations, nodes, &context->newton_inner_iteration_data, rates, slot,
-                    !serves, context->last_pass_movement_square, least, context->impulse_changes);
+                    !serves, context->last_pass_movement_square, least,
+                    context->change_of_step_impulses_by_inner_iterations);
     context->last_pass_movement_square =
         GALERKIN_KERNEL(context->kernels, move_with_changes, nodes, context->node_impulse_to_node_unknown_matrix, rates,
-                        context->impulse_changes, slot);
+                        context->change_of_step_impulses_by_inner_iterations, slot);
     return true;
 }
 

@@ -259,8 +259,8 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
 
 /* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the
  * largest size in its subsystem (GALERKIN_MIN_SHARE). If masses are known, the size of a momentum is at least
- * momentum_per_coordinate_drift_of_step times the part that is added to its coordinate. There are no branches, because
- * the processor could not predict which number is larger. */
+ * momentum_that_moves_coordinate_by_1_in_step times the part that is added to its coordinate. There are no branches,
+ * because the processor could not predict which number is larger. */
 JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first, int end, galerkin_array_shape shape,
                                    size_t here)
 {
@@ -281,7 +281,7 @@ JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *nodes, int n, int first
         const int i = tvi_subsystems_component_at(&nodes->subsystems, k);
         MEMBER_AT(nodes->inverse_unknown_size, i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, i) + least_q);
         if (!has_momenta) continue;
-        const MEMBER own = nodes->momentum_per_coordinate_drift_of_step[i] * least_q,
+        const MEMBER own = nodes->momentum_that_moves_coordinate_by_1_in_step[i] * least_q,
                      least = IF_ABOVE(least_p, own, own, least_p);
         MEMBER_AT(nodes->inverse_unknown_size, n + i) = 1 / (MEMBER_AT(nodes->inverse_unknown_size, n + i) + least);
     }

@@ -161,7 +161,7 @@ typedef struct {
     /* [unknowns][member_count] The reciprocal of each unknown's size, by which movements are measured. */
     double *inverse_unknown_size;
     /* [n] The momentum whose drift moves the coordinate by 1 in this step, or infinity if the mass is not known. */
-    double *momentum_per_coordinate_drift_of_step;
+    double *momentum_that_moves_coordinate_by_1_in_step;
     tvi_subsystems subsystems;
     /* [member_count] All bits of the mask are set if the member still makes passes. The impulses of all other
      * members stay unchanged. */

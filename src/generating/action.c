@@ -112,7 +112,8 @@ static tvi_status compute_seeds_without_finite_check(tvi_action *action, tvi_cur
         if (status == TVI_ENOCONV)
             return tvi_choose_curve_isa_functions(action->field_tape)->compute_seeds(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN)
-            (void)jet_explain_failed_sweep(action->field_tape, action->field_tape_values_at_nodes, action->node_count);
+            (void)jet_set_error_text_of_failed_sweep(action->field_tape, action->field_tape_values_at_nodes,
+                                                     action->node_count);
         return status;
     }
     seeds_clear_seeds_and_evaluate_curve_at_nodes(action, curve, seed_Q, seed_U);

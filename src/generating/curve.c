@@ -97,7 +97,9 @@ tvi_coefficient_combination tvi_combination_allocate(const tvi_curve *curve, tvi
 void tvi_combination_set_weights(tvi_coefficient_combination *combination, const tvi_curve *curve, bool of_momentum,
                                  const double weight[])
 {
-    const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
+    /* The scaled momentum of a separable system has the coefficients U_k = (k+1) Q_{k+1}: the weight of Q_k is k times
+     * that of U_{k-1}. */
+    const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE;
     combination->is_of_momentum = of_momentum && !shifts;
     combination->order_weight[0] = shifts ? 0 : weight[0];
     for (int k = 1; k <= curve->highest_order; k++)
@@ -130,7 +132,8 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
         return status != TVI_OK || curve_has_finite_coefficients(curve) ? status : TVI_ENONFINITE;
     }
     const tvi_status status = curve->generated_code->expand(curve);
-    if (status == TVI_EDOMAIN) (void)jet_explain_failed_sweep(curve->system->field_series, curve->series_block, 1);
+    if (status == TVI_EDOMAIN)
+        (void)jet_set_error_text_of_failed_sweep(curve->system->field_series, curve->series_block, 1);
     return status;
 }
 

@@ -66,9 +66,9 @@ static inline bool step_has_symplectic_end_corrections(const tvi_curve_workspace
 
 /* Computes out, the sum of the combination at the centre state z + dz to first order in dz, with dz the last correction
  * of the passes, which has not been added to z. */
-static inline void step_sum_combination_with_last_newton_dz(const tvi_curve_workspace *work,
-                                                            const tvi_coefficient_combination *combination,
-                                                            double out[])
+static inline void step_sum_combination_to_first_order_in_dz(const tvi_curve_workspace *work,
+                                                             const tvi_coefficient_combination *combination,
+                                                             double out[])
 {
     CURVE_CALL(sum_combination, &work->corrected_curve.curve, combination, out);
     if (!step_has_symplectic_end_corrections(work)) return;
@@ -86,8 +86,8 @@ static inline void step_compute_increments(const tvi_curve_workspace *work,
 {
     const tvi_corrected_curve *corrected = &work->corrected_curve;
     const int width = curve_member_count(&corrected->curve);
-    step_sum_combination_with_last_newton_dz(work, q_increment_weights, dq);
-    step_sum_combination_with_last_newton_dz(work, scaled_p_increment_weights, dp);
+    step_sum_combination_to_first_order_in_dz(work, q_increment_weights, dq);
+    step_sum_combination_to_first_order_in_dz(work, scaled_p_increment_weights, dp);
     for (int i = 0; i < curve_coefficient_row_length(&corrected->curve); i++) {
         dp[i] /= corrected->curve.momentum_scale_factor[i / width];
         if (!step_has_symplectic_end_corrections(work)) continue;

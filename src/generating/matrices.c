@@ -47,8 +47,8 @@ static tvi_status factor_full_matrix(tvi_corrected_curve *corrected, const tvi_e
     return tvi_factor_compute(&factors->full_jacobian_factor);
 }
 
-/* Subtracts K^T x from the half of gradient_then_solution that was not solved for. The other half is the solution x,
- * and K is the n x n block of the Jacobian whose columns are not jacobian_half_used_as_equation_matrix. */
+/* The equations J^T x = D use one n x n half J of a Jacobian matrix (J K) and one half of the gradient, which x has
+ * replaced. Subtracts K^T x from the other half of the gradient, which becomes the residual of the equations with K. */
 static void compute_residual_in_unsolved_gradient_half(tvi_corrected_curve *corrected,
                                                        const tvi_end_correction_equations *equations)
 {

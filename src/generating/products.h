@@ -146,8 +146,8 @@ static inline void products_discard_guess(tvi_corrected_curve *corrected)
     products_get_conjugate_residuals(corrected)->has_initial_guess = false;
 }
 
-static inline int products_get_first_solved_row(const tvi_corrected_curve *corrected,
-                                                const tvi_end_correction_equations *equations)
+static inline int products_get_first_equation_row(const tvi_corrected_curve *corrected,
+                                                  const tvi_end_correction_equations *equations)
 {
     const bool is_last =
         !equations->lower_jacobian_combination && equations->jacobian_half_used_as_equation_matrix == TVI_LAST_COLUMNS;
@@ -163,7 +163,7 @@ static inline tvi_transposed_jacobian_operands products_collect_operands(const t
                                               factor,
                                               equations->upper_jacobian_combination,
                                               equations->lower_jacobian_combination,
-                                              vector + products_get_first_solved_row(corrected, equations),
+                                              vector + products_get_first_equation_row(corrected, equations),
                                               vector + curve_dimension(&corrected->curve)};
 }
 
@@ -181,7 +181,7 @@ static inline void products_apply_diagonal_preconditioner(const tvi_corrected_cu
                                                           const tvi_end_correction_equations *equations,
                                                           const double r[], double vector[])
 {
-    const int n = curve_dimension(&corrected->curve), place = products_get_first_solved_row(corrected, equations);
+    const int n = curve_dimension(&corrected->curve), place = products_get_first_equation_row(corrected, equations);
     const tvi_coefficient_combination *lower = equations->lower_jacobian_combination;
     const double first = 1 / equations->upper_jacobian_combination->order_weight[place > 0],
                  second = lower ? 1 / lower->order_weight[1] : 0;
@@ -318,7 +318,7 @@ static inline tvi_status products_solve_correction_equations(tvi_corrected_curve
                                                              const tvi_end_correction_equations *equations)
 {
     const tvi_conjugate_residuals *iteration = products_get_conjugate_residuals(corrected);
-    const int n = curve_dimension(&corrected->curve), place = products_get_first_solved_row(corrected, equations);
+    const int n = curve_dimension(&corrected->curve), place = products_get_first_equation_row(corrected, equations);
     if (!equations->lower_jacobian_combination)
         memset(iteration->inverse_unknown_size + n - place, 0, (size_t)n * sizeof *iteration->inverse_unknown_size);
     const tvi_status status = products_solve_by_conjugate_residuals(corrected, equations);

@@ -188,7 +188,8 @@ static inline void seeds_add_gradient_by_p_terms(const tvi_action *action, const
     }
 }
 
-static inline void seeds_add_quadrature_error_terms(const tvi_action *action, const tvi_curve *curve, double seed[])
+static inline void seeds_add_corrections_for_inexact_quadrature(const tvi_action *action, const tvi_curve *curve,
+                                                                double seed[])
 {
     const int n = curve_coefficient_row_length(curve);
     for (int k = 0; k <= action->q_degree; k++)
@@ -224,7 +225,7 @@ static inline void seeds_compute_from_node_gradient(tvi_action *action, const tv
     seeds_set_gradient_by_q_terms(action, curve, seed_Q);
     if (is_bent || action->has_gradient_by_v) seeds_add_gradient_by_v_terms(action, n, seed_Q);
     if (is_bent || action->has_gradient_by_p) seeds_add_gradient_by_p_terms(action, curve, seed_Q, seed_U);
-    if (action->summation_by_parts_error) seeds_add_quadrature_error_terms(action, curve, seed_Q);
+    if (action->summation_by_parts_error) seeds_add_corrections_for_inexact_quadrature(action, curve, seed_Q);
 }
 
 /* Returns whether the seeds need only the field, and no second derivatives. */

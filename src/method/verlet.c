@@ -156,7 +156,7 @@ static tvi_status step_one_member(void *work, double h, const tvi_step_origin *o
     const size_t bytes = (size_t)w->system->n * sizeof(double);
     stats->force_evaluations += compute_increments(w, 1, h, &batch_origin);
     if (w->is_outside_domain[0]) {
-        (void)jet_explain_failed_sweep(w->system->field_values, w->force_block, 1);
+        (void)jet_set_error_text_of_failed_sweep(w->system->field_values, w->force_block, 1);
         return TVI_EDOMAIN;
     }
     memcpy(increments->dq, w->dq, bytes);

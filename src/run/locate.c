@@ -267,13 +267,13 @@ tvi_status tvi_locator_report_events(tvi_locator *locator, tvi_times_progress *t
     const tvi_tangent_columns *columns = &locator->run->columns;
     tvi_status status = update_event_parameters(locator);
     if (status == TVI_OK) status = locate_events_of_step(locator);
-    if (locator->search.repeats_stopping_event_at_unchanged_time) {
+    if (locator->search.has_stopping_event_come_again_at_same_time) {
         tvi_integrator_undo_step(locator->search.integrator, t, q, p);
         tvi_columns_restore_step_start(locator->search.integrator, columns);
     }
     for (int i = 0; i < locator->search.root_count && status == TVI_OK; i++)
         status = report_root(locator, times, i, t, q, p);
-    if (status != TVI_ESTOPPED && !locator->search.repeats_stopping_event_at_unchanged_time)
+    if (status != TVI_ESTOPPED && !locator->search.has_stopping_event_come_again_at_same_time)
         tvi_columns_restore_step_end(locator->search.integrator, columns);
     return status;
 }

@@ -202,8 +202,9 @@ int tvi_taylor_order(double tolerance)
 }
 
 /* Checks those arguments that the run's mode needs, and sets the schedule of its steps. */
-static tvi_status set_schedule_for_mode(const tvi_integrator *it, const tvi_single_run *run, double t, const double q[],
-                                        const double p[], tvi_schedule *schedule)
+static tvi_status check_arguments_and_schedule_steps_of_run(const tvi_integrator *it, const tvi_single_run *run,
+                                                            double t, const double q[], const double p[],
+                                                            tvi_schedule *schedule)
 {
     const double h = run->plan->h;
     if (!tvi_events_match_dimension(it, run->plan->events, run->plan->event_count)) return TVI_EINVAL;
@@ -292,7 +293,7 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
 {
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     run_in_progress in_progress = {.integrator = it, .run = run};
-    tvi_status status = set_schedule_for_mode(it, run, *t, q, p, &in_progress.schedule);
+    tvi_status status = check_arguments_and_schedule_steps_of_run(it, run, *t, q, p, &in_progress.schedule);
     if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
     if (status == TVI_OK && (in_progress.schedule.loads_user_state || it->is_in_observer))

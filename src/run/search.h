@@ -53,7 +53,7 @@ typedef struct {
     bool is_momentum_changed_at_stop; /* true if the run begins at its last stop with another momentum p */
     /* True if an event that stopped the run comes again before the time changes by more than its roundoff, as for a
      * ball at rest on the floor. */
-    bool repeats_stopping_event_at_unchanged_time;
+    bool has_stopping_event_come_again_at_same_time;
     long last_searched_step_number; /* the number of the last step that was searched; 0 if there is none */
     jet_tape *joint_tape;           /* a tape that evaluates the functions of all events together */
     /* Memory in which joint_tape is evaluated at TVI_SAMPLES states at once. It begins with the tape's inputs, the
@@ -75,7 +75,7 @@ void tvi_search_close(tvi_event_search *search);
 void tvi_search_set_parameters(tvi_event_search *search);
 
 /* Finds the roots of all events in the last step, one event after the other. Returns TVI_ENOCONV if
- * search->repeats_stopping_event_at_unchanged_time becomes true. */
+ * search->has_stopping_event_come_again_at_same_time becomes true. */
 TVI_NODISCARD tvi_status tvi_search_last_step_for_roots(tvi_event_search *search);
 /* Computes the state [2n + 1], in the order q, p, t, on the curve of the last step at theta. */
 TVI_NODISCARD tvi_status tvi_search_compute_curve_state(tvi_event_search *search, double theta, double state[]);

@@ -183,10 +183,10 @@ tvi_status tvi_find_sign_leaving_zero_at_step_start(tvi_event_search *search, in
     if (status != TVI_OK) return status;
     double theta = theta_where_time_changes_by_roundoff(search, at_first);
     status = find_sign_of_g_change(search, event_index, theta, &sign);
-    search->repeats_stopping_event_at_unchanged_time = status == TVI_OK && w->was_reported_at_stop &&
-                                                       search->is_momentum_changed_at_stop && first * sign < 0 &&
-                                                       tvi_event_reports_sign_change(w->event, sign);
-    if (search->repeats_stopping_event_at_unchanged_time)
+    search->has_stopping_event_come_again_at_same_time = status == TVI_OK && w->was_reported_at_stop &&
+                                                         search->is_momentum_changed_at_stop && first * sign < 0 &&
+                                                         tvi_event_reports_sign_change(w->event, sign);
+    if (search->has_stopping_event_come_again_at_same_time)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           event_index);
     while (status == TVI_OK && sign == 0 && theta * EVENT_RETURN_THETA_GROWTH < tvi_sample_theta[0])

@@ -100,8 +100,9 @@ static bool make_step_and_tell_if_trial_goes_on(tvi_trials *trials, tvi_step_siz
     return !trial->is_finished;
 }
 
-/* Lets the trial use the steps that are reserved for the companion, if the trial has covered much less of the run's
- * error than an earlier trial. Returns true if the trial can go on with these steps. */
+/* Lets a trial go on with the steps that were kept for the perturbed orbit, if the part of the run that it has made so
+ * far is responsible for much less of the run's error than the part that an earlier trial made. Returns whether it does
+ * so. */
 static bool can_continue_with_perturbed_orbit_steps(tvi_trials *trials, const tvi_step_size_trial *trial)
 {
     const bool takes =

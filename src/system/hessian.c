@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-/* Makes room in *jets for the field, the second derivatives so far, one more row of them, and the gradient that
- * contains the row. Makes room in system->hessian for the entries of the row. */
+/* Makes room for one more row of second derivatives: in *jets, which contains the field, all second derivatives so far
+ * and then a gradient of which the new row is taken, and in system->hessian, which has the place of each of them. */
 static bool grow_hessian_arrays(tvi_system *system, jet **jets)
 {
     const size_t room = (size_t)system->hessian_entry_count + 6 * (size_t)system->n;
