@@ -87,8 +87,8 @@
 
 /* ---- The Galerkin curve: make longrun, make stability ------------------------------------------------------------ */
 
-/* [1] Passes end when the next pass is expected to move the unknowns by at most this part (galerkin/probe.c derives the
- * two numbers). */
+/* [1] Passes end when the next pass is expected to move the unknowns, relative to their sizes, by at most 2^-80 or
+ * 2^-72. This is far below roundoff, since what is left has the same sign in each step (galerkin/probe.c). */
 #define GALERKIN_GOAL         0x1p-80 /* Passes without second derivatives end if the next should move less. */
 #define GALERKIN_HESSIAN_GOAL 0x1p-72 /* Passes with second derivatives, which cost more, end at this movement. */
 /* [1] A movement of the unknowns by at most this part may be roundoff, and shows no contraction. */

@@ -19,10 +19,11 @@
  * to the coordinates, or the last n, which belong to the velocities or the momenta. */
 typedef enum { TVI_FIRST_COLUMNS, TVI_LAST_COLUMNS } tvi_column_half;
 
-/* The linear equations A^T x = D_z for the corrections of the ends. A is one n x n block of the Jacobian of an end of
- * the curve by z; or it consists of two such Jacobians, n x 2n each, one above the other. */
+/* The linear equations A^T x = D_z for the corrections of the ends, with the gradient D_z of the action by the centre
+ * state z. A is made of Jacobians by z of weighted sums of the curve's coefficients, such as the curve's end: it is an
+ * n x n half of one of them, or it consists of two, n x 2n each, one above the other. */
 typedef struct {
-    /* The combinations whose Jacobians form A; lower_jacobian_combination is NULL if A is one block. */
+    /* The weighted sums whose Jacobians form A; lower_jacobian_combination is NULL if A is half of one Jacobian. */
     const tvi_coefficient_combination *upper_jacobian_combination, *lower_jacobian_combination;
     tvi_column_half jacobian_half_used_as_equation_matrix; /* if A is an n x n block of the Jacobian: its columns */
 } tvi_end_correction_equations;

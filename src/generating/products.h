@@ -167,7 +167,7 @@ static inline tvi_transposed_jacobian_operands products_collect_operands(const t
                                               vector + curve_dimension(&corrected->curve)};
 }
 
-/* Computes out = A^T vector, in all 2n rows, from the orders of the curve up to last_order; A is from the equations. */
+/* Computes out = A^T vector [2n], with the equations' matrix A, from the orders of the series up to last_order. */
 static inline void products_multiply_by_equation_matrix(tvi_corrected_curve *corrected, int last_order,
                                                         const tvi_end_correction_equations *equations,
                                                         const double vector[], double out[])

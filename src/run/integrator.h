@@ -14,7 +14,8 @@
  * a step. */
 typedef struct {
     double zero_level_of_energy; /* the guard measures energies from this value of H, as H - zero_level_of_energy */
-    /* |H - zero_level_of_energy| when this level was set, plus all amounts by which the level was lowered. */
+    /* The size with which changes of the energy are compared: |H - zero_level_of_energy| when this level was set. When
+     * guard.c finds a lower level, the difference of the levels is added. */
     double energy_scale;
     double H; /* the member's energy at its current state */
     /* True if guard.c has tried to find zero_level_of_energy and energy_scale. */
