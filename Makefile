@@ -93,7 +93,7 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/quick.c generating/quick_members.c generating/products.c run/advance.c)
+SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/fast_path.c generating/fast_path_members.c generating/products.c run/advance.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
@@ -194,7 +194,7 @@ $(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
-                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h tangents.h orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
+                      $(addprefix generating/,in_generated.h series.h taylor_sweep.h step_size.h tangents.h orders.h nodes.h node_momenta.h seeds.h corrected_curve.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)

@@ -76,9 +76,9 @@ static inline tvi_passes_verdict tvi_convergence_test_add_pass(tvi_convergence_t
     return is_stalled ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
-/* Tells whether the last correction is roundoff: whether it is at most the roundoff that was measured after the passes
- * were stuck. Keeps this roundoff for later passes. */
-static inline bool tvi_convergence_test_is_at_roundoff(tvi_convergence_test *test, double measured_roundoff)
+/* Sets the roundoff that was measured after the passes were stuck, for this and all later passes. Returns whether the
+ * last correction is roundoff, that is, at most this. */
+static inline bool tvi_convergence_test_set_measured_roundoff(tvi_convergence_test *test, double measured_roundoff)
 {
     test->roundoff = measured_roundoff;
     return test->size <= measured_roundoff;

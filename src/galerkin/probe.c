@@ -16,7 +16,8 @@
  * sizes of the unknowns. The numbers here are for a single unknown at one node.
  *
  * correction_goal: the error that a step leaves has the same sign in each step and grows as the number of steps, but
- * roundoff grows as its square root. A goal of 2^-80 keeps the error below the roundoff for more than 10^9 steps.
+ * roundoff grows as its square root. A goal of 2^-80 keeps this error below the roundoff for more than 10^9 steps.
+ * (A drift that no goal changes is left by where passes come to rest: docs/roundoff.md.)
  * Passes of Newton's method cost more. Their goal of 2^-72 does so for fewer steps, by a factor of 2^16.
  * roundoff_level: corrections below it do not show how fast the passes contract. The corrections of a small step are
  * soon below it; its passes are assumed to contract as those of an earlier step.

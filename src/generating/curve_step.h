@@ -1,8 +1,8 @@
 /* curve_step.h - makes the fast-path step of a method that expands one Taylor curve, and computes the parts of all
  * other steps of such a method. The fast-path step is the common case of a whole step, whose passes converge as usual.
  * It has no fallbacks, such as row exchanges or Jacobians by differences. If a step needs a fallback, the fast-path
- * step reports failure, and curve_stepper.c makes the step. curve_stepper.c, quick.c, quick_members.c and generated
- * code (generated_curve.h) call this file; generated code has every size as a constant. */
+ * step reports failure, and curve_stepper.c makes the step. curve_stepper.c, fast_path.c, fast_path_members.c and
+ * generated code (generated_curve.h) call this file; generated code has every size as a constant. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 

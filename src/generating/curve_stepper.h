@@ -4,7 +4,7 @@
 #define TVI_SRC_GENERATING_CURVE_STEPPER_H
 
 #include "generating/action.h"
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "generating/newton.h"
 #include "generating/refine.h"
 #include "system/legendre.h"

@@ -1,6 +1,6 @@
 /* matrices.c - solves A^T x = D_z for the corrections of the curve's ends, with D_z the gradient of the discrete action
  * in defect form (action.h) and A made of Jacobian matrices of the ends. It factors them, and reuses the factors as
- * long as the resulting error is below roundoff. closure.c calls it through tvi_solver_by_matrices. */
+ * long as the resulting error is below roundoff. corrected_curve.c calls it through tvi_solver_by_matrices. */
 #include "generating/curve.h"
 #include "generating/matrices.h"
 

@@ -3,7 +3,7 @@
 #ifndef TVI_SRC_GENERATING_MATRICES_H
 #define TVI_SRC_GENERATING_MATRICES_H
 
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "generating/tangents.h"
 
 /* The Jacobians of the curve's ends and their factors. jacobian_computations_in_step counts how often Jacobians are

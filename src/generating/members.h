@@ -1,6 +1,6 @@
 /* members.h - computes weighted sums of rows whose lanes are members of an ensemble, with the same bits as
  * jet_combine_strided_rows (sums.h) computes for one member. It handles four vectors at once, so that each weight is
- * loaded once. The fast-path steps of quick_members.c call it. */
+ * loaded once. The fast-path steps of fast_path_members.c call it. */
 #ifndef TVI_SRC_GENERATING_MEMBERS_H
 #define TVI_SRC_GENERATING_MEMBERS_H
 

@@ -125,7 +125,7 @@ static inline tvi_status momenta_solve_at_nodes(tvi_action *action, tvi_curve *c
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK &&
              (largest <= MOMENTA_STALLED_CORRECTION * size ||
-              tvi_convergence_test_is_at_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
+              tvi_convergence_test_set_measured_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
             return seeds_evaluate_field_at_nodes(action);
     }
     return TVI_ENOCONV;

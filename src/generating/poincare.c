@@ -8,7 +8,7 @@
  * Here zbar is the mean of (q-, p-) and (q+, p+), a function of z, and D_z is the gradient of the curve's action in
  * defect form by z (action.h). A curve stores each momentum multiplied by a scale factor kappa (series.h). With the
  * mean of these scaled momenta in zbar, the unknowns of the equations become a and b / kappa. */
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "method/list.h"
 
 const tvi_descriptor tvi_poincare = {

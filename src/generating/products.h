@@ -1,11 +1,11 @@
 /* products.h - solves the equations A^T x = D_z for the corrections of the curve's ends without forming Jacobians, for
  * separable systems of many coordinates. One tangent or adjoint sweep computes a product with a Jacobian, and
- * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). closure.c calls it through
- * tvi_solver_by_products_*. Generated code includes this text (emit.c) with every size as a constant. */
+ * generalised conjugate residuals solve the equations (docs/method.md sections 2 and 5). corrected_curve.c calls it
+ * through tvi_solver_by_products_*. Generated code includes this text (emit.c) with every size as a constant. */
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "generating/newton.h"
 
 /* ---- Products with the Jacobians --------------------------------------------------------------------------------- */

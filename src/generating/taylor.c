@@ -1,7 +1,7 @@
 /* taylor.c - defines the descriptor of the plain Taylor method for the list of methods (method/list.h). A step is the
  * Taylor curve from the start to the end of the step, without corrections; the curve of p has degree N - 1. The method
  * is explicit and not symplectic. */
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "method/list.h"
 
 const tvi_descriptor tvi_taylor = {

@@ -5,7 +5,7 @@
  * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections. With the mean M of G- and
  * G+, and R = G+ - G-, the matrix is I + O(h):
  *     M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "method/list.h"
 
 const tvi_descriptor tvi_type1_midpoint = {

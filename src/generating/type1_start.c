@@ -3,7 +3,7 @@
  *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
  * (q-, p-) and (q+, p+) are the ends of the curve, G- and G+ the Jacobians of q- and q+ by its centre state z, D_z is
  * the gradient of the action in defect form (action.h), and d0 and d1 are the corrections. */
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "method/list.h"
 
 /* Computes the corrections d0 and d1 of the momenta at the ends. The unknowns are z = (q0, v). With

@@ -1,7 +1,7 @@
 /* type2_start.c - computes the corrections that the type II method, Hd+(q0, p1), the right discrete Hamiltonian, adds
  * to the ends of a Taylor curve that is expanded at the start of the step, and defines the descriptor of the method for
  * the list of methods (method/list.h). The equations are in docs/method.md, section 4. */
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "method/list.h"
 
 /* Computes the corrections with z = (q0, w), p1 = p+:

@@ -1,7 +1,7 @@
 /* type3_start.c - computes the corrections that the type III method, Hd-(q1, p0), the left discrete Hamiltonian, adds
  * to the ends of a Taylor curve that is expanded at the start of the step, and defines the descriptor of the method for
  * the list of methods (method/list.h). The equations are in docs/method.md, section 4. */
-#include "generating/closure.h"
+#include "generating/corrected_curve.h"
 #include "method/list.h"
 
 /* Computes the corrections with z = (w, p0), q1 = q+:

@@ -15,11 +15,11 @@ typedef struct {
 
 struct tvi_corrected_curve;
 /* The type of a function that computes the corrections of a curve's ends by the equations of a generating function
- * (generating/closure.h). */
+ * (generating/corrected_curve.h). */
 typedef tvi_status tvi_correct_ends_fn(struct tvi_corrected_curve *corrected);
 
-/* The factors by which the solution (x, y) of the equations [J1; J2]^T (x, y) = D_z (generating/closure.h) enters the
- * corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates.
+/* The factors by which the solution (x, y) of the equations [J1; J2]^T (x, y) = D_z (generating/corrected_curve.h)
+ * enters the corrections of both ends. J1 is the Jacobian matrix of the mean of the ends' coordinates.
  * tvi_solve_end_corrections_by_jacobian_block, which solves other equations for (x, y), uses the same factors. In the
  * notation of docs/notation.md the corrections of the start are
  *     start_correction_q = start_q_correction_factor kappa y,

@@ -120,7 +120,7 @@ static bool is_last_correction(tvi_legendre_transform *legendre, const double x[
     const tvi_passes_verdict verdict = tvi_convergence_test_add_pass(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
     return largest <= LEGENDRE_STALLED_CORRECTION * size ||
-           tvi_convergence_test_is_at_roundoff(passes, estimate_correction_roundoff(legendre, y));
+           tvi_convergence_test_set_measured_roundoff(passes, estimate_correction_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre_transform *legendre, double t, const double q[], const double y[],

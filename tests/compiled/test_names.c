@@ -114,32 +114,14 @@ START_TEST(other_names_are_refused)
 {
     static const struct {
         const char *name, *why;
-    } refused[] = {{"", "identifier"},
-                   {"1st", "identifier"},
-                   {"a b", "identifier"},
-                   {"a-b", "identifier"},
-                   {"int", "word of C"},
-                   {"class", "word of C"},
-                   {"sqrt", "C library"},
-                   {"main", "C library"},
-                   {"_orbit", "begins"},
-                   {"tvi_orbit", "begins"},
-                   {"jet_run_of_operations", "begins"},
-                   {"jet", "begins"},
-                   {"std", "word of C"},
-                   {"NULL", "macros"},
-                   {"MOVE", "macros"},
-                   {"isnan", "C library"},
-                   {"fpclassify", "C library"},
-                   {"sinf", "C library"},
-                   {"cexpl", "C library"},
-                   {"int32_t", "C library"},
-                   {"offsetof", "C library"},
-                   {"strlen", "C library"},
-                   {"read", "C library"},
-                   {"errno", "C library"},
-                   {"atomic_load", "C library"},
-                   {"va_list", "C library"}};
+    } refused[] = {
+        {"", "identifier"},           {"1st", "identifier"},   {"a b", "identifier"},  {"a-b", "identifier"},
+        {"int", "word of C"},         {"class", "word of C"},  {"sqrt", "C library"},  {"main", "C library"},
+        {"_orbit", "begins"},         {"tvi_orbit", "begins"}, {"jet_run", "begins"},  {"jet", "begins"},
+        {"std", "word of C"},         {"NULL", "macros"},      {"MOVE", "macros"},     {"isnan", "C library"},
+        {"fpclassify", "C library"},  {"sinf", "C library"},   {"cexpl", "C library"}, {"int32_t", "C library"},
+        {"offsetof", "C library"},    {"strlen", "C library"}, {"read", "C library"},  {"errno", "C library"},
+        {"atomic_load", "C library"}, {"va_list", "C library"}};
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         ck_assert_str_eq(written(0, "/nowhere", refused[i].name), "");
         ck_assert_ptr_nonnull(strstr(tvi_last_error(), refused[i].why));

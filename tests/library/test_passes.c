@@ -129,9 +129,9 @@ START_TEST(measured_later)
     tvi_convergence_test_begin_iteration(&passes, 0);
     ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_GO_ON);
     ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-9) == TVI_PASSES_STUCK);
-    ck_assert(!tvi_convergence_test_is_at_roundoff(&passes, 1e-10));
+    ck_assert(!tvi_convergence_test_set_measured_roundoff(&passes, 1e-10));
     ck_assert(tvi_convergence_test_add_pass(&passes, &rule, 1e-10) == TVI_PASSES_MAY_END);
-    ck_assert(tvi_convergence_test_is_at_roundoff(&passes, 1e-10));
+    ck_assert(tvi_convergence_test_set_measured_roundoff(&passes, 1e-10));
 }
 END_TEST
 

@@ -1,8 +1,8 @@
-/* quick.c - compiles the fast-path step of one member (curve_step.h: a whole step in the common case that passes
+/* fast_path.c - compiles the fast-path step of one member (curve_step.h: a whole step in the common case that passes
  * converge as usual, without fallbacks), the seeds of the action and the rescaling of a curve for one instruction set,
  * and lists all functions compiled for it. The build compiles this file once for each instruction set; choose.c selects
  * among the results. */
-#include "generating/quick.h"
+#include "generating/fast_path.h"
 #include "generating/step_size.h"
 
 static bool try_single_member_fast_path_step(tvi_curve_workspace *work, double tau, const tvi_batch_origin *origin,

@@ -1,5 +1,6 @@
-/* closure.h - declares the Taylor curve of a step together with the small corrections that a generating function adds
- * to its ends, and the equations and solvers that compute these corrections. curve_stepper.c calls it in each pass.
+/* corrected_curve.h - declares the Taylor curve of a step together with the small corrections that a generating
+ * function adds to its ends, and the equations and solvers that compute these corrections. curve_stepper.c calls it in
+ * each pass.
  *
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + start_correction_q,   q1 - q0 = (q+ - q-) + increment_correction_q,
@@ -9,8 +10,8 @@
  * discrete action in defect form (action.h), and from the Jacobians of the curve's ends by its centre state z. All
  * other parts of a step are the same for all generating functions (curve_stepper.c). This file is part of the text of
  * generated code. */
-#ifndef TVI_SRC_GENERATING_CLOSURE_H
-#define TVI_SRC_GENERATING_CLOSURE_H
+#ifndef TVI_SRC_GENERATING_CORRECTED_CURVE_H
+#define TVI_SRC_GENERATING_CORRECTED_CURVE_H
 
 #include "generating/seeds.h"
 #include "method/closing.h"

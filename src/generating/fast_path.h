@@ -1,7 +1,7 @@
-/* quick.h - expands a curve with its tangents by the sweeps compiled for one instruction set. The fast-path steps of
- * one member (quick.c) and of several members (quick_members.c) call it. */
-#ifndef TVI_SRC_GENERATING_QUICK_H
-#define TVI_SRC_GENERATING_QUICK_H
+/* fast_path.h - expands a curve with its tangents by the sweeps compiled for one instruction set. The fast-path steps
+ * of one member (fast_path.c) and of several members (fast_path_members.c) call it. */
+#ifndef TVI_SRC_GENERATING_FAST_PATH_H
+#define TVI_SRC_GENERATING_FAST_PATH_H
 
 #define CURVE_ONE_SET
 #include "sums.h"

@@ -1,7 +1,7 @@
-/* closure.c - solves the equations of the generating functions, and computes from their solution the small corrections
- * by which the ends of the step differ from those of the Taylor curve (closure.h). The methods' functions
- * `solve_end_corrections` call it. */
-#include "generating/closure.h"
+/* corrected_curve.c - solves the equations of the generating functions, and computes from their solution the small
+ * corrections by which the ends of the step differ from those of the Taylor curve (corrected_curve.h). The methods'
+ * functions `solve_end_corrections` call it. */
+#include "generating/corrected_curve.h"
 
 static tvi_status solve_for_end_corrections(tvi_corrected_curve *corrected,
                                             const tvi_end_correction_equations *equations)

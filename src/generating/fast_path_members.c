@@ -1,9 +1,9 @@
-/* quick_members.c - compiles the fast-path step of several members (curve_step.h: a whole step in the common case that
- * passes converge as usual, without fallbacks), and their plain Taylor step, for one instruction set. The build
+/* fast_path_members.c - compiles the fast-path step of several members (curve_step.h: a whole step in the common case
+ * that passes converge as usual, without fallbacks), and their plain Taylor step, for one instruction set. The build
  * compiles this file once for each instruction set; choose.c selects among the results for curve_batch.c. */
 #define CURVE_MEMBERS
 #include "generating/members.h"
-#include "generating/quick.h"
+#include "generating/fast_path.h"
 #include "generating/step_size.h"
 #include "method/single.h"
 
