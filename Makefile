@@ -139,6 +139,7 @@ PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config
 SLEEF_PACKAGE    := $(if $(filter-out 0,$(SLEEF)),'libsleef-dev:pkg-config --exists sleef || ! { $(MAY_INSTALL); }')
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
                     'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
+                    'locales:test -e /usr/share/i18n/locales/de_DE' \
                     'libeigen3-dev:test -e /usr/include/eigen3/Eigen/Core' 'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun' \
                     $(foreach package,numpy cffi matplotlib,'python3-$(package):$(HAS_PYTHON)')
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'

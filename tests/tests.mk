@@ -9,8 +9,8 @@
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
 CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
-           headers readme formatting tables symbols names floors)
-LONG    := $(patsubst %,check-%,sanitizers arm coverage isas plain thorough valgrind gallery warnings-clang dist threads bench)
+           headers readme formatting tables symbols names floors cases)
+LONG    := $(patsubst %,check-%,sanitizers cases-long arm coverage isas plain thorough valgrind gallery warnings-clang dist threads bench)
 ALL     := $(patsubst %,check-%,generated equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
@@ -255,7 +255,7 @@ FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addp
 check-formatting: ; $(REPORT) "formatting" $(DO)
 do-formatting:
 	clang-format --dry-run -Werror $(FORMATTED)
-	! grep -nE '^.{121,}' $(FORMATTED) $(wildcard src/python/tvi/*.py tests/python/*.py docs/python/*.py)
+	! grep -nE '^.{121,}' $(FORMATTED) $(wildcard src/python/tvi/*.py tests/python/*.py tests/cases/*.py docs/python/*.py)
 	awk -f tests/prose.awk README.md docs/*.md docs/*/*.md
 
 # ---- What users get ----------------------------------------------------------------------------------------------------
@@ -316,6 +316,16 @@ do-readme: $(BUILD)/libtvi.a
 	grep -F "$$(sed -n 's/^    \(q = .*,\) error .*/\1/p' README.md)" $(BUILD)/check/readme.out $(BUILD)/check/readme_step.out
 	test "$$(grep -c closest $(BUILD)/check/readme_events.out)" = 1010
 	tail -n 1 $(BUILD)/check/readme_events.out | cmp $(BUILD)/check/readme.out
+
+# programs that users wrote, and what they have to print: tests/cases/cases.txt
+check-cases: ; $(REPORT) "cases: each passes or fails as its line says" $(DO)
+check-cases-long: ; $(REPORT) "cases that take longer" $(DO)
+CASES = $(PYTHON_HERE) CXX='$(CXX)' STRICT='$(STRICT)' LIBS='$(LIBS)' PYTHON='$(PYTHON)' \
+        tests/cases.sh tests/cases/cases.txt $(abspath $(BUILD))
+do-cases: $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+	$(CASES) check
+do-cases-long: $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+	$(CASES) long
 
 # what make verify does, on a small document
 check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(DO)
