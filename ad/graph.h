@@ -27,7 +27,7 @@ typedef enum {
     OP_SQRT,      /* z = sqrt a                                     */
     OP_POW,       /* z = a^number                                   */
     OP_HYPOT,     /* z = sqrt(a^2 + b^2)                            */
-    OP_ATAN2,     /* z' = (b a' - a b') / w, w = a^2 + b^2          */
+    OP_ATAN2,     /* z' = (b a' - a b') / (w_0 w), w = radius       */
     OP_EXP,       /* z' =  w a', w = z                              */
     OP_SIN,       /* z' =  w a', w = cos a                          */
     OP_COS,       /* z' = -w a', w = sin a                          */
@@ -44,6 +44,7 @@ typedef enum {
     OP_ASINH,     /* z' =  a' / w, w = sqrt(1 + a^2)                */
     OP_ACOSH,     /* z' =  a' / w, w = sqrt((a-1)(a+1))             */
     OP_ATANH,     /* z' =  a' / w, w = (1-a)(1+a)                   */
+    OP_RADIUS,    /* z = (a^2 + b^2) / (a_0^2 + b_0^2)^(1/2)        */
     /* The following operations exist only on tapes. */
     OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
     OP_SQUARES,  /* z = sum_i coefficient_i a_i^2   */

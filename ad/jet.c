@@ -220,7 +220,7 @@ static jet record_auxiliary_node_for_series_of(jet_graph *graph, struct jet_node
     case OP_ASINH: return jet_sqrt(jet_add(1, jet_sqr(a)));
     case OP_ACOSH: return jet_sqrt(jet_mul(jet_sub(a, 1), jet_add(a, 1)));
     case OP_ATANH: return jet_mul(jet_sub(1, a), jet_add(1, a));
-    case OP_ATAN2: return jet_add(jet_sqr(a), jet_sqr(jet_from_node(z->b)));
+    case OP_ATAN2: return record_node_and_its_auxiliary_node(graph, OP_RADIUS, z->a, z->b);
     default: return jet_const(0); /* The recurrence has no auxiliary series. */
     }
 }

@@ -25,7 +25,8 @@ static long double evaluate_operation(const jet_run_of_operations *run, long dou
     case OP_DIV: return a / b;
     case OP_SQRT: return sqrtl(a);
     case OP_POW: return compute_long_double_power(a, run->exponent);
-    case OP_HYPOT: return hypotl(a, b);
+    case OP_HYPOT:
+    case OP_RADIUS: return hypotl(a, b);
     case OP_ATAN2: return atan2l(a, b);
     case OP_EXP: return expl(a);
     case OP_SIN: return sinl(a);

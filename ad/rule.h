@@ -100,7 +100,8 @@ extern const jet_rule *const jet_rules[OP_COUNT];
     ROW(OP_ATAN, atan)                                                                                                 \
     ROW(OP_ASINH, asinh)                                                                                               \
     ROW(OP_ACOSH, acosh)                                                                                               \
-    ROW(OP_ATANH, atanh)
+    ROW(OP_ATANH, atanh)                                                                                               \
+    ROW(OP_RADIUS, radius)
 #ifndef JET_EMITTED
 #define JET_DECLARE_RULE(op, name) extern const jet_rule JET_RULE_OF(name);
 JET_RULE_LIST(JET_DECLARE_RULE)

@@ -8,6 +8,7 @@ Suite *record_suite(void);
 Suite *domain_suite(void);
 Suite *tape_suite(void);
 Suite *series_suite(void);
+Suite *scales_suite(void);
 Suite *identity_suite(void);
 Suite *tangent_suite(void);
 Suite *adjoint_suite(void);
