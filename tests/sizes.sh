@@ -1,8 +1,8 @@
 #!/bin/sh
-# sizes.sh: no file is longer than 400 lines, no function of ad/ and src/ longer than 40, and the median function of
+# sizes.sh: no file is longer than 500 lines, no function of ad/ and src/ longer than 40, and the median function of
 # src/ has 10 at most. A function's lines are those between its braces, which stand at the beginning of a line.
 set -eu
-wc -l include/*.h ad/*.[ch] src/*/*.[ch] bench/*/*.[ch] tests/*/*.[ch] src/python/tvi/*.py tests/python/*.py | awk '$2 != "total" && $1 > 400 { print $2 ": " $1 " lines"; failed = 1 } END { exit failed }'
+wc -l include/*.h ad/*.[ch] src/*/*.[ch] bench/*/*.[ch] tests/*/*.[ch] src/python/tvi/*.py tests/python/*.py | awk '$2 != "total" && $1 > 500 { print $2 ": " $1 " lines"; failed = 1 } END { exit failed }'
 awk '
     FNR == 1 { begin = 0 }
     /^{/ { begin = FNR }

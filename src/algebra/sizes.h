@@ -44,6 +44,10 @@ static inline double tvi_largest_magnitude(int n, const double x[], int stride)
     return size;
 }
 
+/* The least size of a quantity that others are divided by. Smaller numbers, or their products with roundoff, have lost
+ * digits to underflow, and count as no larger than 0. */
+static const double TVI_LEAST_SIZE = 1e-280;
+
 /* Return the larger and the smaller of two numbers without the function call that fmax and fmin may need. The result
  * is b if one of them is NaN. */
 static inline double tvi_larger(double a, double b) { return a > b ? a : b; }

@@ -8,6 +8,7 @@
 #include "algebra/sizes.h"
 #include "algebra/subsystems.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -20,7 +21,8 @@ typedef struct {
      * follows from p. */
     double q_change_by_last_term;
     double coordinate_size; /* The magnitude of q at the start, or at the centre of a Taylor curve. */
-    double one_over_momentum_size, one_over_q_change_size; /* 1 / momentum_size and 1 / q_change_size. */
+    /* 1 / momentum_size and 1 / q_change_size, of which sizes below TVI_LEAST_SIZE count as that size. */
+    double one_over_momentum_size, one_over_q_change_size;
 } tvi_component_sizes_in_step;
 
 /* Returns the share of a component in the motion. The share is the squared movement if leaves_out_momentum, as for a
@@ -53,7 +55,8 @@ static inline double tvi_largest_relative_last_series_term(const tvi_component_s
 static inline double tvi_damp_last_term_ratio_of_slow_component(double last_term_ratio, double motion_share,
                                                                 double largest_motion_share)
 {
-    const double least = TAIL_MIN_SHARE * largest_motion_share, quotient = motion_share * (1 / least);
+    const double least = TAIL_MIN_SHARE * largest_motion_share,
+                 quotient = motion_share * (1 / tvi_larger(least, DBL_MIN));
     return last_term_ratio * (motion_share < least ? quotient : 1);
 }
 

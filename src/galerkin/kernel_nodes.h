@@ -251,10 +251,11 @@ JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_arr
     return MAGNITUDE(start) + MAGNITUDE(movement);
 }
 
+/* Returns what is added to the sizes of unknowns, of which this is the largest one. */
 JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
 {
     const MEMBER none = {0};
-    return IF_ABOVE(largest, none, GALERKIN_MIN_SHARE * largest, 1 - none);
+    return IF_ABOVE(largest, none, GALERKIN_MIN_SHARE * largest + DBL_MIN, 1 - none);
 }
 
 /* Sets inverse_unknown_size for the unknowns of one subsystem. To the size of each unknown it adds a small part of the

@@ -117,13 +117,13 @@ static inline tvi_component_sizes_in_step galerkin_compute_component_sizes(const
                                              .p_change_by_last_term = last[momentum_index],
                                              .q_change_by_last_term = inputs->is_separable ? 0 : last[coordinate_index],
                                              .coordinate_size = fabs(inputs->start_q[coordinate_index])};
-    component.one_over_momentum_size = 1 / component.momentum_size;
+    component.one_over_momentum_size = 1 / tvi_larger(component.momentum_size, TVI_LEAST_SIZE);
     component.q_change_size = inputs->is_separable
                                   ? fabs(inputs->unknown_change_per_impulse[i]) * component.momentum_size
                                   : end_size[coordinate_index] * inputs->inverse_weight_of_end_nodes;
     component.one_over_q_change_size =
         inputs->is_separable ? inputs->inverse_unknown_change_per_impulse[i] * component.one_over_momentum_size
-                             : 1 / component.q_change_size;
+                             : 1 / tvi_larger(component.q_change_size, TVI_LEAST_SIZE);
     return component;
 }
 

@@ -192,6 +192,7 @@ static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double g
         double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
         if (status == TVI_OK) usable_s = tvi_curve_estimate_largest_usable_s(curve, w->log_adapted_step_tolerance);
         *usable_step = fmin(usable_s * fabs(attempt->time_unit), least_usable_step);
+        usable_s = *usable_step / fabs(attempt->time_unit);
         if (usable_s >= 1 / STEP_SIZE_MAX_TAU_RATIO && (usable_s <= STEP_SIZE_MAX_TAU_RATIO || exponent >= highest))
             return TVI_OK;
         if (usable_s < 1 / STEP_SIZE_MAX_TAU_RATIO && usable_s > 0) {

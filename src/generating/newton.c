@@ -51,7 +51,7 @@ static tvi_status compute_jacobian_by_differences(tvi_newton *newton, const tvi_
     for (int column = 0; column < size; column++) {
         memcpy(newton->trial_unknowns, newton->x, (size_t)size * sizeof *newton->x);
         newton->trial_unknowns[column] +=
-            sqrt(DBL_EPSILON) * fmax(newton->roundoff_scale[column], fabs(newton->x[column]));
+            sqrt(DBL_EPSILON) * fmax(fmax(newton->roundoff_scale[column], TVI_LEAST_SIZE), fabs(newton->x[column]));
         const double step = newton->trial_unknowns[column] - newton->x[column];
         const tvi_status status = equations->residual(equations->self, newton->trial_unknowns, newton->trial_residual);
         if (status != TVI_OK) return status;

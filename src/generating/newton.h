@@ -185,8 +185,8 @@ static inline void newton_measure_corrections(const tvi_newton *newton, const do
 
 /* Raises the scales of the small unknowns of one member in one subsystem, group by group. A scale of 0 becomes the
  * largest scale of the group in the subsystem, or 1 if all are 0. Any other scale is raised to at least
- * NEWTON_MIN_SCALE times the largest one. An unknown that is much smaller than the others of its group, such as a body
- * that a wave has not reached, is thus measured by these. */
+ * NEWTON_MIN_SCALE times the largest one, and to DBL_MIN. An unknown that is much smaller than the others of its group,
+ * such as a body that a wave has not reached, is thus measured by these. */
 static inline void newton_raise_small_scales_in_subsystem(const tvi_newton *newton, int member, int begin, int end)
 {
     const int width = CURVE_WIDTH(newton);
@@ -197,7 +197,7 @@ static inline void newton_raise_small_scales_in_subsystem(const tvi_newton *newt
         for (int k = begin; k < end; k++) {
             const int i = tvi_subsystems_component_at(newton->subsystems, k) * width;
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
-            else scale[i] = tvi_larger(NEWTON_MIN_SCALE * largest, scale[i]);
+            else scale[i] = tvi_larger(tvi_larger(NEWTON_MIN_SCALE * largest, DBL_MIN), scale[i]);
         }
     }
 }

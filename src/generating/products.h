@@ -372,7 +372,8 @@ static inline void products_set_subsystem_unknown_sizes(const tvi_corrected_curv
     for (int k = first; k < end; k++) {
         const int i = component[k];
         const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = corrected->momentum_term_abs_sum[i];
-        unit[i] = unit[n + i] = 1 / (size > 0 ? tvi_larger(size, least * per) : none > 0 ? none * per : 1);
+        const double counted = size > 0 ? tvi_larger(size, least * per) : none > 0 ? none * per : 1;
+        unit[i] = unit[n + i] = 1 / tvi_larger(counted, DBL_MIN);
     }
 }
 

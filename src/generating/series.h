@@ -280,8 +280,8 @@ static inline tvi_component_sizes_in_step curve_compute_tail_inputs_of_component
         .p_change_by_last_term = p_degree * fabs(tvi_curve_momentum_coefficient(curve, p_degree, i)),
         .q_change_by_last_term = has_masses ? 0 : q_degree * fabs(tvi_curve_position_coefficients(curve, q_degree)[i]),
         .coordinate_size = fabs(tvi_curve_position_coefficients(curve, 0)[i]),
-        .one_over_momentum_size = 1 / momentum,
-        .one_over_q_change_size = 1 / movement};
+        .one_over_momentum_size = 1 / tvi_larger(momentum, TVI_LEAST_SIZE),
+        .one_over_q_change_size = 1 / tvi_larger(movement, TVI_LEAST_SIZE)};
 }
 
 static inline void curve_compute_displacement_sizes(const tvi_curve *curve)

@@ -48,17 +48,14 @@ static inline double step_size_find_largest_component(const tvi_curve *curve, bo
     return size;
 }
 
-/* A coefficient below STEP_SIZE_LEAST has lost digits to underflow, and counts as 0. */
-static const double STEP_SIZE_LEAST = 1e-280;
-
-/* Returns the first nonzero term among the orders k, k + step, ... before the order `end`. */
+/* Returns the first term that counts (TVI_LEAST_SIZE) among the orders k, k + step, ... before the order `end`. */
 static inline series_term_size step_size_find_nonzero_term(const tvi_curve *curve, bool of_momentum, int k, int step,
                                                            int end)
 {
     double size = 0;
-    while (step * (end - k) > 0 && (size = step_size_find_largest_component(curve, of_momentum, k)) < STEP_SIZE_LEAST)
+    while (step * (end - k) > 0 && (size = step_size_find_largest_component(curve, of_momentum, k)) < TVI_LEAST_SIZE)
         k += step;
-    return (series_term_size){k, size < STEP_SIZE_LEAST ? -INFINITY : log(size)};
+    return (series_term_size){k, size < TVI_LEAST_SIZE ? -INFINITY : log(size)};
 }
 
 static inline void step_size_find_first_and_last_terms(const tvi_curve *curve, bool of_momentum, int degree,
@@ -130,11 +127,13 @@ static inline double step_size_log_max_scaled_time_by_last_terms(const tvi_curve
 }
 
 /* Returns the ratio of the largest magnitude of a component of coefficient lower_order of the position to that of
- * coefficient `order`. The ratio is INFINITY if lower_order is less than 2 or if the latter coefficient is 0. */
+ * coefficient `order`. The ratio is INFINITY, which bounds no radius, if lower_order is less than 2 or if one of the
+ * two is 0: the series of a polynomial, or of a function that is flat to roundoff, may begin after lower_order. */
 static inline double step_size_max_norm_ratio(const tvi_curve *curve, int lower_order, int order)
 {
     const double last = lower_order > 1 ? step_size_find_largest_component(curve, false, order) : 0;
-    return last > STEP_SIZE_LEAST ? step_size_find_largest_component(curve, false, lower_order) / last : INFINITY;
+    const double lower = last > TVI_LEAST_SIZE ? step_size_find_largest_component(curve, false, lower_order) : 0;
+    return lower > 0 ? lower / last : INFINITY;
 }
 
 /* Returns the usable step, or STEP_SIZE_MAX_PART_OF_RADIUS of the radius of convergence if that is less. The radius

@@ -1,6 +1,7 @@
 /* verify.c - checks whether a Taylor curve satisfies dp/ds = h F at its end, for steps whose size was chosen from the
  * coefficients. curve_stepper.c calls it. */
 #include "generating/curve_stepper.h"
+#include "algebra/sizes.h"
 #include "generating/curve.h"
 #include "method/origin.h"
 
@@ -13,7 +14,7 @@ bool tvi_curve_matches_force_at_end(tvi_curve_workspace *work, double relative_t
     const tvi_system *system = work->corrected_curve.system;
     const jet_tape *tape = system->field_values;
     const double t = origin->t + h;
-    double largest_defect = 0, largest_momentum = 0;
+    double largest_defect = 0, largest_momentum = TVI_LEAST_SIZE;
     if (!work->field_tape_values_at_step_end) return true;
     for (int i = 0; i < curve->n; i++) work->field_tape_values_at_step_end[i] = origin->q[i] + increments->dq[i];
     tvi_system_write_time(system, work->field_tape_values_at_step_end, 1, &t);

@@ -16,6 +16,7 @@ Suite *suite_times(void);
 Suite *suite_tolerance(void);
 Suite *suite_tolerance_runs(void);
 Suite *suite_tolerance_far(void);
+Suite *suite_tolerance_zeros(void);
 Suite *suite_progress(void);
 Suite *suite_suggest(void);
 Suite *suite_suggest_eccentric(void);

@@ -10,5 +10,6 @@ Suite *suite_numbers(void);
 Suite *suite_subsystems(void);
 Suite *suite_light(void);
 Suite *suite_probe(void);
+Suite *suite_sizes(void);
 
 #endif
