@@ -65,6 +65,13 @@ template <class Vector> auto data_of(const char *name, std::size_t n, Vector &x)
     return x.data();
 }
 
+/* Returns what p points to. An object that was moved from has nothing. */
+template <class T> const T &value_of(const T *p)
+{
+    if (!p) throw error(TVI_EINVAL, "the object was moved from");
+    return *p;
+}
+
 /* ---- Callables: nothing is thrown through the library ------------------------------------------------------------ */
 
 /* A callable, and the exception that it has thrown. */
@@ -452,8 +459,8 @@ class integrator
     }
     tvi_integrator *get() const noexcept { return handle_.get(); }
     const tvi::system &system() const noexcept { return system_; }
-    const tvi_options &options() const { return *tvi_integrator_options(get()); }
-    const tvi_stats &stats() const { return *tvi_integrator_stats(get()); }
+    const tvi_options &options() const { return detail::value_of(tvi_integrator_options(get())); }
+    const tvi_stats &stats() const { return detail::value_of(tvi_integrator_stats(get())); }
     void reset() { tvi_integrator_reset(get()); }
     /* Sets the integrator's own values, [parameters]. `energy` then uses these values. */
     void set_parameters(const std::vector<double> &value)

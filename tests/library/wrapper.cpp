@@ -324,6 +324,26 @@ static void errors_of_ensembles()
     expect("at an event", throws_seven([&] { crowd.integrate_events(0.1, 100, events, t, q, p, status, throwing); }));
 }
 
+/* Members of an object that was moved from throw, or return what nothing has. */
+static void moved_from()
+{
+    tvi::potential spring(1, [](const jet *q, jet) { return pow(q[0], 2); });
+    tvi::integrator from(spring), to(std::move(from));
+    tvi::ensemble many(spring, 2), others(std::move(many));
+    std::vector<double> q = {1}, p = {0};
+    double t = 0;
+    expect("stats", throws([&] { static_cast<void>(from.stats()); }, TVI_EINVAL, "moved"));
+    expect("options", throws([&] { static_cast<void>(from.options()); }, TVI_EINVAL, "moved"));
+    expect("step", throws([&] { from.step(0.1, t, q, p); }, TVI_EINVAL, ""));
+    expect("save", throws([&] { static_cast<void>(from.save()); }, TVI_EINVAL, "NULL"));
+    expect("to_text", throws([&] { static_cast<void>(from.to_text(t, q, p)); }, TVI_EINVAL, ""));
+    expect("energy", throws([&] { static_cast<void>(from.energy(t, q, p)); }, TVI_EINVAL, ""));
+    expect("stats of many", throws([&] { static_cast<void>(many.stats()); }, TVI_EINVAL, "NULL"));
+    from.reset();
+    many.reset();
+    expect("where it went", to.stats().steps == 0 && others.stats().steps == 0);
+}
+
 static void powers()
 {
     using std::atan2; /* as generic code does */
@@ -366,6 +386,7 @@ int main()
     plans();
     ensembles();
     errors_of_ensembles();
+    moved_from();
     powers();
     eigen();
     return failures != 0;
