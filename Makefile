@@ -27,6 +27,8 @@
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
 # make devices    what each device for speed gives (docs/adding.md), ten minutes; PLAIN=1: a library without any
+# make compare-with COMMIT=hash   times and instructions of steps beside that commit's, row by row, and of ensembles
+#                 beside integrators, five minutes; ROWS=pattern for some rows
 # make python-cost  what a step and a run cost in Python beside C (docs/python.md), half a minute
 # make instructions  tests/instructions.txt anew: what a step costs
 # make abi        tests/abi.txt anew, what linked programs rely on: refused where they would break
@@ -244,6 +246,7 @@ include bench/bench.mk
 
 include bench/experiments/experiments.mk
 include bench/performance/performance.mk
+include bench/compare/compare.mk
 include bench/longrun/longrun.mk
 include bench/adaptive/adaptive.mk
 include bench/maps/maps.mk

@@ -246,7 +246,7 @@ do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call ob
 
 # The programs of the bench are linked, some of them with functions of the library replaced by name. None is run.
 BENCH_PROGRAMS = $(SWEEP_PROGRAMS) $(SCENE_PROGRAMS) $(EXPERIMENT_PROGRAMS) $(PERFORMANCE_PROGRAMS) $(ADAPTIVE)/adaptive \
-                 $(LONGRUN)/longrun $(MAPS)/maps $(STABILITY)/break
+                 $(LONGRUN)/longrun $(MAPS)/maps $(STABILITY)/break $(COMPARE)/tree/compare
 check-bench: ; $(REPORT) "the programs of the bench are built" $(DO)
 do-bench: ; $(MAKE) -s --no-print-directory $(JOBS) $(BENCH_PROGRAMS)
 

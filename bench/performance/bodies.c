@@ -1,9 +1,9 @@
 /* bodies.c - Creates systems of any size (bodies.h). */
 #include "bodies.h"
 
-#include "experiments/experiment.h"
-
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* ---- Gravity --------------------------------------------------------------------------------------------------------
  */
@@ -47,6 +47,6 @@ big_system bodies_make(int count, int dimensions)
     for (int k = 0; k < dimensions; k++) mass[k] = 1;
     for (int i = 1; i < count; i++) place_planet(i, dimensions, &b, mass);
     gravity g = {count, dimensions, mass};
-    experiment_insist(tvi_system_potential(&b.system, b.n, mass, gravity_potential, &g), "a system of many bodies");
+    TVI_OR_EXIT(tvi_system_potential(&b.system, b.n, mass, gravity_potential, &g));
     return b;
 }
