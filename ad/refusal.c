@@ -1,9 +1,9 @@
 /* refusal.c - Keeps the text of the last refusal (refusal.h), and finds the operation at which a sweep has failed. */
 #include "refusal.h"
 #include "rule.h"
+#include "text.h"
 
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { TEXT_MAX = 512 };
@@ -14,7 +14,7 @@ tvi_status jet_refuse(tvi_status status, const char *format, ...)
     char text[TEXT_MAX];
     va_list arguments;
     va_start(arguments, format);
-    (void)vsnprintf(text, sizeof text, format, arguments);
+    (void)jet_format_va_list(text, sizeof text, format, arguments);
     va_end(arguments);
     memcpy(last, text, sizeof text);
     return status;
@@ -38,7 +38,7 @@ tvi_status jet_explain_refused_output(const char *name, int output_count, int ou
     const jet_reason reason = is_poison ? (jet_reason)x.node->count : x.node ? JET_FOREIGN : JET_NOT_FINITE;
     const tvi_status status = is_poison ? (tvi_status)x.node->index : x.node ? TVI_EINVAL : TVI_ENONFINITE;
     char called[64];
-    (void)snprintf(called, sizeof called, output_count > 1 ? "%s[%d]" : "%s", name, output_index);
+    (void)jet_format(called, sizeof called, output_count > 1 ? "%s[%d]" : "%s", name, output_index);
     if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s", called, reason_texts[reason]);
     return jet_refuse(status, "%s is made of jet_%s, which has no power series at %g", called,
                       operation_names[reason - JET_OUTSIDE], x.number);

@@ -1,5 +1,5 @@
-/* text.h - Appends formatted text to a buffer that grows. The writers of generated code call it: emit.c, src/compiled/,
- * src/galerkin/ and src/generating/. */
+/* text.h - Formats all text that the library writes, in the same way in every locale: numbers have a decimal point,
+ * even if the program's locale has a comma. Writers of generated code append text to a buffer that grows. */
 #ifndef TVI_AD_TEXT_H
 #define TVI_AD_TEXT_H
 
@@ -15,6 +15,10 @@ typedef struct {
     size_t length, capacity;
     bool is_incomplete; /* Memory was lacking, and some appended text is missing. */
 } jet_text;
+
+/* These do what snprintf and vsnprintf do in the locale "C". No other file calls the printf functions. */
+int jet_format(char *text, size_t capacity, const char *format, ...) JET_FORMAT(3, 4);
+int jet_format_va_list(char *text, size_t capacity, const char *format, va_list values) JET_FORMAT(3, 0);
 
 void jet_text_append(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);
 void jet_text_append_va_list(jet_text *text, const char *format, va_list values) JET_FORMAT(2, 0);

@@ -1,4 +1,5 @@
 /* progress.c - Draws a progress bar on the terminal (tvi_progress). No other file of the library prints. */
+#include "text.h"
 #include "tvi.h"
 
 #include <stdio.h>
@@ -15,10 +16,11 @@ int tvi_progress(long step, double t, const double q[], const double p[], void *
     const int percent = step >= bar->steps ? 100 : step > 0 ? (int)((double)step / (double)bar->steps * 100) : 0;
     if (percent != bar->shown) {
         const int filled = percent * WIDTH / 100;
+        char line[2 * WIDTH];
         bar->shown = percent;
-        if (isatty(STDERR_FILENO))
-            (void)fprintf(stderr, "\r[%.*s%*s] %3d %%  t = %-12.6g%s", filled, full, WIDTH - filled, "", percent, t,
-                          percent == 100 ? "\n" : "");
+        (void)jet_format(line, sizeof line, "\r[%.*s%*s] %3d %%  t = %-12.6g%s", filled, full, WIDTH - filled, "",
+                         percent, t, percent == 100 ? "\n" : "");
+        if (isatty(STDERR_FILENO)) (void)fputs(line, stderr);
     }
     return bar->observer ? bar->observer(step, t, q, p, bar->ctx) : 0;
 }

@@ -16,6 +16,7 @@ Suite *suite_owners(void);
 Suite *suite_ahead(void);
 Suite *suite_alone(void);
 Suite *suite_names(void);
+Suite *suite_locales(void);
 
 enum { COORDINATES_MOST = 18 };
 

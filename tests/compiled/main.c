@@ -124,6 +124,6 @@ int directory_count(const char *path, const char *ending)
 }
 
 static Suite *(*const suites[])(void) = {suite_same,  suite_rows,  suite_cache, suite_owners,
-                                         suite_ahead, suite_alone, suite_names};
+                                         suite_ahead, suite_alone, suite_names, suite_locales};
 
 int main(void) { return RUN_SUITES(suites); }
