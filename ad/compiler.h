@@ -17,35 +17,39 @@
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 #endif
 
+/* Attributes have underscores around their names, so that they are not a word that a user may choose as the name of a
+ * function (tvi_compiled_write). */
+
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
 /* Inlines a function in any case. Compilers decide by size alone, but little is left of a function many of whose
  * arguments are constants. */
-#define JET_INLINE static inline __attribute__((always_inline))
+#define JET_INLINE static inline __attribute__((__always_inline__))
 
 /* Keeps a function from being inlined: one that is large or rarely called, and would cost its caller registers. */
-#define JET_APART static __attribute__((noinline, unused))
+#define JET_APART static __attribute__((__noinline__, __unused__))
 
 /* Has the compiler compare the arguments of a printf-like function with its format. `text` is the position of the
  * format among the parameters, counted from 1, and `from` that of the first argument. A function with a va_list has
  * from = 0. */
-#define JET_FORMAT(text, from) __attribute__((format(printf, text, from)))
+#define JET_FORMAT(text, from) __attribute__((__format__(__printf__, text, from)))
 /* Marks functions that are called only when something is refused. The compiler moves code that leads to them out of
  * the way. */
-#define JET_COLD __attribute__((cold))
+#define JET_COLD __attribute__((__cold__))
 
 /* Exempts a function from the address sanitizer, since the function copies bytes that arena.h has declared
  * inaccessible. */
-#define JET_UNCHECKED __attribute__((no_sanitize_address))
+#define JET_UNCHECKED __attribute__((__no_sanitize_address__))
 
 /* ---- Vectors ----------------------------------------------------------------------------------------------------- */
 
 /* The attribute of a vector type for `count` successive numbers at any place of an array. Such a vector has the
  * alignment of one number, and may alias the numbers of the array. */
-#define JET_VECTOR(type, count) __attribute__((vector_size((count) * sizeof(type)), aligned(sizeof(type)), may_alias))
+#define JET_VECTOR(type, count)                                                                                        \
+    __attribute__((__vector_size__((count) * sizeof(type)), __aligned__(sizeof(type)), __may_alias__))
 
 /* The attribute of a vector that is passed to a function in a register. */
-#define JET_REGISTER(type, count) __attribute__((vector_size((count) * sizeof(type))))
+#define JET_REGISTER(type, count) __attribute__((__vector_size__((count) * sizeof(type))))
 
 /* Converts a vector to a vector of another number type, such as double to float. */
 #define JET_CONVERT(V, x) __builtin_convertvector(x, V)

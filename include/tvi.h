@@ -23,7 +23,7 @@
 #include <stddef.h>
 
 #if defined(__GNUC__)
-#define TVI_NODISCARD __attribute__((warn_unused_result))
+#define TVI_NODISCARD __attribute__((__warn_unused_result__))
 #else
 #define TVI_NODISCARD
 #endif
@@ -232,7 +232,8 @@ TVI_NODISCARD tvi_status tvi_compile(tvi_compiled **out, const tvi_system *syste
 /* Writes the same C to a file, which is compiled with the program. It defines `const tvi_compiled *name(void)`, whose
  * result is not to be freed. It serves the version of the library that wrote it, and machines that have the
  * instructions that it is compiled to.
- *   TVI_EINVAL    NULL; a name that is no identifier, or is one of C, C++, their libraries, this one, or macros
+ * Names of the C library are the user's to avoid: the file includes headers of it.
+ *   TVI_EINVAL    NULL; a name that is no identifier, is a keyword of C or in capitals, or begins with _, tvi_ or jet_
  *   TVI_ECOMPILE  the file cannot be written
  *   others        as of tvi_compile */
 TVI_NODISCARD tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name,

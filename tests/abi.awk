@@ -6,7 +6,7 @@
 # add(STATEMENT): the lines of the program for a declaration at the outermost level
 function add(s, body, name, kind)
 {
-    gsub(/__attribute__ *\(\(warn_unused_result\)\)|[ \t]+/, " ", s)
+    gsub(/__attribute__ *\(\(__warn_unused_result__\)\)|[ \t]+/, " ", s)
     gsub(/^ +| +$/, "", s)
     if (s == "" || s ~ /^static / || s ~ /^(typedef )?(struct|enum) [a-z_]+( [a-z_]+)?$/) return
     if (s !~ /{/) {

@@ -8,7 +8,7 @@
 set -u
 export TVI_ISA=base
 case ${2-} in
-few) export CC=clang TVI_GENERATED_FLAGS='-O0 -Dalways_inline=unused' ;;
+few) export CC=clang TVI_GENERATED_FLAGS='-O0 -D__always_inline__=unused' ;;
 all | '') export TVI_GENERATED_FLAGS=-O1 ;;
 esac
 build=$1

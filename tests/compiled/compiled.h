@@ -55,7 +55,7 @@ void systems_free(const systems *its);
 typedef enum { USUAL, WIDE, QUICK } how_compiled;
 tvi_compiler compiler_of(how_compiled how);
 #define QUICK_COMPILER "clang"
-#define QUICK_FLAGS    "-O0 -Dalways_inline=unused"
+#define QUICK_FLAGS    "-O0 -D__always_inline__=unused"
 /* The flag for all instructions that the library may use here; "" where it may use none but those of the base. */
 const char *instructions_flag(void);
 /* Whether the environment variable TVI_COMPILED asks for every scene with every method. */
