@@ -1,8 +1,8 @@
 #!/bin/sh
 # abi.sh compare|renew FOLDER LIBRARY.so ABI HEADER...
 # Compares what programs that were linked before rely on, the soname and the declarations that abi.awk reads in the
-# headers, with the file ABI; or writes that file anew, but not where a program that has this soname would break: where a
-# line is lost that does not end in "or more". CC comes from the environment; FOLDER is for what is made on the way.
+# headers, with the file ABI; or writes that file anew, and prints the lines that are lost, which docs/changes.md has to
+# say. CC comes from the environment; FOLDER is for what is made on the way.
 # Functions that are TVI_INLINE in a header are exported, too.
 set -eu
 way=$1 folder=$2 library=$3 abi=$4
@@ -22,12 +22,5 @@ if [ "$way" = compare ]; then
     echo "The ABI is not that of $abi, where < is what programs know: docs/contributing.md, \"Versions\"; make abi"
     exit 1
 fi
-lost=$(grep -v ' or more$' "$abi" | grep -vxFf "$folder/abi.txt" || true)
-case $lost in
-'' | libtvi.so.*) cp "$folder/abi.txt" "$abi" ;;
-*)
-    echo "$lost"
-    echo "Programs with $(head -n 1 "$abi") need these lines: raise SOVERSION (Makefile) and NAME (src/python/tvi/_library.py)"
-    exit 1
-    ;;
-esac
+grep -vxFf "$folder/abi.txt" "$abi" | sed 's/^/lost: /'
+cp "$folder/abi.txt" "$abi"

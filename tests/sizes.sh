@@ -1,8 +1,11 @@
 #!/bin/sh
-# sizes.sh: no file is longer than 500 lines, no function of ad/ and src/ longer than 40, and the median function of
-# src/ has 10 at most. A function's lines are those between its braces, which stand at the beginning of a line.
+# sizes.sh: no file is longer than 500 lines, no function of ad/ and src/ longer than 60, and each file of C or C++
+# begins with a comment, which has a sentence. A function's lines are those between its braces, which stand at the
+# beginning of a line.
 set -eu
-wc -l include/*.h ad/*.[ch] src/*/*.[ch] bench/*/*.[ch] tests/*/*.[ch] src/python/tvi/*.py tests/python/*.py | awk '$2 != "total" && $1 > 500 { print $2 ": " $1 " lines"; failed = 1 } END { exit failed }'
+code=$(find ad src include tests bench docs/examples -name '*.[ch]' -o -name '*.hpp')
+wc -l $(echo "$code" | grep -v '\.[ch]pp$') src/python/tvi/*.py tests/python/*.py |
+    awk '$2 != "total" && $1 > 500 { print $2 ": " $1 " lines"; failed = 1 } END { exit failed }'
 awk '
     FNR == 1 { begin = 0 }
     /^{/ { begin = FNR }
@@ -10,12 +13,15 @@ awk '
     /^}/ && begin {
         lines = FNR - begin - 1
         begin = 0
-        if (lines > 40) { print FILENAME ":" FNR ": a function of " lines " lines"; failed = 1 }
-        if (FILENAME ~ /^src/) count[lines]++
-        functions += FILENAME ~ /^src/
+        functions++
+        if (lines > 60) { print FILENAME ":" FNR ": a function of " lines " lines"; failed = 1 }
     }
-    END {
-        for (median = 0; below + count[median] < functions / 2; median++) below += count[median]
-        print functions " functions in src, their median " median " lines"
-        exit failed || !functions || median > 10
-    }' ad/*.c src/*/*.c
+    END { print functions " functions"; exit failed || !functions }' ad/*.c src/*/*.c
+awk '
+    FNR == 1 { in_head = /^\/\*/; if (!in_head) { print FILENAME ": no comment at the head"; failed = 1 } }
+    in_head && /\.( |$)/ { has_sentence[FILENAME] = 1 }
+    in_head && /\*\// {
+        in_head = 0
+        if (!has_sentence[FILENAME]) { print FILENAME ": no sentence at the head"; failed = 1 }
+    }
+    END { exit failed || !NR }' $code

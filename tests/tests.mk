@@ -337,7 +337,7 @@ check-examples: ; $(REPORT) "the examples, as their README says" $(DO)
 do-examples: all
 	MAKE='$(MAKE)' STRICT='$(STRICT)' tests/examples.sh $(abspath $(BUILD))/check/examples
 
-# what programs that were linked before rely on; `make abi` writes the file anew where they keep running
+# what linked programs rely on; `make abi` writes the file anew, and prints what is lost
 ABI = CC='$(CC)' tests/abi.sh $(1) $(BUILD)/check/abi $(BUILD)/libtvi.so tests/abi.txt include/*.h
 check-symbols: ; $(REPORT) "symbols: the ABI, no globals that change, nothing that prints" $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
@@ -354,13 +354,11 @@ check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_"
 do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
-check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; plain words; names of pages" $(DO)
-WORDED := $(wildcard $(foreach folder,run galerkin system method compiled algebra generating,src/$(folder)/*.[ch]) ad/*.[ch] include/* tests/*/*.[ch] bench/*/*.[ch] bench/*/*/*.[ch] docs/examples/*.[ch] docs/examples/*.hpp docs/examples/*.cpp tests/*/*.cpp tests/*/*.hpp)
+check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; names of pages" $(DO)
 do-floors:
 	tests/floors.sh
 	tests/named.sh $(addprefix docs/,walk.md adding.md contributing.md notation.md jets.md)
 	tests/sizes.sh
-	awk -f tests/words.awk $(WORDED) README.md $(wildcard docs/*.md docs/*/*.md)
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt
