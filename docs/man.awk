@@ -174,7 +174,7 @@ in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() 
 /^$/ { flush(); next }
 {
     sub(/^TVI_NODISCARD /, "")
-    if (sub(/^(static inline|TVI_INLINE) /, "")) in_prototype = 1 # of a definition its prototype alone
+    if (sub(/^static inline /, "")) in_prototype = 1 # of a definition its prototype alone
     if (in_prototype && /^\{/) { line[lines] = line[lines] ";"; in_prototype = 0; in_body = 1; next }
     if (in_body) { if (/^}/) in_body = 0; next }
     line[++lines] = $0

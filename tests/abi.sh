@@ -3,13 +3,12 @@
 # Compares what programs that were linked before rely on, the soname and the declarations that abi.awk reads in the
 # headers, with the file ABI; or writes that file anew, and prints the lines that are lost, which docs/changes.md has to
 # say. CC comes from the environment; FOLDER is for what is made on the way.
-# Functions that are TVI_INLINE in a header are exported, too.
 set -eu
 way=$1 folder=$2 library=$3 abi=$4
 shift 4
 mkdir -p "$folder"
 for header; do echo "#include \"$(cd "$(dirname "$header")" && pwd)/${header##*/}\""; done >"$folder/all.h"
-$CC -E -DTVI_INLINE= "$folder/all.h" >"$folder/all.i"
+$CC -E "$folder/all.h" >"$folder/all.i"
 awk -f "$(dirname "$0")/abi.awk" "$folder/all.i" >"$folder/abi.c"
 $CC -std=c11 -Wall -Werror -o "$folder/abi" "$folder/abi.c"
 {

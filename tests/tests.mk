@@ -263,10 +263,11 @@ do-formatting:
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Werror
 
 # each header alone, in C and in C++, and two programs in C++; that of tvi.hpp in every standard, and with the address
-# sanitizer, which finds what an exception would leak; std::sin of a jet has an error that says what to write
+# sanitizer, which finds what an exception would leak; numbers that are not finite from a program with -ffast-math;
+# std::sin of a jet has an error that says what to write
 CXX_STANDARDS := g++/11 g++/14 g++/17 g++/20 g++/23 clang++/11 clang++/14 clang++/17 clang++/20 clang++/2b
 check-headers: ; $(REPORT) "headers in C and C++" $(DO)
-do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
+do-headers: tests/library/header.cpp tests/library/wrapper.cpp tests/library/fast_math.cpp $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	for header in $(basename $(notdir $(wildcard include/*.h))); do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
 	    for compiler in 'gcc -std=c11' 'clang -std=c11' 'g++ -std=c++11 -x c++' 'clang++ -std=c++11 -x c++'; do \
@@ -280,6 +281,9 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	    $$compiler -g -fsanitize=address $(STRICT) -DWITH_EIGEN -isystem /usr/include/eigen3 -Iinclude \
 	        -o $(BUILD)/check/wrapper tests/library/wrapper.cpp $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/wrapper || exit 1; done
+	for compiler in 'gcc -std=c11 -x c' 'clang -std=c11 -x c' 'g++ -std=c++11' 'clang++ -std=c++11'; do \
+	    $$compiler -O2 -ffast-math $(STRICT) -Iinclude -o $(BUILD)/check/fast_math tests/library/fast_math.cpp \
+	        -x none $(BUILD)/libtvi.a $(LIBS) && $(BUILD)/check/fast_math || exit 1; done
 	echo 'jet f(jet x) { return std::sin(x) + std::pow(x, 2); }' > $(BUILD)/check/std.cpp
 	for compiler in g++ clang++; do \
 	    ! $$compiler -include tvi.hpp -Iinclude -fsyntax-only $(BUILD)/check/std.cpp 2> $(BUILD)/check/std.log && \

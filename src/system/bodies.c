@@ -1,10 +1,135 @@
-/* bodies.c - Compiles the functions of tvi_bodies.h, which are inline functions in C, as exported functions of the
- * library. Languages that cannot compile a C header call them. */
-#define TVI_INLINE extern
-#if defined(__GNUC__)
-#pragma GCC visibility push(default)
-#endif
+/* bodies.c - Records the gravity of bodies and its time scale, and computes masses, momenta, the centre of mass and the
+ * angular momentum of bodies (include/tvi_bodies.h, docs/bodies.md). */
 #include "tvi_bodies.h"
-#if defined(__GNUC__)
-#pragma GCC visibility pop
-#endif
+
+static double G_of(const tvi_bodies *b) { return b->G == 0 ? 1 : b->G; }
+
+/* This is the mass of body i, or what stands for 0. */
+static double mass_of(const tvi_bodies *b, int i)
+{
+    double most = 0;
+    for (int j = 0; j < b->bodies && b->mass[i] == 0; j++) most = fmax(most, b->mass[j]);
+    return b->mass[i] == 0 ? 1e-30 * most : b->mass[i];
+}
+
+/* For k = 0 it records the potential of two bodies, strength = G m_i m_j; otherwise their term of g, strength =
+ * G (m_i + m_j). */
+static jet pair(const tvi_bodies *b, double k, double strength, bool bulges, const jet x[], const jet y[])
+{
+    const double *n = b->pole, length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    jet d[3], z = jet_const(0);
+    for (int i = 0; i < b->axes; i++) d[i] = jet_sub(x[i], y[i]);
+    const jet square = jet_add(jet_dot(d, d, b->axes), b->softening * b->softening);
+    if (k != 0) return jet_mul(pow(strength, k / 3), jet_pow(square, -k / 2));
+    const jet V = jet_mul(-strength, jet_pow(square, -0.5));
+    if (!bulges || b->J2 == 0) return V;
+    for (int i = 0; i < b->axes; i++) z = jet_add(z, jet_mul(length > 0 ? n[i] / length : i == 2, d[i]));
+    const jet bulge = jet_sub(jet_mul(3, jet_mul(jet_sqr(z), jet_pow(square, -2.5))), jet_pow(square, -1.5));
+    return jet_add(V, jet_mul(0.5 * strength * b->J2 * b->radius * b->radius, bulge));
+}
+
+/* Sums over pairs, i = 1, 2, ..., j < i, that have so many masses (1 or 2), in parts that the stack has room for. */
+static jet sum_over_pairs(const tvi_bodies *b, double k, int masses, const jet q[])
+{
+    enum { PART = 1024 };
+    const double G = G_of(b);
+    jet term[PART], sum = jet_const(0);
+    int count = 0;
+    for (int i = 1; i < b->bodies; i++)
+        for (int j = 0; j < i; j++) {
+            const double one = b->mass[i], other = b->mass[j];
+            if ((one != 0) + (other != 0) < masses) continue;
+            const double strength = k != 0 ? G * (one + other) : G * mass_of(b, i) * mass_of(b, j);
+            if (count == PART) sum = jet_add(sum, jet_sum(term, count)), count = 0;
+            term[count++] = pair(b, k, strength, i == b->oblate || j == b->oblate, q + i * b->axes, q + j * b->axes);
+        }
+    return jet_add(sum, jet_sum(term, count));
+}
+
+jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
+{
+    const tvi_bodies *b = ctx;
+    (void)t;
+    return sum_over_pairs(b, 0, 1, q);
+}
+
+jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const tvi_bodies *b = ctx;
+    double most = 0, sum = 0;
+    int heavy = 0;
+    (void)p, (void)t;
+    for (int i = 0; i < b->bodies; i++) most = fmax(most, b->mass[i]), sum += b->mass[i], heavy += b->mass[i] > 0;
+    const double k = b->sharpness > 0 ? b->sharpness : most > 10 * (sum - most) ? 3 : 1;
+    return jet_pow(sum_over_pairs(b, k, heavy < 2 ? 1 : 2, q), -1.5 / k);
+}
+
+jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
+{
+    jet V = jet_const(0);
+    for (int i = 0; i < b->bodies; i++)
+        V = jet_add(V, pair(b, 0, G_of(b) * b->mass[i], i == b->oblate, x, at + i * b->axes));
+    return V;
+}
+
+jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[])
+{
+    const double k = b->sharpness > 0 ? b->sharpness : 3;
+    jet sum = jet_const(0);
+    for (int i = 0; i < b->bodies; i++)
+        if (b->mass[i] != 0) sum = jet_add(sum, pair(b, k, G_of(b) * b->mass[i], false, x, at + i * b->axes));
+    return jet_pow(sum, -1.5 / k);
+}
+
+void tvi_bodies_masses(const tvi_bodies *b, double mass[])
+{
+    for (int i = 0; i < b->bodies * b->axes; i++) mass[i] = mass_of(b, i / b->axes);
+}
+
+tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b)
+{
+    double mass[TVI_MAX_DIMENSION];
+    const bool fits = b && b->mass && b->axes >= 1 && b->axes <= 3 && b->bodies <= TVI_MAX_DIMENSION / b->axes &&
+                      (b->J2 == 0 || (b->oblate >= 0 && b->oblate < b->bodies));
+    if (fits) tvi_bodies_masses(b, mass);
+    return tvi_system_potential(out, fits ? b->bodies * b->axes : 0, mass, tvi_bodies_potential, (void *)b);
+}
+
+void tvi_bodies_momenta(const tvi_bodies *b, const double v[], double p[])
+{
+    for (int i = 0; i < b->bodies * b->axes; i++) p[i] = mass_of(b, i / b->axes) * v[i];
+}
+
+void tvi_bodies_velocities(const tvi_bodies *b, const double p[], double v[])
+{
+    for (int i = 0; i < b->bodies * b->axes; i++) v[i] = p[i] / mass_of(b, i / b->axes);
+}
+
+void tvi_bodies_centre(const tvi_bodies *b, const double q[], const double p[], double x[], double v[])
+{
+    double mass = 0;
+    for (int i = 0; i < b->bodies; i++) mass += mass_of(b, i);
+    for (int k = 0; k < b->axes; k++) {
+        x[k] = v[k] = 0;
+        for (int i = 0; i < b->bodies; i++)
+            x[k] += mass_of(b, i) / mass * q[i * b->axes + k], v[k] += p[i * b->axes + k] / mass;
+    }
+}
+
+void tvi_bodies_to_centre(const tvi_bodies *b, double q[], double p[])
+{
+    double x[3], v[3];
+    tvi_bodies_centre(b, q, p, x, v);
+    for (int i = 0; i < b->bodies * b->axes; i++)
+        q[i] -= x[i % b->axes], p[i] -= mass_of(b, i / b->axes) * v[i % b->axes];
+}
+
+void tvi_bodies_angular_momentum(const tvi_bodies *b, const double q[], const double p[], double L[3])
+{
+    L[0] = L[1] = L[2] = 0;
+    for (int i = 0; i < b->bodies; i++)
+        for (int k = 0; k < 3; k++) {
+            const int u = (k + 1) % 3, w = (k + 2) % 3, at = i * b->axes;
+            if (u < b->axes && w < b->axes) L[k] += q[at + u] * p[at + w] - q[at + w] * p[at + u];
+        }
+}

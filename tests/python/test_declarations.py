@@ -91,11 +91,12 @@ class Declarations(unittest.TestCase):
                           for word in quadratures.split(",")], list(_WORDS["quadrature"]))
 
     def test_version(self):
-        """That of tvi.h is the one; the first heading of the changes, and how to cite, repeat it as the module does."""
+        """That of tvi.h is the one; the first version of the changes, and how to cite, repeat it as the module does."""
         version = re.search(r'^#define TVI_VERSION "(.*)"', (ROOT / "include/tvi.h").read_text(), re.M).group(1)
         self.assertEqual(_library.__version__, version)
         self.assertEqual(ffi.string(_library.lib.tvi_version()).decode(), version)
-        self.assertEqual(re.search(r"^## (\S+)", (ROOT / "docs/changes.md").read_text(), re.M).group(1), f"[{version}]")
+        self.assertEqual(re.search(r"^## (\[\d\S+)", (ROOT / "docs/changes.md").read_text(), re.M).group(1),
+                         f"[{version}]")
         self.assertIn(f"\nversion: {version}\n", (ROOT / "docs/CITATION.cff").read_text())
         dynamic = subprocess.run(["readelf", "-d", str(LIBRARY)], capture_output=True, text=True).stdout
         self.assertIn(f"[{_library.NAME}]\n", dynamic)
