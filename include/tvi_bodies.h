@@ -26,13 +26,24 @@ extern "C" {
  * mass, attracts no other test particle, and g does not see it where two bodies have masses (docs/limits.md). */
 typedef struct {
     int bodies, axes;           /* n at most TVI_MAX_DIMENSION; 1 to 3 axes */
-    const double *mass;         /* [bodies], one a body */
+    const double *mass;         /* [bodies], one a body, not all of them 0 */
     double G;                   /* 0 stands for 1 */
     double softening;           /* r^2 + softening^2 stands for r^2 */
     double J2, radius, pole[3]; /* of the oblate body; of the pole the length does not matter, 0 is the third axis */
     int oblate;                 /* its number, from 0 to bodies - 1 */
     double sharpness;           /* k of g; 0: 3 where one mass is ten times all others together, 1 elsewhere */
 } tvi_bodies;
+
+/* Tells whether these are bodies; tvi_last_error names the member that is wrong. The functions below that record jets
+ * return a number that is not finite for bodies that it refuses, so that the system is refused, too; those of states do
+ * nothing where bodies or axes are out of range.
+ *   TVI_EINVAL      a count out of range, a negative mass or masses that are all 0, a test particle whose mass is less
+ *                   than the least double, J2 without radius > 0 or without an oblate body, sharpness < 0
+ *   TVI_ENONFINITE  a number is not finite */
+TVI_NODISCARD tvi_status tvi_bodies_check(const tvi_bodies *b);
+
+/* Makes the system of tvi_bodies_potential, and returns what tvi_bodies_check or tvi_system_potential return. */
+TVI_NODISCARD tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b);
 
 /* This is a tvi_potential_fn, whose ctx is a tvi_bodies: V = -sum_{i<j} G m_i m_j / r_ij, and each pair with the oblate
  * body adds G m_i m_j J2 radius^2 (3 z^2 / r^2 - 1) / (2 r^3), z along the pole. */
@@ -51,9 +62,6 @@ jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[]);
 
 /* Sets mass[n] to the masses of the coordinates. */
 void tvi_bodies_masses(const tvi_bodies *b, double mass[]);
-
-/* Makes the system of tvi_bodies_potential, and returns what tvi_system_potential returns. */
-TVI_NODISCARD tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b);
 
 /* Sets p = M v, [n] each; they may be the same array. */
 void tvi_bodies_momenta(const tvi_bodies *b, const double v[], double p[]);

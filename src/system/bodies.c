@@ -1,8 +1,9 @@
 /* bodies.c - Records the gravity of bodies and its time scale, and computes masses, momenta, the centre of mass and the
  * angular momentum of bodies (include/tvi_bodies.h, docs/bodies.md). */
+#include "refusal.h"
 #include "tvi_bodies.h"
 
-static double G_of(const tvi_bodies *b) { return b->G == 0 ? 1 : b->G; }
+/* ---- Which bodies are refused ------------------------------------------------------------------------------------ */
 
 /* This is the mass of body i, or what stands for 0. */
 static double mass_of(const tvi_bodies *b, int i)
@@ -12,11 +13,78 @@ static double mass_of(const tvi_bodies *b, int i)
     return b->mass[i] == 0 ? 1e-30 * most : b->mass[i];
 }
 
+static tvi_status refuse_counts(const tvi_bodies *b)
+{
+    if (!b) return jet_refuse(TVI_EINVAL, "b is NULL");
+    if (b->axes < 1 || b->axes > 3) return jet_refuse(TVI_EINVAL, "axes = %d is not from 1 to 3", b->axes);
+    if (b->bodies < 1 || b->bodies > TVI_MAX_DIMENSION / b->axes)
+        return jet_refuse(TVI_EINVAL, "bodies = %d is not from 1 to %d, with axes = %d", b->bodies,
+                          TVI_MAX_DIMENSION / b->axes, b->axes);
+    return b->mass ? TVI_OK : jet_refuse(TVI_EINVAL, "mass is NULL");
+}
+
+static tvi_status refuse_masses(const tvi_bodies *b)
+{
+    double most = 0;
+    for (int i = 0; i < b->bodies; i++) {
+        if (!isfinite(b->mass[i])) return jet_refuse(TVI_ENONFINITE, "mass[%d] = %g is not finite", i, b->mass[i]);
+        if (b->mass[i] < 0) return jet_refuse(TVI_EINVAL, "mass[%d] = %g is negative", i, b->mass[i]);
+        most = fmax(most, b->mass[i]);
+    }
+    if (most == 0) return jet_refuse(TVI_EINVAL, "all masses are 0: at least one body has a mass");
+    for (int i = 0; i < b->bodies && 1e-30 * most == 0; i++)
+        if (b->mass[i] == 0)
+            return jet_refuse(TVI_EINVAL,
+                              "mass[%d] = 0 stands for 1e-30 of the largest mass, %g: choose a smaller unit", i, most);
+    return TVI_OK;
+}
+
+static tvi_status refuse_nonfinite_members(const tvi_bodies *b)
+{
+    const struct {
+        const char *name;
+        double value;
+    } members[] = {{"G", b->G},
+                   {"softening", b->softening},
+                   {"J2", b->J2},
+                   {"radius", b->radius},
+                   {"pole[0]", b->pole[0]},
+                   {"pole[1]", b->pole[1]},
+                   {"pole[2]", b->pole[2]},
+                   {"sharpness", b->sharpness}};
+    for (size_t k = 0; k < sizeof members / sizeof *members; k++)
+        if (!isfinite(members[k].value))
+            return jet_refuse(TVI_ENONFINITE, "%s = %g is not finite", members[k].name, members[k].value);
+    return TVI_OK;
+}
+
+tvi_status tvi_bodies_check(const tvi_bodies *b)
+{
+    tvi_status status = refuse_counts(b);
+    if (status == TVI_OK) status = refuse_masses(b);
+    if (status == TVI_OK) status = refuse_nonfinite_members(b);
+    if (status != TVI_OK) return status;
+    if (b->J2 != 0 && !(b->radius > 0))
+        return jet_refuse(TVI_EINVAL, "J2 = %g needs the radius of the oblate body, and radius = %g is not positive",
+                          b->J2, b->radius);
+    if (b->J2 != 0 && (b->oblate < 0 || b->oblate >= b->bodies))
+        return jet_refuse(TVI_EINVAL, "oblate = %d is not from 0 to %d", b->oblate, b->bodies - 1);
+    if (b->sharpness < 0) return jet_refuse(TVI_EINVAL, "sharpness = %g is negative", b->sharpness);
+    return TVI_OK;
+}
+
+/* This is n, or 0 for counts that are refused. */
+static int count_of(const tvi_bodies *b) { return refuse_counts(b) == TVI_OK ? b->bodies * b->axes : 0; }
+
+/* ---- Functions of jets ------------------------------------------------------------------------------------------- */
+
+static double G_of(const tvi_bodies *b) { return b->G == 0 ? 1 : b->G; }
+
 /* For k = 0 it records the potential of two bodies, strength = G m_i m_j; otherwise their term of g, strength =
  * G (m_i + m_j). */
 static jet pair(const tvi_bodies *b, double k, double strength, bool bulges, const jet x[], const jet y[])
 {
-    const double *n = b->pole, length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    const double *n = b->pole, length = hypot(hypot(n[0], n[1]), n[2]);
     jet d[3], z = jet_const(0);
     for (int i = 0; i < b->axes; i++) d[i] = jet_sub(x[i], y[i]);
     const jet square = jet_add(jet_dot(d, d, b->axes), b->softening * b->softening);
@@ -50,7 +118,7 @@ jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
 {
     const tvi_bodies *b = ctx;
     (void)t;
-    return sum_over_pairs(b, 0, 1, q);
+    return tvi_bodies_check(b) == TVI_OK ? sum_over_pairs(b, 0, 1, q) : jet_const(NAN);
 }
 
 jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
@@ -59,6 +127,7 @@ jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
     double most = 0, sum = 0;
     int heavy = 0;
     (void)p, (void)t;
+    if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
     for (int i = 0; i < b->bodies; i++) most = fmax(most, b->mass[i]), sum += b->mass[i], heavy += b->mass[i] > 0;
     const double k = b->sharpness > 0 ? b->sharpness : most > 10 * (sum - most) ? 3 : 1;
     return jet_pow(sum_over_pairs(b, k, heavy < 2 ? 1 : 2, q), -1.5 / k);
@@ -66,6 +135,7 @@ jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
 
 jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
 {
+    if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
     jet V = jet_const(0);
     for (int i = 0; i < b->bodies; i++)
         V = jet_add(V, pair(b, 0, G_of(b) * b->mass[i], i == b->oblate, x, at + i * b->axes));
@@ -74,6 +144,7 @@ jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
 
 jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[])
 {
+    if (tvi_bodies_check(b) != TVI_OK) return jet_const(NAN);
     const double k = b->sharpness > 0 ? b->sharpness : 3;
     jet sum = jet_const(0);
     for (int i = 0; i < b->bodies; i++)
@@ -81,33 +152,37 @@ jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[])
     return jet_pow(sum, -1.5 / k);
 }
 
-void tvi_bodies_masses(const tvi_bodies *b, double mass[])
-{
-    for (int i = 0; i < b->bodies * b->axes; i++) mass[i] = mass_of(b, i / b->axes);
-}
-
 tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b)
 {
     double mass[TVI_MAX_DIMENSION];
-    const bool fits = b && b->mass && b->axes >= 1 && b->axes <= 3 && b->bodies <= TVI_MAX_DIMENSION / b->axes &&
-                      (b->J2 == 0 || (b->oblate >= 0 && b->oblate < b->bodies));
-    if (fits) tvi_bodies_masses(b, mass);
-    return tvi_system_potential(out, fits ? b->bodies * b->axes : 0, mass, tvi_bodies_potential, (void *)b);
+    if (out) *out = NULL;
+    const tvi_status status = tvi_bodies_check(b);
+    if (status != TVI_OK) return status;
+    tvi_bodies_masses(b, mass);
+    return tvi_system_potential(out, b->bodies * b->axes, mass, tvi_bodies_potential, (void *)b);
+}
+
+/* ---- Functions of states ----------------------------------------------------------------------------------------- */
+
+void tvi_bodies_masses(const tvi_bodies *b, double mass[])
+{
+    for (int i = 0, n = count_of(b); i < n; i++) mass[i] = mass_of(b, i / b->axes);
 }
 
 void tvi_bodies_momenta(const tvi_bodies *b, const double v[], double p[])
 {
-    for (int i = 0; i < b->bodies * b->axes; i++) p[i] = mass_of(b, i / b->axes) * v[i];
+    for (int i = 0, n = count_of(b); i < n; i++) p[i] = mass_of(b, i / b->axes) * v[i];
 }
 
 void tvi_bodies_velocities(const tvi_bodies *b, const double p[], double v[])
 {
-    for (int i = 0; i < b->bodies * b->axes; i++) v[i] = p[i] / mass_of(b, i / b->axes);
+    for (int i = 0, n = count_of(b); i < n; i++) v[i] = p[i] / mass_of(b, i / b->axes);
 }
 
 void tvi_bodies_centre(const tvi_bodies *b, const double q[], const double p[], double x[], double v[])
 {
     double mass = 0;
+    if (!count_of(b)) return;
     for (int i = 0; i < b->bodies; i++) mass += mass_of(b, i);
     for (int k = 0; k < b->axes; k++) {
         x[k] = v[k] = 0;
@@ -120,12 +195,13 @@ void tvi_bodies_to_centre(const tvi_bodies *b, double q[], double p[])
 {
     double x[3], v[3];
     tvi_bodies_centre(b, q, p, x, v);
-    for (int i = 0; i < b->bodies * b->axes; i++)
+    for (int i = 0, n = count_of(b); i < n; i++)
         q[i] -= x[i % b->axes], p[i] -= mass_of(b, i / b->axes) * v[i % b->axes];
 }
 
 void tvi_bodies_angular_momentum(const tvi_bodies *b, const double q[], const double p[], double L[3])
 {
+    if (!count_of(b)) return;
     L[0] = L[1] = L[2] = 0;
     for (int i = 0; i < b->bodies; i++)
         for (int k = 0; k < 3; k++) {

@@ -9,6 +9,7 @@
 Suite *suite_orbits(void);
 Suite *suite_elements(void);
 Suite *suite_attraction(void);
+Suite *suite_refused(void);
 Suite *suite_sums(void);
 Suite *suite_scales(void);
 

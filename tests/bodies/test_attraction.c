@@ -188,38 +188,10 @@ START_TEST(test_particles)
 }
 END_TEST
 
-/* ---- What is refused --------------------------------------------------------------------------------------------- */
-
-START_TEST(refused)
-{
-    static const double good[] = {1, 2}, negative[] = {1, -2}, none[] = {0, 0}, no_number[] = {1, NAN};
-    const struct {
-        tvi_bodies bodies;
-        tvi_status status;
-    } rows[] = {{{.bodies = 0, .axes = 2, .mass = good}, TVI_EINVAL},
-                {{.bodies = -1, .axes = 2, .mass = good}, TVI_EINVAL},
-                {{.bodies = 2, .axes = 0, .mass = good}, TVI_EINVAL},
-                {{.bodies = 2, .axes = 4, .mass = good}, TVI_EINVAL},
-                {{.bodies = TVI_MAX_DIMENSION, .axes = 3, .mass = good}, TVI_EINVAL},
-                {{.bodies = 2, .axes = 2, .mass = NULL}, TVI_EINVAL},
-                {{.bodies = 2, .axes = 2, .mass = negative}, TVI_EINVAL},
-                {{.bodies = 2, .axes = 2, .mass = none}, TVI_EINVAL},
-                {{.bodies = 2, .axes = 2, .mass = no_number}, TVI_ENONFINITE},
-                {{.bodies = 2, .axes = 2, .mass = good, .G = HUGE_VAL}, TVI_ENONFINITE}};
-    tvi_system *system;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        ck_assert_int_eq(tvi_bodies_system(&system, &rows[i].bodies), rows[i].status);
-        ck_assert(!system);
-        ck_assert_int_gt((int)strlen(tvi_last_error()), 0);
-    }
-    ck_assert_int_eq(tvi_bodies_system(&system, NULL), TVI_EINVAL);
-}
-END_TEST
-
 Suite *suite_attraction(void)
 {
     Suite *suite = suite_create("attraction");
-    TCase *tapes = tcase_create("tapes"), *values = tcase_create("values"), *bad = tcase_create("refused");
+    TCase *tapes = tcase_create("tapes"), *values = tcase_create("values");
     tcase_add_loop_test(tapes, tapes_by_hand, 1, 4);
     tcase_add_loop_test(tapes, tapes_of_scenes, 0, 3);
     suite_add_tcase(suite, tapes);
@@ -228,7 +200,5 @@ Suite *suite_attraction(void)
     tcase_add_test(values, the_node_of_a_satellite);
     tcase_add_test(values, test_particles);
     suite_add_tcase(suite, values);
-    tcase_add_test(bad, refused);
-    suite_add_tcase(suite, bad);
     return suite;
 }

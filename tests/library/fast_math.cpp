@@ -77,12 +77,13 @@ static void states(void)
 static void bodies(void)
 {
     for (int which = 0; which < NUMBERS; which++)
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 10; k++) {
             double mass[2] = {1, 0.5};
             tvi_bodies b;
             memset(&b, 0, sizeof b);
             b.bodies = 2, b.axes = 3, b.mass = mass, b.J2 = 0.001, b.radius = 0.5;
-            double *const numbers[] = {mass, mass + 1, &b.G, &b.softening, &b.J2, &b.radius};
+            double *const numbers[] = {mass,      mass + 1, &b.G,       &b.softening, &b.J2,
+                                       &b.radius, b.pole,   b.pole + 1, b.pole + 2,   &b.sharpness};
             *numbers[k] = number(which);
             tvi_system *system = NULL;
             expect("status of bodies", k, which, is_refusal(tvi_bodies_system(&system, &b)));

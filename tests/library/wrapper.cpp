@@ -99,13 +99,15 @@ static void bodies()
     std::vector<double> q = {-0.75, 0, 0.25, 0}, p = {0, -1.5, 0, 1.5};
     expect("to the end", circle.integrate_to(0.5, turn, t, q, p));
     expect("round", std::fabs(q[0] + 0.75) < 1e-13 && std::fabs(p[3] - 1.5) < 1e-13);
+    pair.J2 = 0.01;
+    expect("no radius", throws([&] { tvi::gravity flat(pair); }, TVI_EINVAL, "J2 = 0.01 needs the radius"));
+    const double negative[] = {1, -0.5};
+    pair.mass = negative;
+    expect("a mass", throws([&] { tvi::gravity light(pair); }, TVI_EINVAL, "mass[1] = -0.5 is negative"));
     pair.mass = nullptr;
-    try {
-        tvi::gravity none(pair);
-        expect("no masses", false);
-    } catch (const tvi::error &error) {
-        expect("no masses", error.status() == TVI_EINVAL);
-    }
+    expect("no masses", throws([&] { tvi::gravity none(pair); }, TVI_EINVAL, "mass is NULL"));
+    pair.bodies = -1431655765;
+    expect("a count", throws([&] { tvi::gravity wrapped(pair); }, TVI_EINVAL, "bodies = -1431655765 is not"));
 }
 
 static void errors()

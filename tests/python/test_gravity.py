@@ -96,6 +96,8 @@ class Potentials(unittest.TestCase):
                 (ValueError, r"bodies \* axes = 10002 is not from 1", lambda: gravity.Bodies([1] * 5001, axes=2)),
                 (ValueError, "oblate = 1 is not from 0 to 0", lambda: gravity.Bodies([1], oblate=1)),
                 (ValueError, r"pole has the shape \(2,\)", lambda: gravity.Bodies([1], pole=[1, 2])),
+                (ValueError, r"^mass\[1\] = nan is not finite", lambda: gravity.Bodies([1, math.nan])),
+                (ValueError, "^G = inf is not finite", lambda: gravity.Bodies([1], G=math.inf)),
                 (TypeError, "mass has real numbers, not", lambda: gravity.Bodies(["a"])),
                 (ValueError, r"mass has the shape \(\)", lambda: gravity.Bodies(1)),
                 (ValueError, r"v has the shape \(3,\)", lambda: bodies.momenta([1, 2, 3])),
@@ -103,9 +105,12 @@ class Potentials(unittest.TestCase):
                 (ValueError, r"q and p have the shapes \(2,\) and \(1, 2\)",
                  lambda: bodies.centre([1, 2], [[1, 2]]))):
             self.assertRaisesRegex(kind, text, call)
-        for call, status, text in ((lambda: bodies.potential([1, 1]), "EDOMAIN", "where bodies meet"),
-                                   (gravity.Bodies([-1, 2]).system, "EINVAL", r"mass\[0\] = -1 is not positive"),
-                                   (gravity.Bodies([0, 0]).system, "EINVAL", r"mass\[0\] = 0 is not positive")):
+        for call, status, text in (
+                (lambda: bodies.potential([1, 1]), "EDOMAIN", "where bodies meet"),
+                (lambda: gravity.Bodies([1, -1e-3]), "EINVAL", r"^mass\[1\] = -0.001 is negative"),
+                (lambda: gravity.Bodies([0, 0]), "EINVAL", "^all masses are 0"),
+                (lambda: gravity.Bodies([1, 0], J2=1e-3), "EINVAL", "^J2 = 0.001 needs the radius .* radius = 0"),
+                (lambda: gravity.Bodies([1, 2], sharpness=-1), "EINVAL", "^sharpness = -1 is negative")):
             with self.assertRaisesRegex(tvi.Error, text) as refused:
                 call()
             self.assertEqual(refused.exception.status, status)
@@ -179,8 +184,8 @@ class Orbits(unittest.TestCase):
                 (tvi.Error, "EDOMAIN", r"state\[0\]\[1\]: x and v",
                  lambda: gravity.Orbit.of(1, [1, 0, 0], [[[0, 1, 0], [1, 0, 0]]])),
                 (tvi.Error, "EINVAL", "mu is not", lambda: gravity.Orbit.of(-1, [1, 0, 0], [0, 1, 0])),
-                (ValueError, None, "q has .* not finite", lambda: gravity.Orbit(q=math.inf).state(1)),
-                (ValueError, None, "a has .* not finite", lambda: gravity.Orbit(a=math.nan).state(1)),
+                (ValueError, None, "^q = inf is not finite", lambda: gravity.Orbit(q=math.inf).state(1)),
+                (ValueError, None, r"^a\[1\]\[0\] = nan is not", lambda: gravity.Orbit(a=[[1], [math.nan]]).state(1)),
                 (ValueError, None, r"not \(..., 3\)", lambda: gravity.Orbit.of(1, [1, 0], [0, 1])),
                 (ValueError, None, "shape mismatch", lambda: gravity.Orbit(q=[1, 2], e=[1, 2, 3]).state(1)),
                 (TypeError, None, "real numbers", lambda: gravity.Orbit(q="1").state(1))):

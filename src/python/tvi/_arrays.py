@@ -42,8 +42,10 @@ def _floats(name: str, value: Any, may_be_infinite: bool = False) -> np.ndarray:
         except (TypeError, ValueError, OverflowError):
             raise TypeError(f"{name} has real numbers, not {array.dtype}") from None
     array = np.array(array, dtype=np.float64, order="C")
-    if (np.isnan(array) if may_be_infinite else ~np.isfinite(array)).any():
-        raise ValueError(f"{name} has a value that is not finite")
+    wrong = np.isnan(array) if may_be_infinite else ~np.isfinite(array)
+    if wrong.any():
+        where = "".join(f"[{i}]" for i in np.argwhere(wrong)[0])
+        raise ValueError(f"{name}{where} = {array[wrong][0]} is not finite")
     return array
 
 

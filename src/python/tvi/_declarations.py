@@ -164,6 +164,7 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, con
 """
 
 BODIES = """
+tvi_status tvi_bodies_check(const tvi_bodies *b);
 jet tvi_bodies_potential(const jet q[], jet t, void *ctx);
 jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx);
 jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[]);

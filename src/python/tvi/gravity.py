@@ -12,7 +12,7 @@ import numpy as np
 
 from ._arrays import Array, Doubles, _floats, integer, number, numbers, pointer
 from ._jets import Jet, Recording
-from ._library import EINVAL, OK, Error, ffi, lib, name_of
+from ._library import EINVAL, OK, Error, check, ffi, lib, name_of
 from ._systems import MAX_DIMENSION, System, potential
 
 __all__ = ["Bodies", "Orbit"]
@@ -26,6 +26,9 @@ class Bodies:
     3. softening: r^2 + softening^2 stands for r^2. J2, radius, pole: of the body number `oblate`; of the pole [3] the
     length does not matter, None is the third axis. sharpness: k of scale(); 0 stands for 3 where one mass is ten times
     all others together, and for 1 elsewhere. Any units that fit together. It is read-only once made, and pickles.
+
+    Raises ValueError for numbers that are out of range or not finite, and tvi.Error (EINVAL) for negative masses,
+    masses that are all 0, J2 without a radius and a negative sharpness.
 
     >>> import numpy as np
     >>> from tvi import gravity
@@ -49,6 +52,7 @@ class Bodies:
         bodies.pole = (0.0, 0.0, 0.0) if pole is None else numbers("pole", pole, 3).tolist()
         bodies.oblate = integer("oblate", oblate, 0, len(self._mass) - 1)
         bodies.sharpness = number("sharpness", sharpness)
+        check(lib.tvi_bodies_check(bodies))
         self._others = dict(G=bodies.G, softening=bodies.softening, J2=bodies.J2, radius=bodies.radius,
                             pole=list(bodies.pole), oblate=bodies.oblate, sharpness=bodies.sharpness)
 
