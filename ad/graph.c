@@ -40,6 +40,11 @@ jet jet_make_domain_poison(jet_op op, double operand)
     return (jet){operand, (struct jet_node *)&poison_nodes[JET_OUTSIDE + (int)op]};
 }
 
+jet jet_make_poison_beyond_end(jet_reason reason, int index)
+{
+    return (jet){index, (struct jet_node *)&poison_nodes[reason]};
+}
+
 bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
 
 jet jet_find_common_graph_or_poison(int count, const jet x[], jet_graph **graph)

@@ -64,7 +64,10 @@ typedef struct jet_graph jet_graph;
     ROW(JET_TWO_VALUES, TVI_EINVAL, "is made of a parameter that was recorded with another value")                     \
     ROW(JET_NO_MEMORY, TVI_ENOMEM, "is made by an operation that found no memory")                                     \
     ROW(JET_NOT_FINITE, TVI_ENONFINITE, "is made of a number that is not finite")                                      \
-    ROW(JET_NOT_POSITIVE, TVI_EDOMAIN, "is made of a time scale that is not positive")
+    ROW(JET_NOT_POSITIVE, TVI_EDOMAIN, "is made of a time scale that is not positive")                                 \
+    ROW(JET_BEYOND_Q, TVI_EINVAL, "is made of a component beyond the last one: q")                                     \
+    ROW(JET_BEYOND_V, TVI_EINVAL, "is made of a component beyond the last one: v")                                     \
+    ROW(JET_BEYOND_P, TVI_EINVAL, "is made of a component beyond the last one: p")
 #define JET_REASON_NAME(reason, status, text) reason,
 typedef enum { JET_REASON_LIST(JET_REASON_NAME) JET_OUTSIDE } jet_reason;
 #undef JET_REASON_NAME
@@ -140,6 +143,9 @@ jet jet_make_poison(jet_reason reason);
 /* Returns the poison of an operation whose operand is outside its domain. The member `number` of this jet is the
  * operand. */
 jet jet_make_domain_poison(jet_op op, double operand);
+/* Returns the poison that stands for the component x[index] beyond the end of a vector x that the user's function gets.
+ * The reason is JET_BEYOND_Q, JET_BEYOND_V or JET_BEYOND_P. The member `number` of this jet is the index. */
+jet jet_make_poison_beyond_end(jet_reason reason, int index);
 bool jet_is_poison(jet x);
 /* Returns the poison with which outputs are filled before the user's function runs, for outputs that it does not
  * set. */

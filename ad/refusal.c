@@ -39,7 +39,8 @@ tvi_status jet_explain_refused_output(const char *name, int output_count, int ou
     const tvi_status status = is_poison ? (tvi_status)x.node->index : x.node ? TVI_EINVAL : TVI_ENONFINITE;
     char called[64];
     (void)jet_format(called, sizeof called, output_count > 1 ? "%s[%d]" : "%s", name, output_index);
-    if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s", called, reason_texts[reason]);
+    if (reason < JET_BEYOND_Q) return jet_refuse(status, "%s %s", called, reason_texts[reason]);
+    if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s[%d]", called, reason_texts[reason], (int)x.number);
     return jet_refuse(status, "%s is made of jet_%s, which has no power series at %g", called,
                       operation_names[reason - JET_OUTSIDE], x.number);
 }

@@ -17,7 +17,9 @@
  *      otherwise at the step.
  *   4. C++ users may write operators, 0.5 * a * b - sin(a) / 2 and a += b, and the functions sqr, sqrt, exp, log, pow,
  *      sin and the others without the prefix; both spellings record the same.
- *   5. jet_pow(a, c) takes any a for c = 0, 1, 2, ...; a != 0 for c = -1, -2, ...; a > 0 otherwise. */
+ *   5. jet_pow(a, c) takes any a for c = 0, 1, 2, ...; a != 0 for c = -1, -2, ...; a > 0 otherwise.
+ *   6. A component just beyond the end of a vector that the function gets, such as q[2] for n = 2, makes a poison jet,
+ *      too; a force there must not be set. Both are refused with TVI_EINVAL. */
 #ifndef TVI_JET_H
 #define TVI_JET_H
 

@@ -14,13 +14,20 @@
 static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void *ctx)
 {
     const int n = event->n, inputs = 2 * n + 1;
-    jet *state = calloc((size_t)inputs, sizeof *state);
+    const size_t padded_count = tvi_padded_vector_count(n);
+    jet *q = malloc(2 * padded_count * sizeof *q);
     event->graph = jet_graph_create(inputs);
     if (event->graph) jet_graph_set_output_name_for_messages(event->graph, "event function");
-    tvi_status status = state && event->graph ? TVI_OK : TVI_ENOMEM;
-    for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);
+    tvi_status status = q && event->graph ? TVI_OK : TVI_ENOMEM;
     if (status == TVI_OK) {
-        jet value = g(state, state + n, state[2 * n], ctx);
+        jet *p = q + padded_count;
+        for (int i = 0; i < n; i++) {
+            q[i] = jet_graph_input(event->graph, i);
+            p[i] = jet_graph_input(event->graph, n + i);
+        }
+        tvi_set_poison_beyond_end(n, q, JET_BEYOND_Q);
+        tvi_set_poison_beyond_end(n, p, JET_BEYOND_P);
+        jet value = g(q, p, jet_graph_input(event->graph, 2 * n), ctx);
         status = jet_graph_check_outputs(event->graph, 1, &value);
         jet_graph_end_recording(event->graph);
         if (status == TVI_OK) event->tape = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_VALUES);
@@ -29,7 +36,7 @@ static tvi_status record_event_function(tvi_event *event, tvi_event_fn *g, void 
         if (status == TVI_OK) event->hash = jet_tape_continue_hash(JET_HASH_OF_NOTHING, event->tape);
         event->output = value;
     }
-    free(state);
+    free(q);
     return status;
 }
 

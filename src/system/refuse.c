@@ -2,6 +2,8 @@
 #include "system/refuse.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 tvi_status tvi_refuse_first_null_pointer(int count, const void *const pointer[], const char *const name[])
 {
@@ -32,9 +34,54 @@ tvi_status tvi_refuse_nonfinite_state(int n, double t, const double q[], const c
     return TVI_OK;
 }
 
+tvi_status tvi_refuse_masses(int n, const double mass[])
+{
+    if (!mass) return TVI_OK;
+    for (int i = 0; i < n; i++) {
+        if (!isfinite(mass[i])) return jet_refuse(TVI_ENONFINITE, "mass[%d] = %g is not finite", i, mass[i]);
+        if (mass[i] <= 0) return jet_refuse(TVI_EINVAL, "mass[%d] = %g is not positive", i, mass[i]);
+    }
+    return TVI_OK;
+}
+
 tvi_status tvi_refuse_failed_evaluation(const char *evaluated_quantity, tvi_status status)
 {
     if (status == TVI_OK) return status;
     return jet_refuse(status, "%s: %s", evaluated_quantity,
                       status == TVI_EDOMAIN ? jet_last_refusal_text() : tvi_status_string(status));
+}
+
+/* ---- Components beyond the end of a vector ----------------------------------------------------------------------- */
+
+void tvi_set_poison_beyond_end(int n, jet x[], jet_reason reason)
+{
+    const int count = (int)tvi_padded_vector_count(n);
+    for (int i = n; i < count; i++) x[i] = jet_make_poison_beyond_end(reason, i);
+}
+
+jet *tvi_copy_with_poison_beyond_end(int n, const jet x[], jet_reason reason)
+{
+    jet *copy = malloc(tvi_padded_vector_count(n) * sizeof *copy);
+    if (!copy) return NULL;
+    memcpy(copy, x, (size_t)n * sizeof *copy);
+    tvi_set_poison_beyond_end(n, copy, reason);
+    return copy;
+}
+
+jet *tvi_create_unset_force(int n)
+{
+    const size_t count = tvi_padded_vector_count(n);
+    jet *force = malloc(count * sizeof *force);
+    for (size_t i = 0; i < count && force; i++) force[i] = jet_make_unset_poison();
+    return force;
+}
+
+tvi_status tvi_refuse_force_beyond_end(int n, const jet force[])
+{
+    const int count = (int)tvi_padded_vector_count(n);
+    const jet unset = jet_make_unset_poison();
+    for (int i = n; i < count; i++)
+        if (force[i].node != unset.node)
+            return jet_refuse(TVI_EINVAL, "force[%d] was set: it is beyond the last component, force[%d]", i, n - 1);
+    return TVI_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_SYSTEM_REFUSE_H
 #define TVI_SRC_SYSTEM_REFUSE_H
 
+#include "graph.h"
 #include "refusal.h"
 #include "tvi.h"
 
@@ -23,8 +24,29 @@ tvi_status tvi_refuse_first_null_pointer(int count, const void *const pointer[],
  * of the vector [n] with the name `vector_name`. Returns TVI_OK if all numbers are finite. */
 tvi_status tvi_refuse_nonfinite_state(int n, double t, const double q[], const char *vector_name,
                                       const double vector[]);
+/* Refuses masses [n] that are not finite (TVI_ENONFINITE) or not positive (TVI_EINVAL). NULL stands for masses of 1. */
+tvi_status tvi_refuse_masses(int n, const double mass[]);
 /* Sets the text for a status other than TVI_OK that an evaluation has returned. `evaluated_quantity` is the name of the
  * quantity for the text. If the status is TVI_EDOMAIN, the text also names the operation that failed. */
 tvi_status tvi_refuse_failed_evaluation(const char *evaluated_quantity, tvi_status status);
+
+/* The vectors [n] of jets that a user's function gets are padded: behind their end stand poison jets, as many again as
+ * n, and VECTOR_PADDING_MIN at least. A function that reads a component beyond the last one is refused, since its
+ * result is poison. */
+enum { VECTOR_PADDING_MIN = 8 };
+/* Returns the number of jets of a padded vector [n]. */
+static inline size_t tvi_padded_vector_count(int n)
+{
+    return (size_t)n + (size_t)(n > VECTOR_PADDING_MIN ? n : VECTOR_PADDING_MIN);
+}
+/* Sets the padding of x [n]. The reason says which vector x is: JET_BEYOND_Q, JET_BEYOND_V or JET_BEYOND_P. */
+void tvi_set_poison_beyond_end(int n, jet x[], jet_reason reason);
+/* Returns a padded copy of x [n], which the caller frees, or NULL if memory is lacking. */
+jet *tvi_copy_with_poison_beyond_end(int n, const jet x[], jet_reason reason);
+/* Returns a padded force [n] whose jets are all jet_make_unset_poison(). The caller frees it. It is NULL if memory is
+ * lacking. */
+jet *tvi_create_unset_force(int n);
+/* Refuses such a force, with TVI_EINVAL, if the user's function has set its padding. */
+tvi_status tvi_refuse_force_beyond_end(int n, const jet force[]);
 
 #endif

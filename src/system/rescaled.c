@@ -96,6 +96,19 @@ static jet require_positive_scale(jet g)
 
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
 
+/* Records the user's g. Its q and p are those of the user's system, without t and e. */
+static jet record_user_time_scale(const rescaling_request *request, const jet q[], const jet p[])
+{
+    const int n = request->base->n;
+    jet *user_q = tvi_copy_with_poison_beyond_end(n, q, JET_BEYOND_Q);
+    jet *user_p = tvi_copy_with_poison_beyond_end(n, p, JET_BEYOND_P);
+    const jet g =
+        user_q && user_p ? request->time_scale(user_q, user_p, q[n], request->ctx) : jet_make_poison(JET_NO_MEMORY);
+    free(user_q);
+    free(user_p);
+    return g;
+}
+
 /* Records the two factors of K: factor = {g, H + e}. */
 static void record_factors_of_rescaled_hamiltonian(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
@@ -103,8 +116,8 @@ static void record_factors_of_rescaled_hamiltonian(const jet q[], const jet p[],
     const int n = request->base->n;
     (void)s;
     const jet H = tvi_record_user_hamiltonian(q, p, q[n], (void *)request->base);
-    const jet g = request->time_scale ? request->time_scale(q, p, q[n], request->ctx)
-                                      : tvi_record_automatic_time_scale(request->base, H);
+    const jet g =
+        request->time_scale ? record_user_time_scale(request, q, p) : tvi_record_automatic_time_scale(request->base, H);
     factor[0] = require_positive_scale(g);
     factor[1] = jet_add(H, p[n]);
 }
@@ -114,8 +127,9 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
-    const char *const unsupported = !system->energy                  ? "a force has no Hamiltonian: state the potential"
-                                    : system->is_driven              ? "a driven system has no Hamiltonian flow"
+    const char *const unsupported = !system->energy ? "a force has no Hamiltonian: state the potential"
+                                    : system->is_driven
+                                        ? "a driven system has no Hamiltonian flow: take fixed steps, or a tolerance"
                                     : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian"
                                     : system->stepped_system != system ? "the system is rescaled already"
                                                                        : NULL;

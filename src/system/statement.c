@@ -4,7 +4,6 @@
 #include "system/legendre.h"
 #include "system/refuse.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* The user's statement of a system. Exactly one of the first five functions and `base` is set. */
@@ -33,16 +32,6 @@ typedef struct {
     jet *field_and_hessian;          /* [2n + hessian_entry_count] The field, and then the second derivatives. */
 } system_recording;
 
-static tvi_status check_masses(int n, const double mass[])
-{
-    if (!mass) return TVI_OK;
-    for (int i = 0; i < n; i++) {
-        if (!isfinite(mass[i])) return jet_refuse(TVI_ENONFINITE, "mass[%d] = %g is not finite", i, mass[i]);
-        if (mass[i] <= 0) return jet_refuse(TVI_EINVAL, "mass[%d] = %g is not positive", i, mass[i]);
-    }
-    return TVI_OK;
-}
-
 /* Returns the name of the user's function, for texts of refusals. */
 static const char *user_function_name(const system_statement *statement)
 {
@@ -55,7 +44,7 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
 {
     const bool general = statement->lagrangian || statement->hamiltonian || statement->hamiltonian_factors ||
                          statement->has_canonical_lift_momenta;
-    const size_t count = (size_t)n;
+    const size_t count = (size_t)n, padded_count = tvi_padded_vector_count(n);
     tvi_system *system = recording->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
     system->n = n;
@@ -63,20 +52,23 @@ static tvi_status begin_recording(system_recording *recording, int n, const syst
     system->stepped_system = system;
     system->mass = malloc(count * sizeof *system->mass);
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
-    recording->q = malloc(3 * count * sizeof *recording->q);
-    recording->field = system->field = malloc(2 * count * sizeof *recording->field);
+    recording->q = malloc((2 * padded_count + count) * sizeof *recording->q);
+    recording->field = system->field = malloc((count + padded_count) * sizeof *recording->field);
     recording->direction_dot_H_p_gradient = malloc(2 * count * sizeof *recording->direction_dot_H_p_gradient);
     if (!system->mass || !system->graph || !recording->q || !recording->field || !recording->direction_dot_H_p_gradient)
         return TVI_ENOMEM;
     jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
-    recording->v = recording->q + n;
-    recording->r = recording->v + n;
+    recording->v = recording->q + padded_count;
+    recording->r = recording->v + padded_count;
+    tvi_set_poison_beyond_end(n, recording->q, JET_BEYOND_Q);
+    tvi_set_poison_beyond_end(n, recording->v, statement->lagrangian ? JET_BEYOND_V : JET_BEYOND_P);
+    for (size_t i = 0; i < padded_count; i++) recording->field[i] = jet_make_unset_poison();
     const int input_count = general ? 2 * n : n;
-    for (int i = 0; i < input_count; i++) recording->q[i] = jet_graph_input(system->graph, i);
     recording->t = jet_graph_input(system->graph, input_count);
     for (int i = 0; i < n; i++) {
+        recording->q[i] = jet_graph_input(system->graph, i);
+        if (general) recording->v[i] = jet_graph_input(system->graph, n + i);
         if (general) recording->r[i] = jet_graph_input(system->graph, input_count + 1 + i);
-        recording->field[i] = jet_make_unset_poison();
         system->mass[i] = statement->mass ? statement->mass[i] : 1;
     }
     return TVI_OK;
@@ -121,14 +113,18 @@ static tvi_status add_driving_force(system_recording *recording, const system_st
 {
     tvi_system *system = recording->system;
     const int n = system->n;
-    jet *force = malloc((size_t)n * sizeof *force);
-    if (!force) return TVI_ENOMEM;
-    for (int i = 0; i < n; i++) force[i] = jet_make_unset_poison();
-    statement->drive(recording->q, v, recording->t, force, statement->drive_ctx);
-    jet_graph_set_output_name_for_messages(system->graph, "driving force");
-    const tvi_status status = jet_graph_check_outputs(system->graph, n, force);
-    jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
-    for (int i = 0; i < n; i++) recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
+    jet *padded_v = tvi_copy_with_poison_beyond_end(n, v, JET_BEYOND_V), *force = tvi_create_unset_force(n);
+    tvi_status status = padded_v && force ? TVI_OK : TVI_ENOMEM;
+    if (status == TVI_OK) {
+        statement->drive(recording->q, padded_v, recording->t, force, statement->drive_ctx);
+        jet_graph_set_output_name_for_messages(system->graph, "driving force");
+        status = jet_graph_check_outputs(system->graph, n, force);
+        jet_graph_set_output_name_for_messages(system->graph, user_function_name(statement));
+    }
+    if (status == TVI_OK) status = tvi_refuse_force_beyond_end(n, force);
+    for (int i = 0; i < n && status == TVI_OK; i++)
+        recording->field[i] = jet_add(recording->field[i], jet_mul(sign, force[i]));
+    free(padded_v);
     free(force);
     system->is_driven = true;
     return status;
@@ -290,7 +286,7 @@ static tvi_status record_statement(system_recording *recording, const system_sta
     if (statement->hamiltonian) return record_hamiltonian(recording, statement);
     if (statement->potential) return record_potential(recording, statement);
     statement->force(recording->q, recording->t, recording->field, statement->ctx);
-    return TVI_OK;
+    return tvi_refuse_force_beyond_end(recording->system->n, recording->field);
 }
 
 static tvi_status create_tapes(system_recording *recording, const system_statement *statement)
@@ -347,7 +343,7 @@ static tvi_status create_system_from_statement(tvi_system **out, int n, const sy
     if (!statement->force && !statement->potential && !statement->lagrangian && !statement->hamiltonian &&
         !statement->hamiltonian_factors)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
-    const tvi_status status = check_masses(n, statement->mass);
+    const tvi_status status = tvi_refuse_masses(n, statement->mass);
     return status == TVI_OK ? record_system_and_tapes(out, n, statement) : status;
 }
 

@@ -71,6 +71,7 @@ tvi_lagrangian_fn mixed_lagrangian;
 tvi_hamiltonian_fn mixed_hamiltonian;
 
 TCase *tcase_systems(void);      /* in input_systems.c */
+TCase *tcase_vectors(void);      /* in input_vectors.c */
 TCase *tcase_options(void);      /* in input_options.c */
 TCase *tcase_functions(void);    /* in input_functions.c */
 TCase *tcase_bad_steps(void);    /* in input_steps.c */

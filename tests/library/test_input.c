@@ -116,6 +116,7 @@ Suite *suite_input(void)
     Suite *suite = suite_create("input");
     suite_add_tcase(suite, tcase_systems());
     suite_add_tcase(suite, tcase_functions());
+    suite_add_tcase(suite, tcase_vectors());
     suite_add_tcase(suite, tcase_options());
     suite_add_tcase(suite, tcase_bad_steps());
     suite_add_tcase(suite, tcase_failed_steps());
