@@ -109,10 +109,9 @@ static void add_processor_to_key(compilation_key *key)
 
 static compilation_request make_compilation_request(const jet_text *text, const tvi_compiler *compiler, jet_isa isa)
 {
-    const char *default_compiler = tvi_environment_variable("CC");
-    compilation_request request = {.compiler_command = compiler->compiler ? compiler->compiler
-                                                       : default_compiler ? default_compiler
-                                                                          : "cc",
+    const char *named = tvi_environment_variable("CC"); /* A CC of blanks names no compiler. */
+    const char *default_compiler = named && named[strspn(named, " \t\n")] ? named : "cc";
+    compilation_request request = {.compiler_command = compiler->compiler ? compiler->compiler : default_compiler,
                                    .flags = compiler->flags ? compiler->flags : flags_of[isa],
                                    .key = {{JET_HASH_OF_NOTHING, ~JET_HASH_OF_NOTHING}}};
     choose_cache_directory(&request, compiler->cache);

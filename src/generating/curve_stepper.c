@@ -182,11 +182,12 @@ static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double g
     /* The least usable step that expansions with a too large tau have shown. A large tau shows terms that underflow
      * with a smaller one, so that the last expansion may not show them. */
     double least_usable_step = INFINITY;
+    tvi_status status = TVI_OK;
     (void)frexp(guess, &exponent);
     (void)frexp(largest_step, &highest);
     for (int count = 0; count < STEP_SIZE_MAX_EXPANSIONS; count++) {
         attempt->time_unit = copysign(ldexp(1, exponent), largest_step);
-        tvi_status status = predict_centre_state(attempt);
+        status = predict_centre_state(attempt);
         if (status == TVI_OK) status = expand_curve(attempt, w->predicted_state, compute_centre_time(attempt));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double usable_s = 0; /* the usable step in units of tau; 0 if the coefficients overflow */
@@ -204,7 +205,7 @@ static tvi_status expand_with_suitable_time_unit(step_attempt *attempt, double g
                                                 : highest - exponent;
         exponent = exponent + wanted < highest ? exponent + wanted : highest;
     }
-    return TVI_ENOCONV;
+    return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
 static tvi_status step_to_tolerance(void *workspace, double tolerance, double *h, const tvi_step_origin *origin,

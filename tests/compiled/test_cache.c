@@ -93,6 +93,8 @@ START_TEST(the_environment_names_the_compiler)
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
     setenv("CC", "cc", 1);
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    setenv("CC", " \t", 1); /* blanks are as good as none */
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
     unsetenv("CC");
     directory_remove(cache);
 }

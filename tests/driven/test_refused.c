@@ -91,7 +91,7 @@ START_TEST(methods_that_are_refused)
         ck_assert_int_eq(tvi_options_named(methods[i].name, methods[i].order, &options), TVI_OK);
         refused("galerkin or taylor", tvi_options_check(system, &options, NULL), TVI_EUNSUPPORTED);
     }
-    refused("driven", tvi_system_rescaled(&rescaled, system, scale, NULL), TVI_EUNSUPPORTED);
+    refused("take fixed steps, or a tolerance", tvi_system_rescaled(&rescaled, system, scale, NULL), TVI_EUNSUPPORTED);
     ck_assert_ptr_null(rescaled);
     tvi_system_free(system);
 }

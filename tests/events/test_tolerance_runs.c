@@ -231,6 +231,24 @@ START_TEST(refused_values)
 }
 END_TEST
 
+static jet infinite_at_0(const jet q[], jet t, void *ctx)
+{
+    (void)ctx;
+    return jet_mul(q[0], jet_log(jet_cosh(jet_mul(1000, jet_sub(1, t)))));
+}
+
+/* A force that is infinite where a run begins has the same status with a tolerance as with a step size. */
+START_TEST(infinite_force)
+{
+    orbit o = open_potential(infinite_at_0, 13, 0, 0);
+    expect_refused(&o, 1e-10, 2, TVI_ENONFINITE, "a value is not finite");
+    const orbit was = o;
+    refused("a value is not finite", tvi_step(o.integrator, 0.1, &o.t, o.q, o.p), TVI_ENONFINITE);
+    ck_assert(memcmp(&was, &o, sizeof was) == 0);
+    close_orbit(&o);
+}
+END_TEST
+
 START_TEST(refused_methods)
 {
     static const char *const names[] = {"galerkin", "start",    "midpoint", "both-ends",
@@ -263,6 +281,7 @@ Suite *suite_tolerance_runs(void)
     tcase_add_test(ends, events_end_the_run);
     tcase_add_test(refused, collision);
     tcase_add_test(refused, refused_values);
+    tcase_add_test(refused, infinite_force);
     tcase_add_test(refused, refused_methods);
     suite_add_tcase(suite, ends);
     suite_add_tcase(suite, refused);
