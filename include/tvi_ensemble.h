@@ -1,5 +1,4 @@
-/* tvi_ensemble.h - ensembles: many orbits of one system, on all cores, several at once in the lanes of the processor's
- * vectors. tvi_runs.h includes it. */
+/* tvi_ensemble.h - ensembles: many orbits of one system, on all cores. tvi_runs.h includes it. */
 #ifndef TVI_ENSEMBLE_H
 #define TVI_ENSEMBLE_H
 
@@ -15,10 +14,9 @@ extern "C" {
 /* ---- Ensembles --------------------------------------------------------------------------------------------------- */
 
 /* Members are orbits of one system, each with a state and parameters of its own. Arrays have the member fastest:
- * q[n][members], p[n][members], t[members], status[members]. A member does not depend on the others: its bits are the
- * same in every ensemble, at every place in it, and for every number of threads. They are those of an integrator of its
- * own; with generated code the two agree to roundoff (docs/ensembles.md). A member that fails keeps its last good
- * state and its status, and the others go on. Later runs leave it as it is, until its state is another one or
+ * q[n][members], p[n][members], t[members], status[members]. A member does not depend on the others: its bits are
+ * those of an integrator of its own, in every ensemble and for every number of threads. A member that fails keeps its
+ * last good state and its status, and the others go on. Later runs leave it as it is, until its state is another one or
  * tvi_ensemble_reset is called. An ensemble is used by one thread at a time. */
 typedef struct tvi_ensemble tvi_ensemble;
 

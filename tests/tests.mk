@@ -107,7 +107,7 @@ do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble)
 	    tests/suites.sh 'identity,series,tangent,adjoint,elementary' $(BUILD)/check/ad && \
 	    tests/suites.sh 'closed forms,structure,stepping,products,linear' $(BUILD)/check/library && \
 	    tests/suites.sh '' $(BUILD)/check/events && \
-	    tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble && \
+	    tests/suites.sh 'bits/bits,members' $(BUILD)/check/ensemble && \
 	    tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/check/generating || \
 	    exit 1; done
 
@@ -138,14 +138,15 @@ do-generated-few: $(GENERATED)
 	tests/generated.sh $(BUILD) few
 
 # All of the tests of which make check has a share: every allocation of a system fails, every byte of a saved state is
-# damaged in eight ways, steps of all forms' generated code allocate nothing, a million orbits. They guard what changes rarely, at length.
+# damaged in eight ways, steps of all forms' generated code allocate nothing, a million orbits, 1e5 members. They guard what changes rarely, at length.
 check-thorough: ; $(REPORT) "tests of which make check has a share" $(DO)
 do-thorough: export TVI_TESTS = all
-do-thorough: $(addprefix $(BUILD)/check/,bodies events library generating stability)
+do-thorough: $(addprefix $(BUILD)/check/,bodies ensemble events library generating stability)
 	tests/suites.sh orbits $(BUILD)/check/bodies
 	tests/suites.sh 'suggested steps of eccentric orbits' $(BUILD)/check/events
 	tests/suites.sh faults $(BUILD)/check/library
 	tests/suites.sh states $(BUILD)/check/generating
+	tests/suites.sh members $(BUILD)/check/ensemble
 	tests/suites.sh equilibria/springs $(BUILD)/check/stability
 
 # 20,000 steps of every method about every equilibrium at 1 and at 100
@@ -184,7 +185,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz f
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
-	$(IN_ONE_GO) 'failing,states,refused,lanes/lanes,runs/following' $(BUILD)/check/ensemble
+	$(IN_ONE_GO) 'failing,states,refused,members,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
 	$(BUILD)/check/fuzz_states 1 1250000
 	$(PYTHON_SANITIZED)

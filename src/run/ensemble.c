@@ -1,7 +1,6 @@
 /* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
- * integrators of its threads. Between runs an ensemble keeps for each batch of members what its steps have learned from
- * earlier ones (the history, integrator.h). For each member it keeps the parameters, the event that stopped its last
- * run, and the status of its failure. */
+ * integrators of its threads (tvi_worker_load_member, tvi_worker_store_member). A thread has one integrator, which is a
+ * member from its load to its store. So a member's steps are those of an integrator of its own, to the bit. */
 #include "run/ensemble.h"
 #include "run/saved.h"
 #include "run/parallel_for.h"
@@ -18,39 +17,39 @@ static size_t count_parameters_of_all_members(const tvi_ensemble *ensemble)
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Creates the integrators of one thread. The first thread's single_integrator is created from the options; all other
- * integrators copy its system and options. */
-static tvi_status create_worker_integrators(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble,
-                                            const tvi_options *options)
+/* Creates the integrator of one thread. The first one is created from the options; all others copy its system and
+ * options. */
+static tvi_status create_worker(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, const tvi_options *options)
 {
-    tvi_status status =
-        worker == ensemble->workers
-            ? tvi_integrator_create(&worker->single_integrator, ensemble->system, options)
-            : tvi_integrator_create_like(&worker->single_integrator, ensemble->workers->single_integrator, 1);
+    const tvi_status status = worker == ensemble->workers
+                                  ? tvi_integrator_create(&worker->integrator, ensemble->system, options)
+                                  : tvi_integrator_create_like(&worker->integrator, ensemble->workers->integrator, 1);
     if (status != TVI_OK) return status;
     worker->member_q = calloc(2 * (size_t)ensemble->n, sizeof *worker->member_q);
     if (!worker->member_q) return TVI_ENOMEM;
     worker->member_p = worker->member_q + ensemble->n;
-    const int width = tvi_integrator_fastest_batch_width(worker->single_integrator);
-    worker->batch_integrator = worker->single_integrator;
-    return width > 1 ? tvi_integrator_create_like(&worker->batch_integrator, worker->single_integrator, width) : TVI_OK;
+    return TVI_OK;
 }
 
 static tvi_status allocate_member_memory(tvi_ensemble *ensemble)
 {
-    const tvi_integrator *batch = ensemble->workers->batch_integrator;
-    ensemble->width = batch->width;
-    ensemble->batch_count = (ensemble->member_count - 1) / ensemble->width + 1;
-    ensemble->history_bytes = batch->history_bytes;
-    ensemble->batch_histories = aligned_alloc(ARENA_ALIGNMENT, (size_t)ensemble->batch_count * ensemble->history_bytes);
-    ensemble->parameters = calloc(count_parameters_of_all_members(ensemble) + 1, sizeof *ensemble->parameters);
-    ensemble->stops = calloc((size_t)ensemble->member_count, tvi_size_of_stop_in_bytes(ensemble->n));
-    ensemble->failure_status = calloc((size_t)ensemble->member_count, sizeof *ensemble->failure_status);
-    if (!ensemble->batch_histories || !ensemble->parameters || !ensemble->stops || !ensemble->failure_status)
+    const tvi_integrator *it = ensemble->workers->integrator;
+    const size_t members = (size_t)ensemble->member_count, numbers = count_parameters_of_all_members(ensemble);
+    ensemble->history_bytes = it->history_bytes;
+    ensemble->copied_history_bytes = tvi_arena_round_up(it->copied_history_bytes, ARENA_ALIGNMENT);
+    ensemble->histories = aligned_alloc(ARENA_ALIGNMENT, members * ensemble->history_bytes);
+    ensemble->histories_before = aligned_alloc(ARENA_ALIGNMENT, members * ensemble->copied_history_bytes);
+    ensemble->records = calloc(members, sizeof *ensemble->records);
+    ensemble->parameters = calloc(numbers + 1, sizeof *ensemble->parameters);
+    ensemble->columns = calloc(members, sizeof *ensemble->columns);
+    ensemble->stops = calloc(members, tvi_size_of_stop_in_bytes(ensemble->n));
+    ensemble->failure_status = calloc(members, sizeof *ensemble->failure_status);
+    if (!ensemble->histories || !ensemble->histories_before || !ensemble->records || !ensemble->parameters ||
+        !ensemble->columns || !ensemble->stops || !ensemble->failure_status)
         return TVI_ENOMEM;
-    memset(ensemble->batch_histories, 0, (size_t)ensemble->batch_count * ensemble->history_bytes);
-    for (size_t i = 0; i < count_parameters_of_all_members(ensemble); i++)
-        ensemble->parameters[i] = ensemble->workers->single_integrator->parameters[i / (size_t)ensemble->member_count];
+    memset(ensemble->histories, 0, members * ensemble->history_bytes);
+    memset(ensemble->histories_before, 0, members * ensemble->copied_history_bytes);
+    for (size_t i = 0; i < numbers; i++) ensemble->parameters[i] = it->parameters[i / members];
     return TVI_OK;
 }
 
@@ -60,7 +59,7 @@ static tvi_status create_workers_and_members(tvi_ensemble *ensemble, const tvi_o
     ensemble->workers = calloc((size_t)ensemble->thread_count, sizeof *ensemble->workers);
     if (!ensemble->workers) return TVI_ENOMEM;
     for (int i = 0; i < ensemble->thread_count && status == TVI_OK; i++)
-        status = create_worker_integrators(&ensemble->workers[i], ensemble, options);
+        status = create_worker(&ensemble->workers[i], ensemble, options);
     return status == TVI_OK ? allocate_member_memory(ensemble) : status;
 }
 
@@ -92,14 +91,16 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
     for (int i = 0; ensemble->workers && i < ensemble->thread_count; i++) {
-        if (ensemble->workers[i].batch_integrator != ensemble->workers[i].single_integrator)
-            tvi_integrator_free(ensemble->workers[i].batch_integrator);
-        tvi_integrator_free(ensemble->workers[i].single_integrator);
+        tvi_integrator_free(ensemble->workers[i].integrator);
         free(ensemble->workers[i].member_q);
     }
+    for (int m = 0; ensemble->columns && m < ensemble->member_count; m++) tvi_step_columns_free(&ensemble->columns[m]);
     free(ensemble->workers);
-    free(ensemble->batch_histories);
+    free(ensemble->histories);
+    free(ensemble->histories_before);
+    free(ensemble->records);
     free(ensemble->parameters);
+    free(ensemble->columns);
     free(ensemble->stops);
     free(ensemble->failure_status);
     (void)pthread_mutex_destroy(&ensemble->observer_lock);
@@ -108,47 +109,65 @@ void tvi_ensemble_free(tvi_ensemble *ensemble)
 
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
-static char *address_of_stored_step_history_of_batch(const tvi_ensemble *ensemble, int batch)
+/* Copies the stored history of a member, without that from before its last step. */
+static void load_history(tvi_integrator *it, const tvi_ensemble *ensemble, int member)
 {
-    return ensemble->batch_histories + (size_t)batch * ensemble->history_bytes;
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(
+        it->history, ensemble->histories + (size_t)member * ensemble->history_bytes, ensemble->history_bytes);
 }
 
-void tvi_worker_load_batch(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int batch)
+void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(worker->batch_integrator->history,
-                                                address_of_stored_step_history_of_batch(ensemble, batch),
-                                                ensemble->history_bytes);
-    tvi_integrator_load_parameters(worker->batch_integrator,
-                                   ensemble->parameters + tvi_first_member_of_batch(ensemble, batch),
-                                   (size_t)ensemble->member_count, tvi_count_members_of_batch(ensemble, batch));
-    worker->batch_integrator->has_dense_output = false;
+    tvi_integrator *it = worker->integrator;
+    const tvi_member_record *record = &ensemble->records[member];
+    const tvi_stats own = it->stats;
+    load_history(it, ensemble, member);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(
+        it->history_before, ensemble->histories_before + (size_t)member * ensemble->copied_history_bytes,
+        it->copied_history_bytes);
+    tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count, 1);
+    memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
+    it->stats = record->stats;
+    it->stats.bytes = own.bytes;
+    it->stats.is_compiled = own.is_compiled;
+    it->h = record->h;
+    it->covered_time = record->covered_time;
+    it->has_dense_output = record->has_dense_output;
+    if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
 }
 
-void tvi_worker_store_batch(const tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int batch)
+void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
 {
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(address_of_stored_step_history_of_batch(ensemble, batch),
-                                                worker->batch_integrator->history, ensemble->history_bytes);
+    tvi_integrator *it = worker->integrator;
+    tvi_member_record *record = &ensemble->records[member];
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(ensemble->histories + (size_t)member * ensemble->history_bytes,
+                                                it->history, ensemble->history_bytes);
+    tvi_arena_copy_or_clear_with_sanitizer_gaps(ensemble->histories_before +
+                                                    (size_t)member * ensemble->copied_history_bytes,
+                                                it->history_before, it->copied_history_bytes);
+    memcpy(tvi_stop_of_member(ensemble, member), it->stop, tvi_size_of_stop_in_bytes(ensemble->n));
+    record->stats = it->stats;
+    record->stats.bytes = 0;
+    record->h = it->h;
+    record->covered_time = it->covered_time;
+    record->has_dense_output = it->has_dense_output;
+    if (it->tangent) tvi_step_columns_exchange(it, &ensemble->columns[member]);
 }
 
-void tvi_worker_load_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
+/* The curve of a step is no part of the history, and a rescaled system needs it for times inside the step. The same
+ * step, made once more from the same history, has the same curve. */
+void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member)
 {
-    if (worker->batch_integrator != worker->single_integrator) {
-        tvi_member_copy_between_integrators(worker->single_integrator, 0, worker->batch_integrator,
-                                            member % ensemble->width);
-        tvi_integrator_load_parameters(worker->single_integrator, ensemble->parameters + member,
-                                       (size_t)ensemble->member_count, 1);
+    tvi_integrator *it = worker->integrator;
+    if (ensemble->records[member].has_dense_output && tvi_is_rescaled(it)) {
+        load_history(it, ensemble, member);
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(
+            it->history, ensemble->histories_before + (size_t)member * ensemble->copied_history_bytes,
+            it->copied_history_bytes);
+        tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count, 1);
+        tvi_integrator_compute_curve(it, ensemble->records[member].h);
     }
-    memcpy(worker->single_integrator->stop, tvi_stop_of_member(ensemble, member),
-           tvi_size_of_stop_in_bytes(ensemble->n));
-}
-
-void tvi_worker_store_member(tvi_ensemble_worker *worker, const tvi_ensemble *ensemble, int member)
-{
-    if (worker->batch_integrator != worker->single_integrator)
-        tvi_member_copy_between_integrators(worker->batch_integrator, member % ensemble->width,
-                                            worker->single_integrator, 0);
-    memcpy(tvi_stop_of_member(ensemble, member), worker->single_integrator->stop,
-           tvi_size_of_stop_in_bytes(ensemble->n));
+    tvi_worker_load_member(worker, ensemble, member);
 }
 
 /* ---- Calls for all members --------------------------------------------------------------------------------------- */
@@ -173,13 +192,13 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
 void tvi_ensemble_reset(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
-    memset(ensemble->batch_histories, 0, (size_t)ensemble->batch_count * ensemble->history_bytes);
-    memset(ensemble->failure_status, 0, (size_t)ensemble->member_count * sizeof *ensemble->failure_status);
-    for (int i = 0; i < ensemble->thread_count; i++) {
-        ensemble->workers[i].single_integrator->stats.largest_tail = 0;
-        ensemble->workers[i].batch_integrator->stats.largest_tail = 0;
+    const size_t members = (size_t)ensemble->member_count;
+    memset(ensemble->histories, 0, members * ensemble->history_bytes);
+    memset(ensemble->failure_status, 0, members * sizeof *ensemble->failure_status);
+    for (size_t m = 0; m < members; m++) {
+        ensemble->records[m].stats.largest_tail = 0;
+        ensemble->records[m].has_dense_output = false;
     }
-    ensemble->loaded_stats.largest_tail = 0;
     ensemble->has_run = false;
 }
 
@@ -191,7 +210,6 @@ static void add_step_counts(tvi_stats *sum, const tvi_stats *stats)
     sum->force_evaluations += stats->force_evaluations;
     sum->factorisations += stats->factorisations;
     sum->largest_tail = fmax(sum->largest_tail, stats->largest_tail);
-    sum->bytes += stats->bytes;
 }
 
 tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
@@ -199,17 +217,14 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     if (!ensemble || !stats)
         return tvi_refuse_first_null_pointer(2, (const void *const[]){ensemble, stats},
                                              (const char *const[]){"ensemble", "stats"});
-    *stats = ensemble->loaded_stats;
-    stats->bytes =
-        sizeof *ensemble + (size_t)ensemble->batch_count * ensemble->history_bytes +
-        count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
-        (size_t)ensemble->member_count * (sizeof *ensemble->failure_status + tvi_size_of_stop_in_bytes(ensemble->n));
-    for (int i = 0; i < ensemble->thread_count; i++) {
-        add_step_counts(stats, &ensemble->workers[i].single_integrator->stats);
-        if (ensemble->workers[i].batch_integrator != ensemble->workers[i].single_integrator)
-            add_step_counts(stats, &ensemble->workers[i].batch_integrator->stats);
-    }
-    stats->is_compiled = ensemble->workers->single_integrator->stats.is_compiled;
+    const size_t members = (size_t)ensemble->member_count;
+    *stats = (tvi_stats){.is_compiled = ensemble->workers->integrator->stats.is_compiled};
+    for (size_t m = 0; m < members; m++) add_step_counts(stats, &ensemble->records[m].stats);
+    stats->bytes = sizeof *ensemble + count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters +
+                   members * (ensemble->history_bytes + ensemble->copied_history_bytes + sizeof *ensemble->records +
+                              sizeof *ensemble->columns + sizeof *ensemble->failure_status +
+                              tvi_size_of_stop_in_bytes(ensemble->n));
+    for (int i = 0; i < ensemble->thread_count; i++) stats->bytes += ensemble->workers[i].integrator->stats.bytes;
     return TVI_OK;
 }
 
@@ -228,16 +243,15 @@ static void list_saved_pieces(const tvi_ensemble *ensemble, tvi_stats *stats, tv
     tvi_saved_pieces_add(pieces, ensemble->parameters,
                          count_parameters_of_all_members(ensemble) * sizeof *ensemble->parameters);
     tvi_saved_pieces_add(pieces, ensemble->stops, members * tvi_size_of_stop_in_bytes(ensemble->n));
-    tvi_saved_pieces_add(pieces, ensemble->batch_histories, (size_t)ensemble->batch_count * ensemble->history_bytes);
+    tvi_saved_pieces_add(pieces, ensemble->histories, members * ensemble->history_bytes);
 }
 
 static tvi_saved_identity compute_ensemble_identity(const tvi_ensemble *ensemble, const tvi_saved_pieces *pieces)
 {
     tvi_saved_identity who =
-        tvi_saved_identity_of_integrator(ensemble->workers->single_integrator, tvi_saved_size_in_bytes(pieces));
+        tvi_saved_identity_of_integrator(ensemble->workers->integrator, tvi_saved_size_in_bytes(pieces));
     who.has_stepped = ensemble->has_run;
     who.member_count = ensemble->member_count;
-    who.batch_width = ensemble->width;
     return who;
 }
 
@@ -258,19 +272,17 @@ tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t 
 static bool are_saved_pieces_valid(tvi_ensemble *ensemble, const tvi_saved_pieces *pieces, const void *buffer)
 {
     const char *histories = tvi_saved_piece_address(pieces, HISTORIES, buffer);
-    tvi_integrator *it = ensemble->workers->batch_integrator;
+    tvi_integrator *it = ensemble->workers->integrator;
     if (!tvi_saved_stats_are_valid(tvi_saved_piece_address(pieces, COUNTS, buffer)) ||
         !tvi_saved_stops_are_valid(tvi_saved_piece_address(pieces, STOPS, buffer), ensemble->n,
                                    ensemble->member_count) ||
         !tvi_numbers_are_finite(tvi_saved_piece_address(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
         return false;
-    for (int m = 0; m < ensemble->member_count; m++) {
+    for (size_t m = 0; m < (size_t)ensemble->member_count; m++) {
         tvi_status status;
-        memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + (size_t)m * sizeof status, sizeof status);
+        memcpy(&status, tvi_saved_piece_address(pieces, STATUSES, buffer) + m * sizeof status, sizeof status);
         if (status != TVI_OK && !tvi_is_failure_of_one_member_only(status)) return false;
-    }
-    for (int batch = 0; batch < ensemble->batch_count; batch++) {
-        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, histories + (size_t)batch * ensemble->history_bytes,
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, histories + m * ensemble->history_bytes,
                                                     ensemble->history_bytes);
         if (!tvi_loaded_history_is_valid(it)) return false;
     }
@@ -292,12 +304,8 @@ tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t 
     if (!are_saved_pieces_valid(ensemble, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
     memcpy(&who, buffer, sizeof who);
     for (int i = 0; i < pieces.piece_count; i++) tvi_saved_load_piece(&pieces, i, buffer);
-    ensemble->loaded_stats = stats;
-    for (int i = 0; i < ensemble->thread_count; i++) {
-        tvi_stats *const all[] = {&ensemble->workers[i].single_integrator->stats,
-                                  &ensemble->workers[i].batch_integrator->stats};
-        for (int k = 0; k < 2; k++) *all[k] = (tvi_stats){.bytes = all[k]->bytes, .is_compiled = all[k]->is_compiled};
-    }
+    memset(ensemble->records, 0, (size_t)ensemble->member_count * sizeof *ensemble->records);
+    ensemble->records->stats = stats; /* The counts of all members together are those of the first one from here on. */
     ensemble->has_run = who.has_stepped != 0;
     return TVI_OK;
 }
@@ -310,11 +318,9 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
-    tvi_ensemble_worker *worker = ensemble->workers;
     for (int m = 0; m < ensemble->member_count; m++) {
-        if (m % ensemble->width == 0) tvi_worker_load_batch(worker, ensemble, m / ensemble->width);
-        tvi_member_copy_state(worker->batch_integrator, m % ensemble->width, &t[m], q + m, p + m,
-                              (size_t)ensemble->member_count);
+        load_history(ensemble->workers->integrator, ensemble, m);
+        tvi_member_copy_state(ensemble->workers->integrator, 0, &t[m], q + m, p + m, (size_t)ensemble->member_count);
         status[m] = ensemble->failure_status[m];
     }
     return TVI_OK;

@@ -209,6 +209,9 @@ TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long most_st
 /* Makes up to most_steps steps of size h. Each step moves all members whose status is TVI_OK; the function returns
  * early if there is no such member. */
 void tvi_make_steps_of_batch(tvi_integrator *integrator, long most_steps, double h);
+/* Computes the increments of a step of size h from the current state, and so the curve of the step, without making it.
+ * The stepper succeeds, as it has made this step before. */
+void tvi_integrator_compute_curve(tvi_integrator *integrator, double h);
 /* Undoes the last step. t, q and p become the state at the start of that step. */
 void tvi_integrator_undo_step(tvi_integrator *integrator, double *t, double q[], double p[]);
 

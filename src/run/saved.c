@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STATE_VERSION = 14 };
+enum { STATE_VERSION = 15 };
 
 static const char MAGIC[] = "tvistate";
 
@@ -84,8 +84,7 @@ const char *tvi_saved_find_mismatch(const tvi_saved_identity *expected, const vo
     if (identity.system_hash != expected->system_hash) return "the state is of another system";
     if (identity.generated_code_hash != expected->generated_code_hash)
         return expected->generated_code_hash ? "the state is not of compiled steps" : "the state is of compiled steps";
-    const bool fits = identity.options_hash == expected->options_hash &&
-                      identity.total_bytes == expected->total_bytes && identity.batch_width == expected->batch_width;
+    const bool fits = identity.options_hash == expected->options_hash && identity.total_bytes == expected->total_bytes;
     return fits ? NULL : "the state is of other options";
 }
 

@@ -20,7 +20,7 @@ typedef struct {
     /* The version of the format, the size of the saved state in bytes, and the number of coordinates of the system. */
     int64_t format_version, total_bytes, n;
     int64_t has_stepped;                /* 1 if the integrator or the ensemble has made a step, otherwise 0 */
-    int64_t member_count, batch_width;  /* the numbers of members of an ensemble and of a batch; 0 for an integrator */
+    int64_t member_count;               /* the number of members of an ensemble; 0 for an integrator */
     uint64_t system_hash, options_hash; /* hashes of the system's tapes and of the options */
     /* The hash of the generated code, whose roundoff differs from that of tapes; 0 if there is none. */
     uint64_t generated_code_hash;

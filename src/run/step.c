@@ -68,6 +68,12 @@ JET_INLINE void compute_increments(tvi_integrator *it, int width, double toleran
     for (int member = 0; member < width; member++) it->increments.dq[time + member] = it->h;
 }
 
+void tvi_integrator_compute_curve(tvi_integrator *it, double h)
+{
+    it->h = h;
+    compute_increments(it, 1, 0);
+}
+
 /* ---- Checks of new states ---------------------------------------------------------------------------------------- */
 
 /* Tells whether the forces, or the derivatives of the Lagrangian or Hamiltonian, are finite at the start of the

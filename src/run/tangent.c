@@ -34,13 +34,21 @@ struct tvi_tangent {
     /* [2 parameters] The parameters of the lifted system: the integrator's values, then the components of the tangent
      * vector that belong to the parameters. */
     double *parameters_and_rates;
-    /* Matrices [2n + parameters][columns] of a run's tangent vectors, before and after the last step. Their n is
-     * that of the user's system. */
-    double *columns_at_step_start, *columns_at_step_end;
-    int column_capacity;         /* the number of columns for which both matrices have memory */
-    long step_number;            /* the number of the step that the matrices belong to; 0 if there is none */
-    int propagated_column_count; /* the number of columns that were propagated by that step */
+    tvi_step_columns last_step; /* the columns of the integrator's last step */
 };
+
+void tvi_step_columns_exchange(tvi_integrator *it, tvi_step_columns *columns)
+{
+    const tvi_step_columns own = it->tangent->last_step;
+    it->tangent->last_step = *columns;
+    *columns = own;
+}
+
+void tvi_step_columns_free(tvi_step_columns *columns)
+{
+    free(columns->at_start);
+    free(columns->at_end);
+}
 
 static void free_tangent(tvi_tangent *tangent)
 {
@@ -49,8 +57,7 @@ static void free_tangent(tvi_tangent *tangent)
     tvi_system_free(tangent->lifted_system);
     free(tangent->lifted_q);
     free(tangent->field_block);
-    free(tangent->columns_at_step_start);
-    free(tangent->columns_at_step_end);
+    tvi_step_columns_free(&tangent->last_step);
     free(tangent);
 }
 
@@ -97,16 +104,16 @@ static tvi_status create_tangent(tvi_tangent **out, tvi_integrator *it)
 static tvi_status reserve_tangent_columns(tvi_integrator *it, int column_count)
 {
     tvi_tangent *tangent = it->tangent;
-    if (column_count <= tangent->column_capacity) return TVI_OK;
+    if (column_count <= tangent->last_step.capacity) return TVI_OK;
     const size_t row = (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * sizeof(double);
-    double **const both[] = {&tangent->columns_at_step_start, &tangent->columns_at_step_end};
+    double **const both[] = {&tangent->last_step.at_start, &tangent->last_step.at_end};
     for (int i = 0; i < 2; i++) {
         double *D = (size_t)column_count > SIZE_MAX / row ? NULL : realloc(*both[i], (size_t)column_count * row);
         if (!D) return jet_explain_out_of_memory(TVI_ENOMEM);
         *both[i] = D;
     }
-    it->stats.bytes += 2 * (size_t)(column_count - tangent->column_capacity) * row;
-    tangent->column_capacity = column_count;
+    it->stats.bytes += 2 * (size_t)(column_count - tangent->last_step.capacity) * row;
+    tangent->last_step.capacity = column_count;
     return TVI_OK;
 }
 
@@ -334,12 +341,12 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
 {
     const tvi_tangent *tangent = it->tangent;
     if (!columns->elements) return true;
-    if (!tangent || tangent->step_number == 0 || tangent->step_number != it->stats.steps ||
-        tangent->propagated_column_count != columns->count)
+    if (!tangent || tangent->last_step.step_number == 0 || tangent->last_step.step_number != it->stats.steps ||
+        tangent->last_step.propagated_count != columns->count)
         return false;
     for (size_t i = 0; i < count_column_elements(it, columns); i++)
         if (tvi_double_bits(columns->elements[i * columns->element_spacing]) !=
-            tvi_double_bits(tangent->columns_at_step_end[i]))
+            tvi_double_bits(tangent->last_step.at_end[i]))
             return false;
     return true;
 }
@@ -347,26 +354,26 @@ bool tvi_columns_match_last_step_end(const tvi_integrator *it, const tvi_tangent
 void tvi_columns_store_run_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (tvi_columns_match_last_step_end(it, columns)) return;
-    copy_columns_from_user(it, columns, it->tangent->columns_at_step_end);
-    it->tangent->step_number = 0;
+    copy_columns_from_user(it, columns, it->tangent->last_step.at_end);
+    it->tangent->last_step.step_number = 0;
 }
 
 tvi_status tvi_columns_propagate_by_last_step(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
     if (!columns->elements) return TVI_OK;
     tvi_tangent *tangent = it->tangent;
-    const tvi_tangent_columns start = {tangent->columns_at_step_start, columns->count, 1},
-                              end = {tangent->columns_at_step_end, columns->count, 1};
+    const tvi_tangent_columns start = {tangent->last_step.at_start, columns->count, 1},
+                              end = {tangent->last_step.at_end, columns->count, 1};
     copy_columns_from_user(it, columns, start.elements);
     memcpy(end.elements, start.elements, count_column_elements(it, columns) * sizeof *end.elements);
-    tangent->step_number = 0;
+    tangent->last_step.step_number = 0;
     tvi_status status = tvi_columns_check_finite(it, &start);
     if (status == TVI_OK)
         status =
             multiply_columns_by_jacobian(it, &(differentiated_step){&it->start, it->parameters, it->h}, &start, &end);
     if (status != TVI_OK) return status;
-    tangent->step_number = it->stats.steps;
-    tangent->propagated_column_count = columns->count;
+    tangent->last_step.step_number = it->stats.steps;
+    tangent->last_step.propagated_count = columns->count;
     copy_columns_to_user(it, columns, end.elements);
     return TVI_OK;
 }
@@ -375,7 +382,7 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
                                            const double parameters[])
 {
     if (!columns->elements) return TVI_OK;
-    const tvi_tangent_columns start = {it->tangent->columns_at_step_start, columns->count, 1};
+    const tvi_tangent_columns start = {it->tangent->last_step.at_start, columns->count, 1};
     tvi_columns_restore_step_end(it, columns);
     if (offset == it->h) return TVI_OK;
     tvi_columns_restore_step_start(it, columns);
@@ -388,10 +395,10 @@ tvi_status tvi_columns_propagate_to_offset(const tvi_integrator *it, const tvi_t
 
 void tvi_columns_restore_step_end(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->columns_at_step_end);
+    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->last_step.at_end);
 }
 
 void tvi_columns_restore_step_start(const tvi_integrator *it, const tvi_tangent_columns *columns)
 {
-    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->columns_at_step_start);
+    if (columns->elements) copy_columns_to_user(it, columns, it->tangent->last_step.at_start);
 }

@@ -14,6 +14,18 @@ typedef struct {
     size_t element_spacing;
 } tvi_tangent_columns;
 
+/* The tangent vectors of a run before and after its last step. Points inside the step are computed from those before
+ * it. All is 0 before the first step. */
+typedef struct {
+    double *at_start, *at_end; /* [2n + parameters][columns], n that of the user's system */
+    int capacity;              /* the number of columns for which both matrices have memory */
+    long step_number;          /* the number of the step that the matrices belong to; 0 if there is none */
+    int propagated_count;      /* the number of columns that were propagated by that step */
+} tvi_step_columns;
+/* Exchanges the columns of the integrator's last step with others. The integrator has memory for tangent vectors. */
+void tvi_step_columns_exchange(tvi_integrator *integrator, tvi_step_columns *columns);
+void tvi_step_columns_free(tvi_step_columns *columns);
+
 /* Refuses tangent vectors that have an element which is not finite. */
 TVI_NODISCARD tvi_status tvi_columns_check_finite(const tvi_integrator *integrator, const tvi_tangent_columns *columns);
 /* The functions below update the columns of a run (run.c, times.c, locate.c). A run without tangent vectors has

@@ -107,11 +107,12 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     return status;
 }
 
-/* Sets the integrator's parameters and its state to those of the text. On failure the integrator is left as it was.
- * `scratch` is memory for copies of its history and its parameters. */
-static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_state_text *state_text, char *scratch)
+/* Sets the integrator's parameters and its state to those of the text. On failure the integrator is left as it was. */
+static tvi_status set_integrator_from_text(tvi_integrator *it, const tvi_state_text *state_text)
 {
     const size_t bytes = (size_t)state_text->parameter_count * sizeof *state_text->parameter_values;
+    char *scratch = malloc(it->history_bytes + bytes + 1);
+    if (!scratch) return jet_explain_out_of_memory(TVI_ENOMEM);
     double *const values = (double *)(scratch + it->history_bytes);
     tvi_arena_copy_or_clear_with_sanitizer_gaps(scratch, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
@@ -121,11 +122,12 @@ static tvi_status set_integrator_state_from_text(tvi_integrator *it, const tvi_s
     if (status == TVI_OK) {
         it->has_dense_output = false;
         tvi_event_stop_clear(it->stop, it->system->n);
-        return TVI_OK;
+    } else {
+        tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, scratch, it->history_bytes);
+        memcpy(it->parameters, values, bytes);
+        tvi_integrator_copy_parameters_to_tapes(it);
     }
-    tvi_arena_copy_or_clear_with_sanitizer_gaps(it->history, scratch, it->history_bytes);
-    memcpy(it->parameters, values, bytes);
-    tvi_integrator_copy_parameters_to_tapes(it);
+    free(scratch);
     return status;
 }
 
@@ -139,11 +141,8 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
     tvi_state_text state_text;
     tvi_status status = read_state_text(&state_text, it->system, text, size);
     if (status != TVI_OK) return status;
-    char *scratch =
-        malloc(it->history_bytes + (size_t)state_text.parameter_count * sizeof *state_text.parameter_values + 1);
-    status = scratch ? set_integrator_state_from_text(it, &state_text, scratch) : jet_explain_out_of_memory(TVI_ENOMEM);
+    status = set_integrator_from_text(it, &state_text);
     if (status == TVI_OK) tvi_integrator_copy_state(it, t, q, p);
-    free(scratch);
     free(state_text.parameter_values);
     return status;
 }
@@ -174,22 +173,13 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
     if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
     for (int i = 0; i < parameters; i++)
         state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
-    tvi_worker_load_batch(ensemble->workers, ensemble, member / ensemble->width);
     const tvi_user_state user_state = {q + member, p + member, members, t[member]};
-    fill_state_text(&state_text, ensemble->workers->batch_integrator, member % ensemble->width, &user_state);
+    tvi_worker_load_member(ensemble->workers, (tvi_ensemble *)ensemble, member);
+    fill_state_text(&state_text, ensemble->workers->integrator, 0, &user_state);
+    tvi_worker_store_member(ensemble->workers, (tvi_ensemble *)ensemble, member);
     const tvi_status written = write_state_text(&state_text, text, size);
     free(state_text.parameter_values);
     return written;
-}
-
-/* Exchanges the values of the member's parameters with those of the text. A second call restores both. */
-static void swap_parameters_with_text(tvi_ensemble *ensemble, int member, const tvi_state_text *state_text)
-{
-    for (int i = 0; i < state_text->parameter_count; i++) {
-        double *scratch = &ensemble->parameters[(size_t)i * (size_t)ensemble->member_count + (size_t)member];
-        const double kept = *scratch;
-        *scratch = state_text->parameter_values[i], state_text->parameter_values[i] = kept;
-    }
 }
 
 tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text, size_t size, double t[],
@@ -199,20 +189,17 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, con
     tvi_state_text state_text;
     if (status == TVI_OK) status = read_state_text(&state_text, ensemble->system, text, size);
     if (status != TVI_OK) return status;
-    const int batch = member / ensemble->width, m = member % ensemble->width;
+    const size_t members = (size_t)ensemble->member_count;
     tvi_ensemble_worker *worker = ensemble->workers;
-    swap_parameters_with_text(ensemble, member, &state_text);
-    tvi_worker_load_batch(worker, ensemble, batch);
-    status = set_member_state_from_text(worker->batch_integrator, m, &state_text);
+    tvi_worker_load_member(worker, ensemble, member);
+    status = set_integrator_from_text(worker->integrator, &state_text);
     if (status == TVI_OK) {
-        tvi_worker_store_batch(worker, ensemble, batch);
-        tvi_event_stop_clear(tvi_stop_of_member(ensemble, member), ensemble->n);
+        for (int i = 0; i < state_text.parameter_count; i++)
+            ensemble->parameters[(size_t)i * members + (size_t)member] = state_text.parameter_values[i];
         ensemble->failure_status[member] = TVI_OK;
-        tvi_member_copy_state(worker->batch_integrator, m, &t[member], q + member, p + member,
-                              (size_t)ensemble->member_count);
-    } else {
-        swap_parameters_with_text(ensemble, member, &state_text);
+        tvi_member_copy_state(worker->integrator, 0, &t[member], q + member, p + member, members);
     }
+    tvi_worker_store_member(worker, ensemble, member);
     free(state_text.parameter_values);
     return status;
 }

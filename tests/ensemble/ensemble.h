@@ -13,7 +13,7 @@ Suite *suite_states(void);
 Suite *suite_texts(void);
 void add_text_format(Suite *suite); /* a case of it */
 Suite *suite_refused(void);
-Suite *suite_lanes(void);
+Suite *suite_members(void);
 Suite *suite_walks(void);
 
 enum { N = 2, MOST = 1000, COLUMNS = 2, ROWS = 2 * N + 1 };
@@ -65,9 +65,6 @@ alone start_alone(const tvi_system *system, const tvi_options *options, int orbi
 void end_alone(alone *a);
 /* Makes c the group of this one member. */
 group *group_of(const alone *a, group *c);
-
-/* Whether the ensemble steps members in lanes. */
-bool has_lanes(const tvi_ensemble *ensemble);
 
 #define OK(call) ck_assert_msg((call) == TVI_OK, "%s: %s", #call, tvi_last_error())
 

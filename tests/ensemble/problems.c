@@ -1,6 +1,5 @@
 /* problems.c - Implements ensemble.h. */
 #include "ensemble.h"
-#include "run/ensemble.h"
 
 #include <math.h>
 #include <string.h>
@@ -182,5 +181,3 @@ group *group_of(const alone *a, group *c)
     memcpy(c->D, a->D, sizeof a->D);
     return c;
 }
-
-bool has_lanes(const tvi_ensemble *ensemble) { return ensemble->width > 1; }
