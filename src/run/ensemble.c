@@ -23,7 +23,7 @@ static tvi_status create_worker(tvi_ensemble_worker *worker, const tvi_ensemble 
 {
     const tvi_status status = worker == ensemble->workers
                                   ? tvi_integrator_create(&worker->integrator, ensemble->system, options)
-                                  : tvi_integrator_create_like(&worker->integrator, ensemble->workers->integrator, 1);
+                                  : tvi_integrator_create_like(&worker->integrator, ensemble->workers->integrator);
     if (status != TVI_OK) return status;
     worker->member_q = calloc(2 * (size_t)ensemble->n, sizeof *worker->member_q);
     if (!worker->member_q) return TVI_ENOMEM;
@@ -125,7 +125,7 @@ void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble,
     tvi_arena_copy_or_clear_with_sanitizer_gaps(
         it->history_before, ensemble->histories_before + (size_t)member * ensemble->copied_history_bytes,
         it->copied_history_bytes);
-    tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count, 1);
+    tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
     memcpy(it->stop, tvi_stop_of_member(ensemble, member), tvi_size_of_stop_in_bytes(ensemble->n));
     it->stats = record->stats;
     it->stats.bytes = own.bytes;
@@ -164,7 +164,7 @@ void tvi_worker_load_member_and_curve(tvi_ensemble_worker *worker, tvi_ensemble 
         tvi_arena_copy_or_clear_with_sanitizer_gaps(
             it->history, ensemble->histories_before + (size_t)member * ensemble->copied_history_bytes,
             it->copied_history_bytes);
-        tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count, 1);
+        tvi_integrator_load_parameters(it, ensemble->parameters + member, (size_t)ensemble->member_count);
         tvi_integrator_compute_curve(it, ensemble->records[member].h);
     }
     tvi_worker_load_member(worker, ensemble, member);
@@ -318,9 +318,12 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[
     const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
     if (idle != TVI_OK) return idle;
     if (!ensemble->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
+    const tvi_ensemble_worker *worker = ensemble->workers;
     for (int m = 0; m < ensemble->member_count; m++) {
-        load_history(ensemble->workers->integrator, ensemble, m);
-        tvi_member_copy_state(ensemble->workers->integrator, 0, &t[m], q + m, p + m, (size_t)ensemble->member_count);
+        load_history(worker->integrator, ensemble, m);
+        tvi_integrator_copy_state(worker->integrator, &t[m], worker->member_q, worker->member_p);
+        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, m, q);
+        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, m, p);
         status[m] = ensemble->failure_status[m];
     }
     return TVI_OK;

@@ -58,6 +58,16 @@ static inline tvi_status tvi_ensemble_refuse_if_running(const tvi_ensemble *ense
     return jet_refuse(TVI_EINVAL, "the ensemble is in a run, whose observer may not run, read or change its members");
 }
 
+/* Copy the numbers of one member from an array [rows][members] to an array [rows], and back. */
+static inline void tvi_gather_member(int rows, int members, const double *from, int member, double to[])
+{
+    for (int i = 0; i < rows; i++) to[i] = from[(size_t)i * (size_t)members + (size_t)member];
+}
+static inline void tvi_scatter_member(int rows, int members, const double from[], int member, double *to)
+{
+    for (int i = 0; i < rows; i++) to[(size_t)i * (size_t)members + (size_t)member] = from[i];
+}
+
 /* Load all that the member holds between runs into the worker's integrator, and store it. */
 void tvi_worker_load_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member);
 void tvi_worker_store_member(tvi_ensemble_worker *worker, tvi_ensemble *ensemble, int member);

@@ -3,7 +3,6 @@
 #include "run/ensemble.h"
 #include "run/plan.h"
 #include "run/parallel_for.h"
-#include "method/single.h"
 #include "system/refuse.h"
 
 #include <math.h>

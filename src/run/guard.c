@@ -7,7 +7,6 @@
 #include "run/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
-#include "vector.h"
 
 #include <math.h>
 
@@ -16,7 +15,7 @@ static bool has_conserved_energy_to_check(const tvi_integrator *it)
 {
     const bool rescaled = tvi_is_rescaled(it); /* A rescaled system conserves K = g (H + e). */
     const bool is_conserved = rescaled || !(it->system->uses_time || it->system->is_driven);
-    return it->member_energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
+    return it->energy_work.tape_block && it->options.max_tail >= 0 && is_conserved;
 }
 
 /* Tells whether the stepper computes a bound of the change of the energy in a step. With a bound, the energy is
@@ -55,66 +54,65 @@ static double search_line_direction_component(line_for_minimum_of_H line, double
     return line == FORWARD ? dq : line == BACK ? -dq : copysign(dq, dp * time_direction);
 }
 
-/* Returns the energy of the member at q and p, arrays [components][width] of all members as in a tvi_run_state. It
- * is INFINITY if the energy overflows, and NAN if it is undefined. */
-static double member_energy_or_nonfinite(tvi_integrator *it, int member, const double *q, const double *p)
+/* Returns the energy at q and p, arrays as in a tvi_run_state. It is INFINITY if the energy overflows, and NAN if it is
+ * undefined. */
+static double energy_or_nonfinite(tvi_integrator *it, const double *q, const double *p)
 {
     double H;
-    const tvi_status status = tvi_member_compute_energy(it, member, q, p, &H);
+    const tvi_status status = tvi_energy_compute(&it->energy_work, q[it->system->n], q, p, &H);
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
-/* Returns H(factor_of_step_start_q q + distance d, 0), where q are the coordinates at the start of the member's step,
- * and d is the direction of the line. */
-static double H_at_zero_p_on_line(tvi_integrator *it, int member, double factor_of_step_start_q, double distance,
+/* Returns H(factor_of_step_start_q q + distance d, 0), where q are the coordinates at the start of the step, and d is
+ * the direction of the line. */
+static double H_at_zero_p_on_line(tvi_integrator *it, double factor_of_step_start_q, double distance,
                                   line_for_minimum_of_H line)
 {
-    const int width = it->width, end = it->system->n * width;
+    const int n = it->system->n;
     const double *dq = it->increments.dq, *dp = it->increments.dp;
-    for (int k = member; k < end; k += width) {
-        it->end.q[k] = factor_of_step_start_q * it->state.q[k] +
-                       distance * search_line_direction_component(line, dq[k], dp[k], dq[end + member]);
-        it->end.p[k] = 0;
+    for (int i = 0; i < n; i++) {
+        it->end.q[i] = factor_of_step_start_q * it->state.q[i] +
+                       distance * search_line_direction_component(line, dq[i], dp[i], dq[n]);
+        it->end.p[i] = 0;
     }
-    it->end.q[end + member] = it->state.q[end + member];
-    return member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
+    it->end.q[n] = it->state.q[n];
+    return energy_or_nonfinite(it, it->end.q, it->end.p);
 }
 
-static double H_at_zero_p_at_step_start(tvi_integrator *it, int member)
+static double H_at_zero_p_at_step_start(tvi_integrator *it) { return H_at_zero_p_on_line(it, 1, 0, FORWARD); }
+
+/* Sets it->end to the state at the end of the step, with the time at its start. */
+static void set_step_end(tvi_integrator *it)
 {
-    return H_at_zero_p_on_line(it, member, 1, 0, FORWARD);
+    const int n = it->system->n;
+    for (int i = 0; i < n; i++) {
+        it->end.q[i] = it->state.q[i] + it->increments.dq[i];
+        it->end.p[i] = it->state.p[i] + it->increments.dp[i];
+    }
+    it->end.q[n] = it->state.q[n];
 }
 
 /* Tells whether H(q, -p) and H(q, p) agree at the end of the step, up to the relative difference
  * GUARD_LEVEL_MAX_DIFFERENCE. The start is not tested, since p may be 0 there. */
-static bool is_energy_even_in_p(tvi_integrator *it, int member)
+static bool is_energy_even_in_p(tvi_integrator *it)
 {
-    const int width = it->width, end = it->system->n * width;
-    double H[2];
-    for (int sign = 0; sign < 2; sign++) {
-        for (int k = member; k < end; k += width) {
-            const double p = it->state.p[k] + it->increments.dp[k];
-            it->end.q[k] = it->state.q[k] + it->increments.dq[k];
-            it->end.p[k] = sign ? -p : p;
-        }
-        it->end.q[end + member] = it->state.q[end + member];
-        H[sign] = member_energy_or_nonfinite(it, member, it->end.q, it->end.p);
-    }
-    return fabs(H[1] - H[0]) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H[0]);
+    set_step_end(it);
+    const double H = energy_or_nonfinite(it, it->end.q, it->end.p);
+    for (int i = 0; i < it->system->n; i++) it->end.p[i] = -it->end.p[i];
+    return fabs(energy_or_nonfinite(it, it->end.q, it->end.p) - H) <= GUARD_LEVEL_MAX_DIFFERENCE * fabs(H);
 }
 
 /* Returns the limit of H(c q, 0) for large c, or NAN if there is none. The value at the largest c counts as the limit
  * if the value before it differs from it by at most the part GUARD_LEVEL_MAX_DIFFERENCE of |energy_at_start - limit|.
  * The result is also NAN if H(c q, 0) is not monotonic in c up to roundoff_of_energy: a pole then lies on the way, and
  * the limit is no measure of the motion before the pole. */
-static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, int member, double energy_at_start,
+static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, double energy_at_start,
                                                         double roundoff_of_energy)
 {
-    double last = H_at_zero_p_on_line(it, member, 1, 1, FORWARD), difference = INFINITY;
+    double last = H_at_zero_p_on_line(it, 1, 1, FORWARD), difference = INFINITY;
     bool rises = true, falls = true;
     for (size_t k = 0; k < sizeof FAR_Q_EXPONENTS / sizeof *FAR_Q_EXPONENTS; k++) {
-        const double factor = ldexp(1, FAR_Q_EXPONENTS[k]),
-                     next = H_at_zero_p_on_line(it, member, factor, factor, FORWARD);
+        const double factor = ldexp(1, FAR_Q_EXPONENTS[k]), next = H_at_zero_p_on_line(it, factor, factor, FORWARD);
         difference = next - last;
         rises = rises && difference >= -roundoff_of_energy;
         falls = falls && difference <= roundoff_of_energy;
@@ -126,47 +124,47 @@ static double limit_of_zero_momentum_energy_for_large_q(tvi_integrator *it, int 
 
 /* Returns the lowest H(q, 0) along the line, from its start, where H(q, 0) is energy_at_start, to the point from which
  * H(q, 0) rises. */
-static double minimum_of_H_at_zero_p_along_line(tvi_integrator *it, int member, line_for_minimum_of_H line,
-                                                double energy_at_start, double roundoff)
+static double minimum_of_H_at_zero_p_along_line(tvi_integrator *it, line_for_minimum_of_H line, double energy_at_start,
+                                                double roundoff)
 {
     double lowest = energy_at_start;
     for (double distance = GUARD_LEVEL_MIN_DISTANCE; distance <= GUARD_LEVEL_MAX_DISTANCE;
          distance *= GUARD_LEVEL_RATIO) {
-        const double next = H_at_zero_p_on_line(it, member, 1, distance, line);
+        const double next = H_at_zero_p_on_line(it, 1, distance, line);
         if (!(next <= lowest + roundoff)) break;
         lowest = fmin(next, lowest);
     }
     return lowest;
 }
 
-static double minimum_of_H_at_zero_p_along_lines(tvi_integrator *it, int member, double roundoff)
+static double minimum_of_H_at_zero_p_along_lines(tvi_integrator *it, double roundoff)
 {
-    const double here = H_at_zero_p_at_step_start(it, member);
+    const double here = H_at_zero_p_at_step_start(it);
     double lowest = here;
     for (line_for_minimum_of_H line = 0; line < LINE_COUNT; line++)
-        lowest = fmin(lowest, minimum_of_H_at_zero_p_along_line(it, member, line, here, roundoff));
+        lowest = fmin(lowest, minimum_of_H_at_zero_p_along_line(it, line, here, roundoff));
     return lowest;
 }
 
-/* Returns |H| at the start of the member's run. */
-static double energy_magnitude_at_run_start(tvi_integrator *it, int member)
+/* Returns |H| at the start of the run. */
+static double energy_magnitude_at_run_start(tvi_integrator *it)
 {
-    const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    return fabs(member_energy_or_nonfinite(it, member, q, p));
+    const double *q = it->run_start;
+    return fabs(energy_or_nonfinite(it, q, q + it->system->n + 1));
 }
 
-/* Sets zero_level_of_energy and energy_scale of the member (tvi_reference_energy) from the state at the start of its
- * step. The energy of this state is H, with the roundoff `roundoff`. */
-static void set_member_energy_zero_level_and_scale(tvi_integrator *it, int member, double H, double roundoff)
+/* Sets zero_level_of_energy and energy_scale (tvi_reference_energy) from the state at the start of the step. The energy
+ * of this state is H, with the roundoff `roundoff`. */
+static void set_energy_zero_level_and_scale(tvi_integrator *it, double H, double roundoff)
 {
-    tvi_reference_energy *reference = &it->reference_energy[member];
-    const double limit = limit_of_zero_momentum_energy_for_large_q(it, member, H, roundoff);
-    const bool is_even_in_p = is_energy_even_in_p(it, member), has_limit = is_even_in_p && !isnan(limit);
+    tvi_reference_energy *reference = it->reference_energy;
+    const double limit = limit_of_zero_momentum_energy_for_large_q(it, H, roundoff);
+    const bool is_even_in_p = is_energy_even_in_p(it), has_limit = is_even_in_p && !isnan(limit);
     reference->zero_level_of_energy = has_limit      ? limit
-                                      : is_even_in_p ? minimum_of_H_at_zero_p_along_lines(it, member, roundoff)
+                                      : is_even_in_p ? minimum_of_H_at_zero_p_along_lines(it, roundoff)
                                                      : 0;
     reference->energy_scale =
-        is_even_in_p ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it, member);
+        is_even_in_p ? fabs(H - reference->zero_level_of_energy) : energy_magnitude_at_run_start(it);
     reference->has_tried_to_find_zero_level_of_energy = true;
     reference->has_energy_scale = reference->energy_scale > roundoff && isfinite(reference->energy_scale);
     reference->is_zero_level_of_energy_only_upper_bound = reference->has_energy_scale && is_even_in_p && !has_limit;
@@ -174,29 +172,16 @@ static void set_member_energy_zero_level_and_scale(tvi_integrator *it, int membe
         reference->zero_level_of_energy = reference->energy_scale = 0; /* H at the start of the run may be NAN */
 }
 
-/* Lowers the zero level to H(q, 0) at the start of the member's step, if H(q, 0) is lower. A level that is the limit
+/* Lowers the zero level to H(q, 0) at the start of the step, if H(q, 0) is lower. A level that is the limit
  * for large q is kept. */
-static void decrease_energy_zero_level_to_step_start_value(tvi_integrator *it, int member)
+static void decrease_energy_zero_level_to_step_start_value(tvi_integrator *it)
 {
-    tvi_reference_energy *reference = &it->reference_energy[member];
+    tvi_reference_energy *reference = it->reference_energy;
     if (!reference->is_zero_level_of_energy_only_upper_bound) return;
-    const double fall = reference->zero_level_of_energy - H_at_zero_p_at_step_start(it, member);
+    const double fall = reference->zero_level_of_energy - H_at_zero_p_at_step_start(it);
     if (!(fall > 0) || !isfinite(fall)) return;
     reference->zero_level_of_energy -= fall;
     reference->energy_scale += fall;
-}
-
-/* ---- Energies ---------------------------------------------------------------------------------------------------- */
-
-/* Computes the energies H[width], at least those of the members for which it->needs_energy is true. */
-static void compute_energies(tvi_integrator *it, const double *q, const double *p, double H[])
-{
-    if (it->all_energies_work.tape_block) {
-        (void)tvi_energy_compute_lanes(&it->all_energies_work, q + it->system->n * it->width, q, p, H);
-        return;
-    }
-    for (int member = 0; member < it->width; member++)
-        if (it->needs_energy[member]) H[member] = member_energy_or_nonfinite(it, member, q, p);
 }
 
 /* ---- The change of the energy ------------------------------------------------------------------------------------ */
@@ -204,25 +189,25 @@ static void compute_energies(tvi_integrator *it, const double *q, const double *
 /* Returns p.dq/dt, which is about twice the kinetic energy if H has one: the sum over the components of |q1 - q0| / h
  * times the mean of |p| at both ends of the step. q0 and q1 are the coordinates at the ends, and h is the time between
  * them. */
-static double step_mean_of_p_dot_velocity(const tvi_integrator *it, int member)
+static double step_mean_of_p_dot_velocity(const tvi_integrator *it)
 {
-    const int width = it->width, end = it->system->n * width;
+    const int n = it->system->n;
     const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double p_dot_velocity = 0;
-    for (int k = member; k < end; k += width) p_dot_velocity += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
-    return p_dot_velocity / (2 * fabs(dq[end + member]));
+    for (int i = 0; i < n; i++) p_dot_velocity += (fabs(p[i]) + fabs(p[i] + dp[i])) * fabs(dq[i]);
+    return p_dot_velocity / (2 * fabs(dq[n]));
 }
 
 /* Returns the roundoff of the energy H: that of its value, and that caused by the roundoff of q and p, which changes H
  * by H_q dq + H_p dp with H_p = dq/dt and H_q = -dp/dt. The roundoff is large if the terms of the energy cancel, as
  * along an unstable direction. */
-static double energy_roundoff(const tvi_integrator *it, int member, double H)
+static double energy_roundoff(const tvi_integrator *it, double H)
 {
-    const int width = it->width, end = it->system->n * width;
+    const int n = it->system->n;
     const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double sum = 0;
-    for (int k = member; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
-    return GUARD_ENERGY_ROUNDOFF * (sum / fabs(dq[end + member]) + fabs(H));
+    for (int i = 0; i < n; i++) sum += fabs(q[i] * dp[i]) + fabs(p[i] * dq[i]);
+    return GUARD_ENERGY_ROUNDOFF * (sum / fabs(dq[n]) + fabs(H));
 }
 
 /* Returns the energy with which the change of the energy is compared: the energy above the zero level, or a part of
@@ -237,61 +222,41 @@ static double energy_change_scale(const tvi_reference_energy *reference, double 
 /* Tells whether the energy after the step differs from that before it by more than a step that follows the motion
  * can change it. Returns false if the energy is NAN; the next step then fails. It also returns false for a first
  * step from rest by a method of order 1, which changes p only, so that p.dq/dt = 0. */
-static bool does_energy_change_too_much(tvi_integrator *it, int member, double energy_after)
+static bool does_energy_change_too_much(tvi_integrator *it, double energy_after)
 {
-    tvi_reference_energy *reference = &it->reference_energy[member];
+    tvi_reference_energy *reference = it->reference_energy;
     const double before = reference->H;
     reference->is_H_known = isfinite(before) && isfinite(energy_after);
     if (!reference->is_H_known) return isfinite(before) && isinf(energy_after);
     reference->H = energy_after;
-    const double p_dot_velocity = step_mean_of_p_dot_velocity(it, member),
-                 roundoff = energy_roundoff(it, member, before),
-                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + member] : 0,
+    const double p_dot_velocity = step_mean_of_p_dot_velocity(it), roundoff = energy_roundoff(it, before),
+                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n] : 0,
                  change = fabs(energy_after - before + change_of_e);
     const bool needs_scale =
         change > roundoff || (has_energy_change_bound(it) && !reference->has_tried_to_find_zero_level_of_energy);
-    if (!reference->has_energy_scale && needs_scale)
-        set_member_energy_zero_level_and_scale(it, member, before, roundoff);
+    if (!reference->has_energy_scale && needs_scale) set_energy_zero_level_and_scale(it, before, roundoff);
     if (change <= roundoff) return false;
     if (!reference->has_energy_scale && p_dot_velocity == 0) return false;
     if (change <= GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff)
         return false;
-    decrease_energy_zero_level_to_step_start_value(it, member);
+    decrease_energy_zero_level_to_step_start_value(it);
     return change > GUARD_MAX_ENERGY_CHANGE * energy_change_scale(reference, before, p_dot_velocity) + roundoff;
 }
 
-/* Refuses the steps that change the energy of their member too much. Computes the energies of the members for which
- * it->needs_energy is true. */
-static void refuse_by_energy_changes(tvi_integrator *it)
+/* Refuses a step that changes the energy too much. */
+static tvi_status refuse_by_energy_change(tvi_integrator *it)
 {
-    const int width = it->width, n = it->system->n;
-    bool knows_all = true;
-    for (int member = 0; member < width; member++)
-        knows_all = knows_all && (it->reference_energy[member].is_H_known || !it->needs_energy[member]);
-    if (!knows_all) compute_energies(it, it->state.q, it->state.p, it->energy_before);
-    for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->state.q[k] + it->increments.dq[k];
-    for (int k = 0; k < n * width; k++) it->end.p[k] = it->state.p[k] + it->increments.dp[k];
-    compute_energies(it, it->end.q, it->end.p, it->energy_after);
-    for (int member = 0; member < width; member++) {
-        if (!it->needs_energy[member]) continue;
-        if (!it->reference_energy[member].is_H_known) it->reference_energy[member].H = it->energy_before[member];
-        if (does_energy_change_too_much(it, member, it->energy_after[member]))
-            it->status[member] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
-    }
+    tvi_reference_energy *reference = it->reference_energy;
+    if (!reference->is_H_known) reference->H = energy_or_nonfinite(it, it->state.q, it->state.p);
+    set_step_end(it);
+    it->end.q[it->system->n] += it->increments.dq[it->system->n];
+    const double energy_after = energy_or_nonfinite(it, it->end.q, it->end.p);
+    return does_energy_change_too_much(it, energy_after)
+               ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does")
+               : TVI_OK;
 }
 
 /* ---- Steps whose energy is checked ------------------------------------------------------------------------------- */
-
-/* Sets it->energy_change_bound to the stepper's bounds of the change of each member's energy, or to infinity if the
- * stepper computes none for a batch. */
-static void set_energy_change_bounds(tvi_integrator *it)
-{
-    const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
-    if (!batch) it->energy_change_bound[0] = it->stepper->bound_energy_change(it->work);
-    else if (batch->bound_energy_change) batch->bound_energy_change(it->work, it->energy_change_bound);
-    else
-        for (int member = 0; member < it->width; member++) it->energy_change_bound[member] = INFINITY;
-}
 
 /* Tells whether the tail is an estimate of an error. A polynomial of the forces with a single coefficient, as at a
  * single node, has the tail 0, which is no estimate. */
@@ -300,16 +265,16 @@ static bool has_step_enough_terms_for_tail_estimate(const tvi_integrator *it, bo
     return it->options.degree > (step_used_series ? 2 : 1);
 }
 
-/* Tells whether the step of the member is accepted without computing its energy. */
-static bool may_skip_energy_check(const tvi_integrator *it, int member, bool step_used_series)
+/* Tells whether the step is accepted without computing its energy. */
+static bool may_skip_energy_check(const tvi_integrator *it, bool step_used_series, long passes)
 {
+    const double tail = it->stats.tail;
     if (has_energy_change_bound(it))
-        return it->energy_change_bound[member] <= GUARD_MAX_ENERGY_CHANGE * it->reference_energy[member].energy_scale;
+        return it->stepper->bound_energy_change(it->work) <=
+               GUARD_MAX_ENERGY_CHANGE * it->reference_energy->energy_scale;
     if (!has_step_enough_terms_for_tail_estimate(it, step_used_series)) return false;
-    if (step_used_series)
-        return it->tail[member] <= GUARD_UNCHECKED_MAX_SERIES_TAIL &&
-               it->pass_counts[member] <= GUARD_UNCHECKED_MAX_SERIES_PASSES;
-    return it->tail[member] <= GUARD_UNCHECKED_MAX_TAIL && it->pass_counts[member] <= GUARD_UNCHECKED_MAX_PASSES;
+    return step_used_series ? tail <= GUARD_UNCHECKED_MAX_SERIES_TAIL && passes <= GUARD_UNCHECKED_MAX_SERIES_PASSES
+                            : tail <= GUARD_UNCHECKED_MAX_TAIL && passes <= GUARD_UNCHECKED_MAX_PASSES;
 }
 
 tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *it)
@@ -328,34 +293,16 @@ static bool does_max_tail_option_allow_tail(const tvi_integrator *it, double tai
     return most < 0 || !(tail > most);
 }
 
-/* Does the work of tvi_refuse_too_large_steps for `width` members. The compiler makes a version of this function for
- * the constant width = 1. */
-JET_INLINE void refuse_too_large_steps(tvi_integrator *it, int width, bool step_used_series)
+tvi_status tvi_refuse_too_large_step(tvi_integrator *it, bool step_used_series, long passes)
 {
-    const bool keeps = has_conserved_energy_to_check(it);
-    double *largest = &it->stats.largest_tail;
-    bool any = false;
-    if (has_energy_change_bound(it)) set_energy_change_bounds(it);
-    for (int member = 0; member < width; member++) {
-        const double tail = it->tail[member];
-        it->needs_energy[member] = false;
-        if (it->status[member] != TVI_OK) continue;
-        if (tail > *largest) *largest = tail;
-        if (!does_max_tail_option_allow_tail(it, tail)) {
-            it->status[member] = jet_refuse(
-                TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
-                it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
-            continue;
-        }
-        it->needs_energy[member] = keeps && !may_skip_energy_check(it, member, step_used_series);
-        any = any || it->needs_energy[member];
-        if (!it->needs_energy[member]) it->reference_energy[member].is_H_known = false;
-    }
-    if (any) refuse_by_energy_changes(it);
-}
-
-void tvi_refuse_too_large_steps(tvi_integrator *it, bool step_used_series)
-{
-    if (it->width == 1) refuse_too_large_steps(it, 1, step_used_series);
-    else refuse_too_large_steps(it, it->width, step_used_series);
+    const double tail = it->stats.tail;
+    if (tail > it->stats.largest_tail) it->stats.largest_tail = tail;
+    if (!does_max_tail_option_allow_tail(it, tail))
+        return jet_refuse(
+            TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
+            it->stepped->has_automatic_scale ? ": the automatic g is too large here (give a g of your own)" : "");
+    if (has_conserved_energy_to_check(it) && !may_skip_energy_check(it, step_used_series, passes))
+        return refuse_by_energy_change(it);
+    it->reference_energy->is_H_known = false;
+    return TVI_OK;
 }

@@ -9,9 +9,9 @@
  * without computing its energy. */
 tvi_limits_for_skipping_energy_check tvi_max_tail_and_passes_without_energy_check(const tvi_integrator *integrator);
 
-/* Sets the status TVI_ETOOLARGE for the members with the status TVI_OK whose tail or energy shows that the step is too
- * large. step.c calls this function after the stepper's step, before the increments are added to the states.
- * step_used_series tells whether the step expanded a Taylor series; its passes then contract faster. */
-void tvi_refuse_too_large_steps(tvi_integrator *integrator, bool step_used_series);
+/* Refuses a step whose tail or energy shows that it is too large (TVI_ETOOLARGE). step.c calls this function after the
+ * stepper's step, before the increments are added to the state. step_used_series tells whether the step expanded a
+ * Taylor series; its passes then contract faster. */
+TVI_NODISCARD tvi_status tvi_refuse_too_large_step(tvi_integrator *integrator, bool step_used_series, long passes);
 
 #endif

@@ -14,86 +14,65 @@ static void *map_address_to_history_copy_before_step(const tvi_integrator *it, c
     return it->history_before + ((const char *)address_in_history - it->history);
 }
 
-/* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) for members with this number of
- * coordinates. `allocate` is the function of the arena that allocates an array. */
-static void allocate_state_arrays(tvi_arena *arena, void *(*allocate)(tvi_arena *, size_t), int dimension, int width,
+/* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) with this number of coordinates. `allocate`
+ * is the function of the arena that allocates an array. */
+static void allocate_state_arrays(tvi_arena *arena, void *(*allocate)(tvi_arena *, size_t), int dimension,
                                   double **const arrays[4])
 {
     /* i is odd for the arrays of q and q_low, which have one more component: the time, or the s of a rescaled
      * system. */
-    for (size_t i = 0; i < 4; i++)
-        *arrays[i] = allocate(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
+    for (size_t i = 0; i < 4; i++) *arrays[i] = allocate(arena, ((size_t)dimension + i % 2) * sizeof(double));
 }
 
-/* Allocates all arrays of the members: states, increments, results of a step, parameters. The stepper's work is
- * allocated separately. */
-static void allocate_member_arrays(tvi_integrator *integrator, tvi_arena *arena)
+/* Allocates the state, the increments and the parameters. The stepper's work is allocated separately. */
+static void allocate_state(tvi_integrator *integrator, tvi_arena *arena)
 {
-    const int n = integrator->system->n, dimension = integrator->stepped->n, width = integrator->width;
-    const size_t members = (size_t)width, row = members * sizeof(double);
-    tvi_run_state *state = &integrator->state, *end = &integrator->end, *member_state = &integrator->member_state;
+    const int n = integrator->system->n, dimension = integrator->stepped->n;
+    tvi_run_state *state = &integrator->state, *end = &integrator->end;
     tvi_increments *increments = &integrator->increments;
-    allocate_state_arrays(arena, tvi_arena_allocate, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate, dimension,
                           (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
-    allocate_state_arrays(arena, tvi_arena_allocate_restored_if_step_fails, dimension, width,
+    allocate_state_arrays(arena, tvi_arena_allocate_restored_if_step_fails, dimension,
                           (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
     integrator->is_state_from_step =
-        tvi_arena_allocate_restored_if_step_fails(arena, members * sizeof *integrator->is_state_from_step);
-    integrator->run_start = tvi_arena_allocate_kept_even_if_step_fails(arena, (2 * (size_t)n + 1) * row);
+        tvi_arena_allocate_restored_if_step_fails(arena, sizeof *integrator->is_state_from_step);
+    integrator->run_start = tvi_arena_allocate_kept_even_if_step_fails(arena, (2 * (size_t)n + 1) * sizeof(double));
     integrator->reference_energy =
-        tvi_arena_allocate_restored_if_step_fails(arena, members * sizeof *integrator->reference_energy);
-    integrator->status = tvi_arena_allocate(arena, members * sizeof *integrator->status);
-    integrator->is_stepped = tvi_arena_allocate(arena, members * sizeof *integrator->is_stepped);
-    integrator->pass_counts = tvi_arena_allocate(arena, members * sizeof *integrator->pass_counts);
-    integrator->needs_energy = tvi_arena_allocate(arena, members * sizeof *integrator->needs_energy);
-    double **const numbers[] = {&integrator->tail, &integrator->overflow_flags, &integrator->energy_change_bound,
-                                &integrator->energy_before, &integrator->energy_after};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_allocate(arena, row);
-    end->q = tvi_arena_allocate(arena, ((size_t)dimension + 1) * row);
-    end->p = tvi_arena_allocate(arena, (size_t)dimension * row);
-    member_state->q = tvi_arena_allocate_doubles(arena, (size_t)dimension + 1);
-    member_state->p = tvi_arena_allocate_doubles(arena, (size_t)dimension);
-    integrator->parameters = tvi_arena_allocate(arena, (size_t)tvi_system_parameters(integrator->system) * row);
-    integrator->one_lane_parameters =
-        tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
+        tvi_arena_allocate_restored_if_step_fails(arena, sizeof *integrator->reference_energy);
+    end->q = tvi_arena_allocate_doubles(arena, (size_t)dimension + 1);
+    end->p = tvi_arena_allocate_doubles(arena, (size_t)dimension);
+    integrator->parameters = tvi_arena_allocate_doubles(arena, (size_t)tvi_system_parameters(integrator->system));
     integrator->stop = tvi_arena_allocate(arena, tvi_size_of_stop_in_bytes(n));
 }
 
-/* Allocates the memory in which energies and the field are evaluated: for one member, and for the energies of all
- * members of a batch at once. */
+/* Allocates the memory in which energies and the field are evaluated. */
 static void allocate_energy_memory(tvi_integrator *integrator, tvi_arena *arena)
 {
     const tvi_system *system = integrator->system;
-    const bool uses_energy = system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0);
-    if (uses_energy) tvi_energy_allocate(&integrator->member_energy_work, arena, system, 1);
+    if (system->energy && (tvi_is_rescaled(integrator) || integrator->options.max_tail >= 0))
+        tvi_energy_allocate(&integrator->energy_work, arena, system);
     if (tvi_is_rescaled(integrator))
         tvi_energy_allocate_long_double(&integrator->rescaled_hamiltonian_work, arena, integrator->stepped);
     integrator->field_block = tvi_arena_allocate_block(arena, integrator->stepped->field_values, 1, 1, 0);
-    integrator->one_lane_blocks = arena->first_tape_block;
-    arena->first_tape_block = NULL;
-    if (uses_energy && integrator->width > 1 && system->form != TVI_LAGRANGIAN)
-        tvi_energy_allocate(&integrator->all_energies_work, arena, system, integrator->width);
 }
 
-/* Lays out an integrator of `width` members with all its memory in the arena. In a first call the arena only measures
+/* Lays out an integrator with all its memory in the arena. In a first call the arena only measures
  * the size of the memory, and the result is NULL. In a second call the arena has the memory. */
-static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                                          int width)
+static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     tvi_integrator *integrator = tvi_arena_allocate(arena, sizeof *integrator);
     const tvi_stepper *stepper = tvi_choose_stepper(options);
-    tvi_integrator laid = {.width = width, .system = system, .options = *options, .stepper = stepper};
+    tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
     laid.stepped = tvi_compiled_attach_to_copy(arena, system->stepped_system, options->compiled);
     /* The stepper's work keeps a pointer to the options, so they must be those of the integrator. */
     if (integrator) integrator->options = *options, options = &integrator->options;
-    allocate_member_arrays(&laid, arena);
+    allocate_state(&laid, arena);
     allocate_energy_memory(&laid, arena);
     laid.state_bytes = arena->copied_history_bytes;
-    laid.work = width > 1 ? stepper->batch->allocate(arena, laid.stepped, options, width)
-                          : stepper->allocate(arena, laid.stepped, options);
+    laid.work = stepper->allocate(arena, laid.stepped, options);
     laid.blocks = arena->first_tape_block;
     laid.history = arena->history;
-    laid.copied_history_bytes = width > 1 ? 0 : arena->copied_history_bytes;
+    laid.copied_history_bytes = arena->copied_history_bytes;
     laid.history_bytes = tvi_arena_bytes_kept_between_steps(arena);
     laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
@@ -110,27 +89,18 @@ static tvi_integrator *lay_out_integrator(tvi_arena *arena, const tvi_system *sy
 }
 
 static tvi_status create_integrator_with_resolved_options(tvi_integrator **out, const tvi_system *system,
-                                                          const tvi_options *resolved_options, int width)
+                                                          const tvi_options *resolved_options)
 {
     tvi_arena arena = {0};
-    (void)lay_out_integrator(&arena, system, resolved_options, width);
+    (void)lay_out_integrator(&arena, system, resolved_options);
     if (!tvi_arena_obtain_memory(&arena)) return jet_explain_out_of_memory(TVI_ENOMEM);
-    tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved_options, width);
+    tvi_integrator *it = *out = lay_out_integrator(&arena, system, resolved_options);
     tvi_compiled_add_user(resolved_options->compiled);
-    tvi_blocks_set_constants(it->one_lane_blocks);
     tvi_blocks_set_constants(it->blocks);
-    tvi_system_read_recorded_parameters(system, it->one_lane_parameters);
-    tvi_integrator_load_parameters(it, it->one_lane_parameters, 1, 1);
-    const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
-    void (*set_tables)(void *) = batch ? batch->set_tables : it->stepper->set_tables;
-    if (set_tables) set_tables(it->work);
+    tvi_system_read_recorded_parameters(system, it->parameters);
+    tvi_integrator_copy_parameters_to_tapes(it);
+    if (it->stepper->set_tables) it->stepper->set_tables(it->work);
     return TVI_OK;
-}
-
-int tvi_integrator_fastest_batch_width(const tvi_integrator *it)
-{
-    const tvi_batch_stepper *batch = it->stepper->batch;
-    return batch ? batch->width(it->stepped, &it->options) : 1;
 }
 
 /* Completes the options of an integrator with their default values. If the options contradict one another or the
@@ -162,13 +132,13 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     tvi_options resolved = options ? *options : tvi_options_default();
     const tvi_status status = resolve_options(system, &resolved, NULL);
-    return status == TVI_OK ? create_integrator_with_resolved_options(out, system, &resolved, 1) : status;
+    return status == TVI_OK ? create_integrator_with_resolved_options(out, system, &resolved) : status;
 }
 
-tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *it, int width)
+tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *it)
 {
-    const tvi_status status = create_integrator_with_resolved_options(out, it->system, &it->options, width);
-    if (status == TVI_OK) tvi_integrator_load_parameters(*out, it->parameters, (size_t)it->width, 1);
+    const tvi_status status = create_integrator_with_resolved_options(out, it->system, &it->options);
+    if (status == TVI_OK) tvi_integrator_load_parameters(*out, it->parameters, 1);
     return status;
 }
 

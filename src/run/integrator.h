@@ -1,6 +1,4 @@
-/* integrator.h - Declares the memory of an integrator, and the functions on its members that the files of run/
- * share. An integrator holds the state of one member, or of a batch of members that are stepped together. Arrays of
- * members have the shape [components][width]: the values of one component for all `width` members are adjacent. */
+/* integrator.h - Declares the memory of an integrator, and the functions on it that the files of run/ share. */
 #ifndef TVI_SRC_RUN_INTEGRATOR_H
 #define TVI_SRC_RUN_INTEGRATOR_H
 
@@ -10,20 +8,20 @@
 #include <math.h>
 #include <string.h>
 
-/* The zero level and the scale of a member's energy, with which the guard (guard.c) judges the change of the energy in
+/* The zero level and the scale of the energy, with which the guard (guard.c) judges the change of the energy in
  * a step. */
 typedef struct {
     double zero_level_of_energy; /* the guard measures energies from this value of H, as H - zero_level_of_energy */
     /* The size with which changes of the energy are compared: |H - zero_level_of_energy| when this level was set. When
      * guard.c finds a lower level, the difference of the levels is added. */
     double energy_scale;
-    double H; /* the member's energy at its current state */
+    double H; /* the energy at the current state */
     /* True if guard.c has tried to find zero_level_of_energy and energy_scale. */
     long has_tried_to_find_zero_level_of_energy;
     long has_energy_scale; /* true if zero_level_of_energy and energy_scale are set; otherwise both are 0 */
     /* True if zero_level_of_energy is an upper estimate, which guard.c may lower. */
     long is_zero_level_of_energy_only_upper_bound;
-    long is_H_known; /* true if H is the energy at the member's current state; false if H is unset */
+    long is_H_known; /* true if H is the energy at the current state; false if H is unset */
 } tvi_reference_energy;
 
 /* The memory for tangent vectors, which is allocated when they are first used (tangent.c). */
@@ -48,59 +46,41 @@ static inline size_t tvi_size_of_stop_in_bytes(int n)
 static inline void tvi_event_stop_clear(tvi_event_stop *stop, int n) { memset(stop, 0, tvi_size_of_stop_in_bytes(n)); }
 
 struct tvi_integrator {
-    int width;                /* the number of members; 1 for an integrator of tvi_integrator_create */
     const tvi_system *system; /* the user's system, with n coordinates */
     /* The system that is stepped: the user's, or its rescaled form; with generated code if there is any. */
     const tvi_system *stepped;
-    /* [tvi_system_parameters][width] The values of the parameters of each member. */
-    double *parameters;
-    const tvi_tape_block *blocks; /* the memory in which the stepper evaluates its tapes */
-    /* The memory in which tapes are evaluated for a single member. It has the parameters of one member at a time. */
-    const tvi_tape_block *one_lane_blocks;
-    /* [tvi_system_parameters] The values of the parameters in one_lane_blocks. */
-    double *one_lane_parameters;
-    tvi_options options; /* the user's options, completed by default values */
-    tvi_stats stats;     /* the counts of steps of all members together */
+    double *parameters;           /* [tvi_system_parameters] the values of the parameters */
+    const tvi_tape_block *blocks; /* the memory in which tapes are evaluated */
+    tvi_options options;          /* the user's options, completed by default values */
+    tvi_stats stats;              /* the counts of steps */
     const tvi_stepper *stepper;
-    void *work;    /* the memory of the stepper, or of stepper->batch if width > 1 */
+    void *work;    /* the memory of the stepper */
     char *history; /* [history_bytes] all numbers that one step leaves to the next one: states, predictions */
-    /* [copied_history_bytes] A copy of the first part of the history, as it was before the last step was tried. A
-     * batch has none. */
+    /* [copied_history_bytes] A copy of the first part of the history, as it was before the last step was tried. */
     char *history_before;
     size_t history_bytes;        /* the size of the history in bytes */
     size_t copied_history_bytes; /* the size of the part of the history that is copied before each step, in bytes */
     /* The number of bytes at the beginning of the history that belong to the state; all further bytes belong to the
      * stepper. */
     size_t state_bytes;
-    /* [width] 1 if the member's `state` is the result of its last successful step, so that the history belongs to
-     * it. This array is part of the history. */
+    /* 1 if `state` is the result of the last successful step, so that the history belongs to it. It is part of the
+     * history. */
     long *is_state_from_step;
     /* is_state_from_step in history_before: tells whether the last step began at the result of the step before it. */
     const long *was_state_from_step;
-    tvi_run_state state;       /* the current states of the members, in the history */
-    tvi_run_state start;       /* the states at the start of the last step, in history_before */
-    tvi_event_stop *stop;      /* the last state at which events stopped the member; used if width = 1 */
+    tvi_run_state state;       /* the current state, in the history */
+    tvi_run_state start;       /* the state at the start of the last step, in history_before */
+    tvi_event_stop *stop;      /* the last state at which events stopped a run */
     long parameter_version;    /* the number of times that the parameters were set */
     bool is_in_observer;       /* true while an observer is called, during which steps are refused */
     bool has_dense_output;     /* true if the stepper's memory holds the last step, for tvi_dense */
     double h, covered_time;    /* the size of the last step that was tried, and its increment of the time */
     tvi_increments increments; /* the increments of the current step */
-    tvi_status *status;        /* [width] TVI_OK if the member is to be stepped; after a step, the result of the step */
-    bool *is_stepped;          /* [width] true if the member takes part in the current step */
-    double *tail;              /* [width] the tail of the last step (tvi_stats.tail) */
-    int *pass_counts;          /* [width] the numbers of passes of the corrector in the last step */
-    double *overflow_flags;    /* [width] a number other than 0 if the new state is not finite */
-    double *run_start;         /* [2n + 1][width] q, t and p at the start of each member's run, in the history */
-    tvi_reference_energy *reference_energy; /* [width] each member's reference energy, in the history */
-    double *energy_change_bound;            /* [width] the stepper's bound of the change of the energy in the step */
-    bool *needs_energy;                     /* [width] true if the energy must be computed to judge the step */
-    double *energy_before, *energy_after;   /* [width] the energies at the start and at the end of the step */
-    tvi_run_state end;          /* the states at the end of the step, without low-order parts; scratch of guard.c */
-    tvi_run_state member_state; /* the state of one member, without low-order parts */
-    tvi_energy_work member_energy_work; /* memory to compute the energy of one member; tape_block = NULL if unused */
+    double *run_start;         /* [2n + 1] q, t and p at the start of the run, in the history */
+    tvi_reference_energy *reference_energy; /* in the history */
+    tvi_run_state end;           /* the state at the end of the step, without low-order parts; scratch of guard.c */
+    tvi_energy_work energy_work; /* memory to compute the energy; tape_block = NULL if unused */
     tvi_energy_work rescaled_hamiltonian_work; /* memory to compute the Hamiltonian K of a rescaled system */
-    /* memory for the energies of all members of a batch; its tape_block is NULL if there is none */
-    tvi_energy_work all_energies_work;
     double *field_block;  /* memory to evaluate the forces, or the derivatives of L or H, at one point */
     tvi_tangent *tangent; /* memory for tangent vectors; NULL if they have not been used */
     void (*free_tangent)(tvi_tangent *tangent);
@@ -112,58 +92,15 @@ static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
     return integrator->system->stepped_system != integrator->system;
 }
 
-/* Returns the stepper's functions for a batch, or NULL if the integrator has only one member. */
-static inline const tvi_batch_stepper *tvi_batch_stepper_of(const tvi_integrator *integrator)
-{
-    return integrator->width > 1 ? integrator->stepper->batch : NULL;
-}
-
-/* ---- Members (member.c) ------------------------------------------------------------------------------------------ */
-
-/* A state in the user's arrays: component i of q is q[i * stride], and that of p is p[i * stride]. */
-typedef struct {
-    const double *q, *p;
-    size_t stride;
-    double t;
-} tvi_user_state;
-
-/* Prepares a step of the member from the given state. If the state differs from the result of the member's last step, a
- * new run begins: the state is loaded, and the history is cleared. */
-TVI_NODISCARD tvi_status tvi_member_begin_step(tvi_integrator *integrator, int member,
-                                               const tvi_user_state *user_state);
-/* Tells whether the member's current state equals the given one, bit for bit. A failed step does not change the current
+/* Prepares a step from the given state. If the state differs from the result of the last step, a new run begins: the
+ * state is loaded, and the history is cleared. */
+TVI_NODISCARD tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, double t, const double q[],
+                                                   const double p[]);
+/* Tells whether the current state equals the given one, bit for bit. A failed step does not change the current
  * state. */
-bool tvi_member_state_equals(const tvi_integrator *integrator, int member, const tvi_user_state *user_state);
-/* Copies the member's current state to the user's arrays. */
-void tvi_member_copy_state(const tvi_integrator *integrator, int member, double *t, double q[], double p[],
-                           size_t stride);
-/* Copies the state and the history of a member to a member of another integrator for the same system and options. One
- * of the two integrators has width 1. Parts of the history that a batch does not have are cleared. */
-void tvi_member_copy_between_integrators(tvi_integrator *to, int member_to, const tvi_integrator *from,
-                                         int member_from);
-/* Copies the parameters of the member to one_lane_parameters and one_lane_blocks, with which tapes are evaluated for a
- * single member. */
-void tvi_member_copy_parameters_to_one_lane_blocks(tvi_integrator *integrator, int member);
-/* Computes the member's energy at q and p, arrays of all members with the shapes of a tvi_run_state. */
-TVI_NODISCARD tvi_status tvi_member_compute_energy(tvi_integrator *integrator, int member, const double *q,
-                                                   const double *p, double *H);
-
-/* The three functions below do for an integrator of one member what tvi_member_begin_step, tvi_member_state_equals and
- * tvi_member_copy_state do for a member. */
-TVI_NODISCARD static inline tvi_status tvi_integrator_begin_step(tvi_integrator *integrator, double t, const double q[],
-                                                                 const double p[])
-{
-    return tvi_member_begin_step(integrator, 0, &(tvi_user_state){q, p, 1, t});
-}
-static inline bool tvi_integrator_state_equals(const tvi_integrator *integrator, double t, const double q[],
-                                               const double p[])
-{
-    return tvi_member_state_equals(integrator, 0, &(tvi_user_state){q, p, 1, t});
-}
-static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, double *t, double q[], double p[])
-{
-    tvi_member_copy_state(integrator, 0, t, q, p, 1);
-}
+bool tvi_integrator_state_equals(const tvi_integrator *integrator, double t, const double q[], const double p[]);
+/* Copies the current state to the user's arrays. */
+void tvi_integrator_copy_state(const tvi_integrator *integrator, double *t, double q[], double p[]);
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
@@ -172,19 +109,15 @@ static inline void tvi_integrator_copy_state(const tvi_integrator *integrator, d
 int tvi_call_observer(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx);
 
-/* Creates an integrator of `width` members for the system and the options of another integrator. The new integrator has
- * made no step. */
-TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator, int width);
-/* Returns the number of members of a batch with which the system is stepped fastest; 1 means that members are stepped
- * one after the other. */
-int tvi_integrator_fastest_batch_width(const tvi_integrator *integrator);
+/* Creates an integrator for the system, the options and the parameters of another one. It has made no step. */
+TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator);
 
 /* Copies integrator->parameters to the memory in which tapes are evaluated. */
 void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *integrator);
 
-/* Sets the parameters of the first `count` members to value[tvi_system_parameters][stride], and those of other members
- * to the first member's. Unlike tvi_integrator_set_parameters it clears neither the history nor the last stop. */
-void tvi_integrator_load_parameters(tvi_integrator *integrator, const double value[], size_t stride, int count);
+/* Sets the parameters to value[tvi_system_parameters][stride]. Unlike tvi_integrator_set_parameters it clears neither
+ * the history nor the last stop. */
+void tvi_integrator_load_parameters(tvi_integrator *integrator, const double value[], size_t stride);
 
 /* Allocates the memory for this number of tangent vectors (tangent.c). */
 TVI_NODISCARD tvi_status tvi_integrator_allocate_tangents(tvi_integrator *integrator, int column_count);
@@ -206,9 +139,6 @@ static inline double tvi_infinite_end_time(double h) { return copysign(INFINITY,
  * failure. */
 TVI_NODISCARD tvi_status tvi_make_steps(tvi_integrator *integrator, long most_steps, double tolerance, double h,
                                         double t_end, double *t, double q[], double p[]);
-/* Makes up to most_steps steps of size h. Each step moves all members whose status is TVI_OK; the function returns
- * early if there is no such member. */
-void tvi_make_steps_of_batch(tvi_integrator *integrator, long most_steps, double h);
 /* Computes the increments of a step of size h from the current state, and so the curve of the step, without making it.
  * The stepper succeeds, as it has made this step before. */
 void tvi_integrator_compute_curve(tvi_integrator *integrator, double h);

@@ -10,20 +10,16 @@ static tvi_status refuse_null_integrator(void) { return jet_refuse(TVI_EINVAL, "
 
 void tvi_integrator_copy_parameters_to_tapes(tvi_integrator *it)
 {
-    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->width, it->parameters);
-    tvi_member_copy_parameters_to_one_lane_blocks(it, 0);
+    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), 1, it->parameters);
 }
 
-void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], size_t stride, int count)
+void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], size_t stride)
 {
-    const int parameters = tvi_system_parameters(it->system), width = it->width;
     bool is_same = true;
-    for (int i = 0; i < parameters; i++)
-        for (int m = 0; m < width; m++) {
-            const double of_member = value[(size_t)i * stride + (size_t)(m < count ? m : 0)];
-            is_same = is_same && it->parameters[i * width + m] == of_member;
-            it->parameters[i * width + m] = of_member;
-        }
+    for (int i = 0; i < tvi_system_parameters(it->system); i++) {
+        is_same = is_same && it->parameters[i] == value[(size_t)i * stride];
+        it->parameters[i] = value[(size_t)i * stride];
+    }
     if (!is_same) tvi_integrator_copy_parameters_to_tapes(it);
 }
 

@@ -21,7 +21,7 @@ tvi_status tvi_partial_step_open(tvi_partial_step *partial_step, tvi_integrator 
     partial_step->p = partial_step->q + n;
     partial_step->state_whose_derivative_is_evaluated = partial_step->p + n;
     partial_step->rates_output = partial_step->state_whose_derivative_is_evaluated + wide;
-    tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator, 1);
+    tvi_status status = tvi_integrator_create_like(&partial_step->partial_step_integrator, full_step_integrator);
     if (status == TVI_OK && tvi_is_rescaled(full_step_integrator))
         status = tvi_state_rates_open(&partial_step->rates_evaluator, full_step_integrator->system->stepped_system,
                                       full_step_integrator->parameters);

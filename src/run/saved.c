@@ -135,15 +135,12 @@ bool tvi_saved_stops_are_valid(const void *bytes, int n, int members)
 
 bool tvi_loaded_history_is_valid(const tvi_integrator *it)
 {
-    const tvi_batch_stepper *batch = tvi_batch_stepper_of(it);
     const tvi_run_state *state = &it->state;
-    const int rows = it->stepped->n * it->width, width = it->width;
-    bool is_sound = tvi_all_finite(rows + width, state->q) && tvi_all_finite(rows + width, state->q_low) &&
-                    tvi_all_finite(rows, state->p) && tvi_all_finite(rows, state->p_low);
-    for (int m = 0; m < width; m++)
-        is_sound = is_sound && isfinite(it->reference_energy[m].zero_level_of_energy) &&
-                   isfinite(it->reference_energy[m].energy_scale) &&
-                   (!it->reference_energy[m].is_H_known || isfinite(it->reference_energy[m].H));
-    bool (*const of_work)(const void *) = batch ? batch->is_history_valid : it->stepper->is_history_valid;
-    return is_sound && (!of_work || of_work(it->work));
+    const tvi_reference_energy *reference = it->reference_energy;
+    const int dimension = it->stepped->n;
+    return tvi_all_finite(dimension + 1, state->q) && tvi_all_finite(dimension + 1, state->q_low) &&
+           tvi_all_finite(dimension, state->p) && tvi_all_finite(dimension, state->p_low) &&
+           isfinite(reference->zero_level_of_energy) && isfinite(reference->energy_scale) &&
+           (!reference->is_H_known || isfinite(reference->H)) &&
+           (!it->stepper->is_history_valid || it->stepper->is_history_valid(it->work));
 }

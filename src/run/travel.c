@@ -10,34 +10,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- One member -------------------------------------------------------------------------------------------------- */
+/* ---- States and texts -------------------------------------------------------------------------------------------- */
 
-/* The text lists the numbers t, q[n], p[n], e of a member in this order. Returns the index of number number_index of
- * this list in the integrator's array [components][width] of q (for t and q) or of p (for p and e). */
-static size_t index_in_member_arrays(const tvi_integrator *it, int member, int number_index)
+/* The text lists the numbers t, q[n], p[n], e in this order. Returns the index of number number_index of this list in
+ * the integrator's array of q (for t and q) or of p (for p and e). */
+static int index_in_state_arrays(int n, int number_index)
 {
-    const int n = it->system->n, row = number_index == 0   ? n
-                                       : number_index <= n ? number_index - 1
-                                                           : number_index - n - 1;
-    return (size_t)row * (size_t)it->width + (size_t)member;
+    return number_index == 0 ? n : number_index <= n ? number_index - 1 : number_index - n - 1;
 }
 
-/* Copies the user's state of a member to state_text. If the member has just computed this state, its low-order parts
- * are copied, too. */
-static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it, int member,
-                            const tvi_user_state *user_state)
+/* Copies the user's state to state_text. If the integrator has just computed this state, its low-order parts are
+ * copied, too. */
+static void fill_state_text(tvi_state_text *state_text, const tvi_integrator *it, double t, const double q[],
+                            const double p[])
 {
     const int n = state_text->n;
     const tvi_run_state *state = &it->state;
     for (int i = 0; i < n; i++) {
-        state_text->state_values[2 * (1 + i)] = user_state->q[(size_t)i * user_state->stride];
-        state_text->state_values[2 * (1 + n + i)] = user_state->p[(size_t)i * user_state->stride];
+        state_text->state_values[2 * (1 + i)] = q[i];
+        state_text->state_values[2 * (1 + n + i)] = p[i];
     }
-    state_text->state_values[0] = user_state->t;
-    if (!it->is_state_from_step[member] || !tvi_member_state_equals(it, member, user_state)) return;
+    state_text->state_values[0] = t;
+    if (!*it->is_state_from_step || !tvi_integrator_state_equals(it, t, q, p)) return;
     state_text->has_energy_offset = tvi_is_rescaled(it);
     for (int k = 0; k <= 2 * n + state_text->has_energy_offset; k++) {
-        const size_t at = index_in_member_arrays(it, member, k);
+        const int at = index_in_state_arrays(n, k);
         state_text->state_values[2 * k] = k <= n ? state->q[at] : state->p[at];
         state_text->state_values[2 * k + 1] = k <= n ? state->q_low[at] : state->p_low[at];
     }
@@ -67,24 +64,26 @@ static tvi_status read_state_text(tvi_state_text *state_text, const tvi_system *
     return jet_refuse(TVI_EINVAL, "%s", fault);
 }
 
-/* Sets the member's state to that of the text. The parameters of the text have been set before. A text without
+/* Sets the integrator's state to that of the text. The parameters of the text have been set before. A text without
  * low-order parts is loaded like a state given by the user: the next run tests anew whether the state lies on an
  * event. */
-static tvi_status set_member_state_from_text(tvi_integrator *it, int member, const tvi_state_text *state_text)
+static tvi_status set_state_from_text(tvi_integrator *it, const tvi_state_text *state_text)
 {
     const int n = state_text->n;
     const tvi_run_state *state = &it->state;
-    const tvi_user_state user_state = {state_text->state_values + 2, state_text->state_values + 2 * (1 + n), 2,
-                                       state_text->state_values[0]};
-    it->is_state_from_step[member] = false;
-    const tvi_status status = tvi_member_begin_step(it, member, &user_state);
+    for (int i = 0; i < n; i++) {
+        it->end.q[i] = state_text->state_values[2 * (1 + i)];
+        it->end.p[i] = state_text->state_values[2 * (1 + n + i)];
+    }
+    *it->is_state_from_step = false;
+    const tvi_status status = tvi_integrator_begin_step(it, state_text->state_values[0], it->end.q, it->end.p);
     if (status != TVI_OK) return status;
     for (int k = 0; k <= 2 * n + (state_text->has_energy_offset && tvi_is_rescaled(it)); k++) {
-        const size_t at = index_in_member_arrays(it, member, k);
+        const int at = index_in_state_arrays(n, k);
         const double low = state_text->state_values[2 * k + 1];
         *(k <= n ? &state->q[at] : &state->p[at]) = state_text->state_values[2 * k];
         *(k <= n ? &state->q_low[at] : &state->p_low[at]) = low;
-        if (k <= 2 * n && low != 0) it->is_state_from_step[member] = true;
+        if (k <= 2 * n && low != 0) *it->is_state_from_step = true;
     }
     return TVI_OK;
 }
@@ -101,7 +100,7 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     const int parameters = tvi_system_parameters(it->system);
     if (!tvi_state_text_open(&state_text, it->system->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
     memcpy(state_text.parameter_values, it->parameters, (size_t)parameters * sizeof *state_text.parameter_values);
-    fill_state_text(&state_text, it, 0, &(tvi_user_state){q, p, 1, t});
+    fill_state_text(&state_text, it, t, q, p);
     const tvi_status status = write_state_text(&state_text, text, size);
     free(state_text.parameter_values);
     return status;
@@ -118,7 +117,7 @@ static tvi_status set_integrator_from_text(tvi_integrator *it, const tvi_state_t
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, state_text->parameter_values, bytes);
     tvi_integrator_copy_parameters_to_tapes(it);
-    const tvi_status status = set_member_state_from_text(it, 0, state_text);
+    const tvi_status status = set_state_from_text(it, state_text);
     if (status == TVI_OK) {
         it->has_dense_output = false;
         tvi_event_stop_clear(it->stop, it->system->n);
@@ -173,10 +172,12 @@ tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member,
     if (!tvi_state_text_open(&state_text, ensemble->n, parameters)) return jet_explain_out_of_memory(TVI_ENOMEM);
     for (int i = 0; i < parameters; i++)
         state_text.parameter_values[i] = ensemble->parameters[(size_t)i * members + (size_t)member];
-    const tvi_user_state user_state = {q + member, p + member, members, t[member]};
-    tvi_worker_load_member(ensemble->workers, (tvi_ensemble *)ensemble, member);
-    fill_state_text(&state_text, ensemble->workers->integrator, 0, &user_state);
-    tvi_worker_store_member(ensemble->workers, (tvi_ensemble *)ensemble, member);
+    tvi_ensemble_worker *worker = ensemble->workers;
+    tvi_worker_load_member(worker, (tvi_ensemble *)ensemble, member);
+    tvi_gather_member(ensemble->n, ensemble->member_count, q, member, worker->member_q);
+    tvi_gather_member(ensemble->n, ensemble->member_count, p, member, worker->member_p);
+    fill_state_text(&state_text, worker->integrator, t[member], worker->member_q, worker->member_p);
+    tvi_worker_store_member(worker, (tvi_ensemble *)ensemble, member);
     const tvi_status written = write_state_text(&state_text, text, size);
     free(state_text.parameter_values);
     return written;
@@ -197,7 +198,9 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, con
         for (int i = 0; i < state_text.parameter_count; i++)
             ensemble->parameters[(size_t)i * members + (size_t)member] = state_text.parameter_values[i];
         ensemble->failure_status[member] = TVI_OK;
-        tvi_member_copy_state(worker->integrator, 0, &t[member], q + member, p + member, members);
+        tvi_integrator_copy_state(worker->integrator, &t[member], worker->member_q, worker->member_p);
+        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, member, q);
+        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, member, p);
     }
     tvi_worker_store_member(worker, ensemble, member);
     free(state_text.parameter_values);

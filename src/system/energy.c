@@ -44,43 +44,40 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
 
 /* ---- The energy -------------------------------------------------------------------------------------------------- */
 
-void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system, int lane_count)
+void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
     work->system = system;
-    work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, lane_count, 0);
-    work->lane_count = lane_count;
+    work->tape_block = tvi_arena_allocate_block(arena, system->energy, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_allocate(&work->legendre, arena, system);
     work->velocity = tvi_arena_allocate_doubles(arena, (size_t)system->n);
 }
 
-/* Computes the values of the energy tape, times `sign`, at (q, x, t) for x = v or p. If x is NULL, the tape uses the
- * zeros that its block contains. Returns false if one of the values does not exist. */
-static bool evaluate_energy_tape(const tvi_energy_work *work, double sign, const double t[], const double q[],
-                                 const double x[], double value[])
+/* Computes the value of the energy tape, times `sign`, at (q, x, t) for x = v or p. If x is NULL, the tape uses the
+ * zeros that its block contains. Returns false if the value does not exist. */
+static bool evaluate_energy_tape(const tvi_energy_work *work, double sign, double t, const double q[], const double x[],
+                                 double *value)
 {
     const jet_tape *tape = work->system->energy;
-    const size_t width = (size_t)work->lane_count, numbers = (size_t)work->system->n * width;
+    const size_t n = (size_t)work->system->n;
     double *block = work->tape_block;
-    memcpy(block, q, numbers * sizeof *q);
-    if (x) memcpy(block + numbers, x, numbers * sizeof *x);
-    const size_t inputs = (size_t)work->system->energy_input_count;
-    if ((size_t)tape->input_count > inputs) memcpy(block + inputs * width, t, width * sizeof *t);
-    const bool is_inside = jet_sweep_values(tape, block, work->lane_count);
-    for (size_t lane = 0; lane < width; lane++) value[lane] = sign * block[(size_t)tape->output_slot[0] * width + lane];
+    memcpy(block, q, n * sizeof *q);
+    if (x) memcpy(block + n, x, n * sizeof *x);
+    if (tape->input_count > work->system->energy_input_count) block[work->system->energy_input_count] = t;
+    const bool is_inside = jet_sweep_values(tape, block, 1);
+    *value = sign * block[tape->output_slot[0]];
     return is_inside;
 }
 
-/* For a separable system, H = V + sum p_i^2 / (2 m_i). V is the value of the energy tape at v = 0 or p = 0, up to the
- * sign. */
-bool tvi_energy_compute_lanes(const tvi_energy_work *work, const double t[], const double q[], const double p[],
-                              double H[])
+/* Computes the energy of a system that is not a Lagrangian. Returns false if it has no value. For a separable system,
+ * H = V + sum p_i^2 / (2 m_i). V is the value of the energy tape at v = 0 or p = 0, up to the sign. */
+static bool compute_explicit_energy(const tvi_energy_work *work, double t, const double q[], const double p[],
+                                    double *H)
 {
     const tvi_system *system = work->system;
     if (system->form != TVI_SEPARABLE) return evaluate_energy_tape(work, 1, t, q, p, H);
     const bool is_inside = evaluate_energy_tape(work, system->energy_sign, t, q, NULL, H);
-    for (int i = 0; i < system->n; i++)
-        for (int lane = 0; lane < work->lane_count; lane++, p++) H[lane] += *p * *p / (2 * system->mass[i]);
+    for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
     return is_inside;
 }
 
@@ -92,7 +89,7 @@ static tvi_status compute_lagrangian_energy(tvi_energy_work *work, double t, con
     memset(v, 0, (size_t)work->system->n * sizeof *v); /* Newton's method starts at rest. */
     const tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
     if (status != TVI_OK) return status;
-    const bool is_inside = evaluate_energy_tape(work, -1, &t, q, v, H);
+    const bool is_inside = evaluate_energy_tape(work, -1, t, q, v, H);
     for (int i = 0; i < work->system->n; i++) *H += p[i] * v[i];
     return is_inside ? TVI_OK : TVI_EDOMAIN;
 }
@@ -101,13 +98,13 @@ tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[],
 {
     tvi_status status;
     if (work->system->form == TVI_LAGRANGIAN) status = compute_lagrangian_energy(work, t, q, p, H);
-    else status = tvi_energy_compute_lanes(work, &t, q, p, H) ? TVI_OK : TVI_EDOMAIN;
+    else status = compute_explicit_energy(work, t, q, p, H) ? TVI_OK : TVI_EDOMAIN;
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
 }
 
 void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
-    tvi_energy_allocate(work, arena, system, 1);
+    tvi_energy_allocate(work, arena, system);
     work->long_double_values =
         tvi_arena_allocate(arena, (size_t)system->energy->slot_count * sizeof *work->long_double_values);
 }
@@ -115,7 +112,7 @@ void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, co
 long double tvi_energy_compute_long_double(tvi_energy_work *work, double t, const double q[], const double p[])
 {
     double H;
-    if (!tvi_energy_compute_lanes(work, &t, q, p, &H)) return NAN;
+    if (!compute_explicit_energy(work, t, q, p, &H)) return NAN;
     const jet_tape *tape = work->system->energy;
     for (int i = 0; i < tape->input_count; i++) work->long_double_values[i] = work->tape_block[i];
     jet_sweep_long_double_values(tape, work->tape_block, work->long_double_values);
@@ -128,10 +125,10 @@ static void *create_energy_work(tvi_energy_work *work, const tvi_system *system,
 {
     tvi_arena arena = {0};
     *work = (tvi_energy_work){0};
-    tvi_energy_allocate(work, &arena, system, 1);
+    tvi_energy_allocate(work, &arena, system);
     void *memory = tvi_arena_obtain_memory(&arena);
     if (!memory) return NULL;
-    tvi_energy_allocate(work, &arena, system, 1);
+    tvi_energy_allocate(work, &arena, system);
     tvi_system_prepare_blocks(system, arena.first_tape_block, parameters);
     return memory;
 }

@@ -5,11 +5,10 @@
 
 #include "system/legendre.h"
 
-/* The memory in which energies are computed, of one state or of several states at once. */
+/* The memory in which energies are computed. */
 typedef struct {
     const tvi_system *system;
-    double *tape_block;              /* The block of the energy's tape. Each state is a lane of it. */
-    int lane_count;                  /* The number of states whose energies are computed at once. */
+    double *tape_block;              /* The block of the energy's tape. */
     tvi_legendre_transform legendre; /* Computes velocities from momenta, for a Lagrangian that is not separable. */
     /* [n] The velocities of a Lagrangian, which Newton's method finds from the momenta. */
     double *velocity;
@@ -18,9 +17,8 @@ typedef struct {
     long double *long_double_values;
 } tvi_energy_work;
 
-/* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). For a Lagrangian that is not
- * separable, lane_count must be 1. */
-void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system, int lane_count);
+/* Allocates the memory for a system that has an energy, in an arena (algebra/arena.h). */
+void tvi_energy_allocate(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
 /* Does the same as tvi_energy, with the given parameters instead of the recorded ones. NULL stands for the recorded
  * parameters. */
 TVI_NODISCARD tvi_status tvi_energy_with_parameters(const tvi_system *system, const double parameters[], double t,
@@ -33,12 +31,6 @@ TVI_NODISCARD tvi_status tvi_apply_legendre_transform(const tvi_system *system, 
 /* Computes the energy of a state whose numbers are finite, as tvi_energy does, in the memory `work`. */
 TVI_NODISCARD tvi_status tvi_energy_compute(tvi_energy_work *work, double t, const double q[], const double p[],
                                             double *H);
-
-/* Computes H [lane_count] of the states q, p [n][lane_count] at the times t [lane_count], unless the system is a
- * Lagrangian that is not separable. Returns false if the energy of one of them has no value; H is then NaN or infinite
- * at that state. */
-bool tvi_energy_compute_lanes(const tvi_energy_work *work, const double t[], const double q[], const double p[],
-                              double H[]);
 
 /* Allocates the memory for energies of a Hamiltonian in long double, in the same way as tvi_energy_allocate does. */
 void tvi_energy_allocate_long_double(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
