@@ -168,6 +168,8 @@ JET_INLINE void galerkin_make_passes_of_member(const galerkin_step_inputs *step_
         const tvi_passes_verdict verdict = galerkin_judge_pass(step_inputs->passes_rule, iteration, *movement);
         if (verdict == TVI_PASSES_MAY_END) return;
         is_stuck |= verdict == TVI_PASSES_STUCK;
+        /* The unknowns have moved by more than their predicted sizes, which say nothing of them. */
+        if (*movement > 1) GALERKIN_KERNEL(step_inputs->kernels, set_sizes, nodes, step_inputs->tail_inputs->n);
     }
 }
 
