@@ -1,6 +1,6 @@
 /* tvi_bodies.h - declares bodies that attract each other, and orbits of two of them: potential, time scale, masses,
  * orbital elements (docs/bodies.md). tvi.h does not include it. The functions allocate nothing but systems, and may be
- * called by several threads. tvi_last_error has no text for tvi_orbit_*. */
+ * called by several threads. */
 #ifndef TVI_BODIES_H
 #define TVI_BODIES_H
 
@@ -81,23 +81,34 @@ void tvi_bodies_angular_momentum(const tvi_bodies *b, const double q[], const do
 /* ---- Orbits of two bodies ---------------------------------------------------------------------------------------- */
 
 /* Orbital elements, with angles in radians. An ellipse has e < 1 and a > 0, a parabola e = 1 and an infinite a, a
- * hyperbola e > 1 and a < 0. */
+ * hyperbola e > 1 and a < 0. e, i and node are always read; others that are 0 are not given. Give a or q; pericentre or
+ * longitude_of_pericentre, which are 0 where neither is given; and one of time, f, M and mean_longitude, without which
+ * the body is at the pericentre. Elements that are given twice must agree. tvi_orbit_of sets all members: for another
+ * place on its orbit, set the other three to 0,
+ *     orbit.time += 3, orbit.f = orbit.M = orbit.mean_longitude = 0;
+ * A given angle or time of 0 beside others is written -0.0. */
 typedef struct {
-    double a, q, e;             /* semimajor axis, distance of the pericentre q = a (1 - e), eccentricity */
-    double i, node, pericentre; /* inclination, 0 to pi; longitude of the node; argument of the pericentre */
-    double time;                /* since the pericentre, M (|a|^3 / mu)^(1/2) */
-    double f, M;                /* true and mean anomaly, which are not read; M = 0 of a parabola */
+    double a, q, e;                 /* semimajor axis, distance of the pericentre q = a (1 - e), eccentricity */
+    double i, node, pericentre;     /* inclination, 0 to pi; longitude of the node; argument of the pericentre */
+    double time;                    /* since the pericentre, M (|a|^3 / mu)^(1/2) */
+    double f, M;                    /* true and mean anomaly; M of a parabola is 0 */
+    double mean_longitude;          /* node + pericentre + M */
+    double longitude_of_pericentre; /* node + pericentre */
 } tvi_orbit;
 
-/* Finds the place and the velocity of a body relative to another, mu = G (m_1 + m_2). One of q and a may be 0.
- *   TVI_EINVAL      mu <= 0, e < 0, i outside [0, pi], no q = a (1 - e) > 0; a, q and e that disagree
+/* Finds the place and the velocity of a body relative to another, mu = G (m_1 + m_2). tvi_last_error names what is
+ * wrong. Two elements agree if a change of each by 1e-12 of itself makes them the same, angles and ellipses apart from
+ * whole revolutions.
+ *   TVI_EINVAL      mu <= 0, e < 0, i outside [0, pi], no q = a (1 - e) > 0; a, q and e, angles of the pericentre, or
+ *                   places on the orbit that disagree; f outside of the asymptotes; M of a parabola other than 0
  *   TVI_ENONFINITE  an element but a, or what it leads to, is not finite */
 TVI_NODISCARD tvi_status tvi_orbit_state(const tvi_orbit *orbit, double mu, double x[3], double v[3]);
 
-/* Finds all elements of a state, angles and M from -pi to pi. The node is 0 where i is 0 or pi.
+/* Finds all elements of a state: angles from -pi to pi, M and both longitudes so on ellipses only. The node is 0 where
+ * i is 0 or pi.
  *   TVI_EINVAL      mu <= 0
  *   TVI_EDOMAIN     x and v on one line through the centre: no pericentre
- *   TVI_ENONFINITE  a number, or an element, is not finite */
+ *   TVI_ENONFINITE  a number, or an element, is not finite, or too small for a double */
 TVI_NODISCARD tvi_status tvi_orbit_of(double mu, const double x[3], const double v[3], tvi_orbit *orbit);
 
 #ifdef __cplusplus

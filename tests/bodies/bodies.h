@@ -8,6 +8,7 @@
 
 Suite *suite_orbits(void);
 Suite *suite_elements(void);
+Suite *suite_places(void);
 Suite *suite_attraction(void);
 Suite *suite_refused(void);
 Suite *suite_sums(void);

@@ -2,7 +2,7 @@
 #include "bodies.h"
 #include "problems/run_suites.h"
 
-static Suite *(*const suites[])(void) = {suite_orbits,  suite_elements, suite_attraction,
+static Suite *(*const suites[])(void) = {suite_orbits,  suite_elements, suite_places, suite_attraction,
                                          suite_refused, suite_sums,     suite_scales};
 
 int main(void) { return RUN_SUITES(suites); }

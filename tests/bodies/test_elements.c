@@ -58,38 +58,62 @@ static const struct {
     tvi_orbit orbit;
     double mu;
     tvi_status status;
+    const char *text; /* how it begins */
 } wrong[] = {
-    {{.q = 1, .e = -0.1}, 1, TVI_EINVAL},
-    {{.q = 1, .e = -1e-14}, 1, TVI_EINVAL},
-    {{.q = -1, .e = 0.1}, 1, TVI_EINVAL},
-    {{.e = 0.1}, 1, TVI_EINVAL},         /* neither a nor q */
-    {{.a = 1, .e = 1.5}, 1, TVI_EINVAL}, /* an ellipse's a, a hyperbola's e */
-    {{.a = -1, .e = 0.5}, 1, TVI_EINVAL},
-    {{.a = 1, .e = 1}, 1, TVI_EINVAL},             /* a parabola has no a */
-    {{.a = 1, .q = 0.5, .e = 0.6}, 1, TVI_EINVAL}, /* q is not a (1 - e) */
-    {{.a = HUGE_VAL, .q = 1, .e = 0.5}, 1, TVI_EINVAL},
-    {{.a = HUGE_VAL, .e = 0.5}, 1, TVI_EINVAL},
-    {{.q = 1, .e = 0.5, .i = -0.1}, 1, TVI_EINVAL},
-    {{.q = 1, .e = 0.5, .i = 3.2}, 1, TVI_EINVAL},
-    {{.q = 1, .e = 0.5}, 0, TVI_EINVAL},
-    {{.q = 1, .e = 0.5}, -1, TVI_EINVAL},
-    {{.a = NAN, .q = 1, .e = 0.5}, 1, TVI_EINVAL},
-    {{.q = NAN, .e = 0.5}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = NAN}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = HUGE_VAL}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = 0.5, .i = NAN}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = 0.5, .node = HUGE_VAL}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = 0.5, .pericentre = NAN}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = 0.5, .time = NAN}, 1, TVI_ENONFINITE},
-    {{.q = 1, .e = 0.5}, NAN, TVI_ENONFINITE},
-    {{.q = 1, .e = 2, .time = 1e300}, 1e200, TVI_ENONFINITE}, /* too far */
+    {{.q = 1, .e = -0.1}, 1, TVI_EINVAL, "e = -0.1 is negative"},
+    {{.q = 1, .e = -1e-14}, 1, TVI_EINVAL, "e = -1e-14 is negative"},
+    {{.q = -1, .e = 0.1}, 1, TVI_EINVAL, "q = -1 is not positive"},
+    {{.e = 0.1}, 1, TVI_EINVAL, "neither a nor q is given"},
+    {{.a = 1, .e = 1.5}, 1, TVI_EINVAL, "a = 1, e = 1.5: q = a (1 - e) = -0.5 is not positive and finite: a hyperbola"},
+    {{.a = -1, .e = 0.5},
+     1,
+     TVI_EINVAL,
+     "a = -1, e = 0.5: q = a (1 - e) = -0.5 is not positive and finite: an ellipse"},
+    {{.a = 1, .e = 1}, 1, TVI_EINVAL, "a = 1, e = 1: q = a (1 - e) is not positive: a parabola needs q"},
+    {{.a = HUGE_VAL, .e = 1}, 1, TVI_EINVAL, "a = inf, e = 1: q = a (1 - e) is not positive: a parabola needs q"},
+    {{.a = 1, .q = 0.5, .e = 0.6}, 1, TVI_EINVAL, "a = 1, q = 0.5 and e = 0.6 disagree: q = a (1 - e) = 0.4."},
+    {{.a = 0.5, .q = 3}, 1, TVI_EINVAL, "a = 0.5, q = 3 and e = 0 disagree: q = a (1 - e) = 0.5."},
+    {{.a = 0.5, .q = 0.5000001}, 1, TVI_EINVAL, "a = 0.5, q = 0.5000001 and e = 0 disagree"},
+    {{.a = 0.5, .q = 0.4999999}, 1, TVI_EINVAL, "a = 0.5, q = 0.4999999 and e = 0 disagree"},
+    {{.a = -0.5, .q = 0.5}, 1, TVI_EINVAL, "a = -0.5, q = 0.5 and e = 0 disagree"},
+    {{.a = HUGE_VAL, .q = 1, .e = 0.5}, 1, TVI_EINVAL, "a = inf, q = 1 and e = 0.5 disagree"},
+    {{.a = HUGE_VAL, .e = 0.5}, 1, TVI_EINVAL, "a = inf, e = 0.5: q = a (1 - e) = inf is not positive and finite"},
+    {{.q = 1, .e = 0.5, .i = -0.1}, 1, TVI_EINVAL, "i = -0.1 is not within [0, pi]"},
+    {{.q = 1, .e = 0.5, .i = -1e-17}, 1, TVI_EINVAL, "i = -1e-17 is not within [0, pi]"},
+    {{.q = 1, .e = 0.5, .i = 3.2}, 1, TVI_EINVAL, "i = 3.2 is not within [0, pi]"},
+    {{.q = 1, .e = 0.5}, 0, TVI_EINVAL, "mu = 0 is not positive"},
+    {{.q = 1, .e = 0.5}, -1, TVI_EINVAL, "mu = -1 is not positive"},
+    {{.a = NAN, .q = 1, .e = 0.5}, 1, TVI_ENONFINITE, "a = "},
+    {{.q = NAN, .e = 0.5}, 1, TVI_ENONFINITE, "q = "},
+    {{.q = HUGE_VAL, .e = 0.5}, 1, TVI_ENONFINITE, "q = inf is not finite"},
+    {{.q = 1, .e = NAN}, 1, TVI_ENONFINITE, "e = "},
+    {{.q = 1, .e = HUGE_VAL}, 1, TVI_ENONFINITE, "e = inf is not finite"},
+    {{.q = 1, .e = 0.5, .i = NAN}, 1, TVI_ENONFINITE, "i = "},
+    {{.q = 1, .e = 0.5, .node = HUGE_VAL}, 1, TVI_ENONFINITE, "node = inf is not finite"},
+    {{.q = 1, .e = 0.5, .pericentre = NAN}, 1, TVI_ENONFINITE, "pericentre = "},
+    {{.q = 1, .e = 0.5, .time = NAN}, 1, TVI_ENONFINITE, "time = "},
+    {{.q = 1, .e = 0.5, .f = NAN}, 1, TVI_ENONFINITE, "f = "},
+    {{.q = 1, .e = 0.5, .M = -HUGE_VAL}, 1, TVI_ENONFINITE, "M = -inf is not finite"},
+    {{.q = 1, .e = 0.5, .mean_longitude = HUGE_VAL}, 1, TVI_ENONFINITE, "mean_longitude = inf"},
+    {{.q = 1, .e = 0.5, .longitude_of_pericentre = NAN}, 1, TVI_ENONFINITE, "longitude_of_pericentre = "},
+    {{.q = 1, .e = 0.5}, NAN, TVI_ENONFINITE, "mu = "},
+    {{.q = 1, .e = 2, .time = 1e300},
+     1e200,
+     TVI_ENONFINITE,
+     "time = 1e+300 leads to numbers that are too large"}, /* too far */
 };
 enum { WRONG = sizeof wrong / sizeof *wrong };
+
+static void expect_text(const char *text)
+{
+    ck_assert_msg(!strncmp(tvi_last_error(), text, strlen(text)), "%s, not %s", tvi_last_error(), text);
+}
 
 START_TEST(elements_refused)
 {
     double x[] = {1, 2, 3}, v[] = {4, 5, 6};
     ck_assert_int_eq(tvi_orbit_state(&wrong[_i].orbit, wrong[_i].mu, x, v), wrong[_i].status);
+    expect_text(wrong[_i].text);
     ck_assert(x[0] == 1 && x[1] == 2 && x[2] == 3 && v[0] == 4 && v[1] == 5 && v[2] == 6);
 }
 END_TEST
@@ -97,16 +121,17 @@ END_TEST
 static const struct {
     double mu, x[3], v[3];
     tvi_status status;
+    const char *text;
 } no_states[] = {
-    {1, {0, 0, 0}, {0, 1, 0}, TVI_EDOMAIN},
-    {1, {1, 0, 0}, {0, 0, 0}, TVI_EDOMAIN},
-    {1, {1, 2, 3}, {-2, -4, -6}, TVI_EDOMAIN},
-    {0, {1, 0, 0}, {0, 1, 0}, TVI_EINVAL},
-    {-1, {1, 0, 0}, {0, 1, 0}, TVI_EINVAL},
-    {1, {NAN, 0, 0}, {0, 1, 0}, TVI_ENONFINITE},
-    {1, {1, 0, 0}, {0, 1, HUGE_VAL}, TVI_ENONFINITE},
-    {NAN, {1, 0, 0}, {0, 1, 0}, TVI_ENONFINITE},
-    {1, {1e200, 0, 0}, {0, 1e200, 0}, TVI_ENONFINITE},
+    {1, {0, 0, 0}, {0, 1, 0}, TVI_EDOMAIN, "x is 0"},
+    {1, {1, 0, 0}, {0, 0, 0}, TVI_EDOMAIN, "x and v are on one line through the centre"},
+    {1, {1, 2, 3}, {-2, -4, -6}, TVI_EDOMAIN, "x and v are on one line through the centre"},
+    {0, {1, 0, 0}, {0, 1, 0}, TVI_EINVAL, "mu = 0 is not positive"},
+    {-1, {1, 0, 0}, {0, 1, 0}, TVI_EINVAL, "mu = -1 is not positive"},
+    {1, {NAN, 0, 0}, {0, 1, 0}, TVI_ENONFINITE, "x[0] = "},
+    {1, {1, 0, 0}, {0, 1, HUGE_VAL}, TVI_ENONFINITE, "v[2] = inf is not finite"},
+    {NAN, {1, 0, 0}, {0, 1, 0}, TVI_ENONFINITE, "mu = "},
+    {1, {1e200, 0, 0}, {0, 1e200, 0}, TVI_ENONFINITE, "q = "},
 };
 enum { NO_STATES = sizeof no_states / sizeof *no_states };
 
@@ -116,6 +141,7 @@ START_TEST(states_refused)
     memset(&o, 7, sizeof o);
     before = o;
     ck_assert_int_eq(tvi_orbit_of(no_states[_i].mu, no_states[_i].x, no_states[_i].v, &o), no_states[_i].status);
+    expect_text(no_states[_i].text);
     ck_assert(!memcmp(&o, &before, sizeof o));
 }
 END_TEST

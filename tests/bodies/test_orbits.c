@@ -219,6 +219,31 @@ START_TEST(far_times)
 }
 END_TEST
 
+/* Other units, powers of 2, change no bit of a state and of its elements: no square and no cube overflows. */
+START_TEST(units)
+{
+    static const int lengths[] = {-900, -600, -350, -90, 0, 90, 350, 600, 900}, masses[] = {-600, -120, 0, 240, 600};
+    enum { LENGTHS = sizeof lengths / sizeof *lengths, MASSES = sizeof masses / sizeof *masses };
+    bits = 97 + (uint64_t)_i;
+    for (int k = 0; k < 40 * LENGTHS * MASSES; k++) {
+        double mu, x[3], v[3], y[3], w[3];
+        const tvi_orbit o = orbit_of_kind((kind_of_orbit)_i, &mu);
+        const int unit = lengths[k % LENGTHS], mass = masses[k / LENGTHS % MASSES], time = (3 * unit - mass) / 2;
+        tvi_orbit scaled = o, found, again;
+        scaled.q = ldexp(o.q, unit), scaled.time = ldexp(o.time, time);
+        if (abs(time) > 950 || abs(unit - time) > 950) continue; /* no double has such a time or velocity */
+        ck_assert_int_eq(tvi_orbit_state(&o, mu, x, v), TVI_OK);
+        ck_assert_int_eq(tvi_orbit_state(&scaled, ldexp(mu, mass), y, w), TVI_OK);
+        ck_assert_int_eq(tvi_orbit_of(mu, x, v, &found), TVI_OK);
+        ck_assert_int_eq(tvi_orbit_of(ldexp(mu, mass), y, w, &again), TVI_OK);
+        for (int i = 0; i < 3; i++) ck_assert(y[i] == ldexp(x[i], unit) && w[i] == ldexp(v[i], unit - time));
+        ck_assert(again.e == found.e && again.i == found.i && again.node == found.node && again.f == found.f);
+        ck_assert(again.q == ldexp(found.q, unit) && again.time == ldexp(found.time, time) && again.M == found.M);
+        ck_assert(again.a == ldexp(found.a, unit) && again.pericentre == found.pericentre);
+    }
+}
+END_TEST
+
 Suite *suite_orbits(void)
 {
     Suite *suite = suite_create("orbits");
@@ -227,6 +252,7 @@ Suite *suite_orbits(void)
     tcase_add_loop_test(tests, back_and_there, 0, KINDS);
     tcase_add_loop_test(tests, as_in_the_textbook, 0, KINDS);
     tcase_add_test(tests, far_times);
+    tcase_add_loop_test(tests, units, 0, KINDS);
     suite_add_tcase(suite, tests);
     return suite;
 }

@@ -50,7 +50,7 @@ static void elements(void)
             double good[ELEMENTS] = {0};
             good[1] = 1, good[2] = e == 0 ? 0.5 : e, good[6] = 1;
             expect_refused_orbit(-1, which, good, number(which));
-            for (int element = 0; element < 7; element++) {
+            for (int element = 0; element < ELEMENTS; element++) {
                 double values[ELEMENTS];
                 memcpy(values, good, sizeof values);
                 values[element] = number(which);
@@ -114,6 +114,10 @@ static void there_and_back(void)
             double far = fabs(found.q - 1) + fabs(found.e - orbit.e) + fabs(found.i - 0.3) + fabs(found.node - 0.5);
             if (k > 0) far += fabs(found.pericentre - 1) + fabs(found.time - 0.4);
             expect("distance", k, 0, far < 1e-12);
+            double y[3], w[3];
+            const int is_again = tvi_orbit_state(&found, 1.5, y, w) == TVI_OK;
+            far = fabs(y[0] - x[0]) + fabs(y[1] - x[1]) + fabs(w[0] - v[0]) + fabs(w[2] - v[2]);
+            expect("again", k, 0, is_again && far < 1e-12);
         }
     }
 }

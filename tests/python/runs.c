@@ -150,6 +150,7 @@ static void run_bodies(void)
     check(tvi_orbit_of(6, q + 6, v + 6, &found));
     print(&found.a, 1), print(&found.q, 1), print(&found.e, 1), print(&found.i, 1), print(&found.node, 1);
     print(&found.pericentre, 1), print(&found.time, 1), print(&found.f, 1), print(&found.M, 1);
+    print(&found.mean_longitude, 1), print(&found.longitude_of_pericentre, 1);
     printf("\n");
     tvi_integrator_free(it);
     tvi_system_free(rescaled);

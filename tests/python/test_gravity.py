@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import pydoc
 import unittest
 
 import numpy as np
@@ -174,21 +175,77 @@ class Orbits(unittest.TestCase):
         self.assertTrue(np.allclose(parabola, [[1, 0, 0], [0, 2, 0]], rtol=1e-15, atol=0))
         self.assertEqual(gravity.Orbit(a=1, e=np.zeros((0, 2))).state(1)[0].shape, (0, 2, 3))
 
+    def test_places(self):
+        """One of time, f, M and mean_longitude says the place, and one of two angles the pericentre; what is None is
+        not given, and a 0 that is given is one."""
+        e, M = np.array([0, 0.1, 0.9])[:, None], np.linspace(-3, 3, 7)
+        orbit = gravity.Orbit(a=2, e=e, i=0.5, node=1, pericentre=-2, time=M * math.sqrt(8 / 1.5))
+        x, v = orbit.state(1.5)
+        all_of_them = gravity.Orbit.of(1.5, x, v)
+        self.assertEqual([name for name, value in zip(orbit._fields, all_of_them) if value.shape != (3, 7)], [])
+        again = all_of_them.state(1.5)
+        f = all_of_them.f + all_of_them.pericentre + 2
+        ways = [orbit.at(M=M), orbit.at(f=f), orbit.at(mean_longitude=M - 1),
+                orbit._replace(pericentre=None, longitude_of_pericentre=-1), orbit._replace(M=M, mean_longitude=M - 1)]
+        for y, w in [again, *(way.state(1.5) for way in ways)]:
+            self.assertLess(max(abs(y - x).max(), abs(w - v).max()), 1e-13)
+        still = gravity.Orbit(a=2, e=e, i=0.5, node=1, pericentre=-2)
+        self.assertTrue(same_bits(orbit.at().state(1.5), still.state(1.5)))
+        self.assertTrue(same_bits(orbit.at(M=M * 0).state(1.5)[0], orbit.at(f=M * 0).state(1.5)[0]))
+        for conic in ({"q": 1, "e": 1}, {"q": 1, "e": 2}):
+            y, w = gravity.Orbit(**conic, node=0.5, time=[-1, 0, 2]).state(1)
+            self.assertLess(abs(gravity.Orbit.of(1, y, w).state(1)[0] - y).max(), 1e-14)
+        later, wanted = (y.at(time=7).state(1.5)[0][1:] for y in (all_of_them, orbit))  # a circle has no pericentre
+        self.assertLess(abs(later - wanted).max(), 1e-13)
+
+    def test_descriptions(self):
+        """help() says what each element is, and shows types that can be read."""
+        text = pydoc.render_doc(gravity.Orbit)
+        self.assertNotIn("Alias for field", text)
+        self.assertNotIn("ForwardRef", text)
+        for name in gravity.Orbit._fields:
+            self.assertGreater(len(getattr(gravity.Orbit, name).__doc__), 10)
+
     def test_refused(self):
+        orbit, an_array = gravity.Orbit, np.array([[0.1, 0.2], [0.3, 1.4]])
         for kind, status, text, call in (
-                (tvi.Error, "EINVAL", r"orbit\[1\]: it needs", lambda: gravity.Orbit(a=1, e=[0.5, 2]).state(1)),
-                (tvi.Error, "EINVAL", "orbit: it needs", lambda: gravity.Orbit(a=1, q=0.6, e=0.5).state(1)),
-                (tvi.Error, "EINVAL", "it needs mu > 0", lambda: gravity.Orbit(a=1).state(0)),
-                (tvi.Error, "ENONFINITE", "orbit: .* not finite",
-                 lambda: gravity.Orbit(q=1e-300, e=1, time=1e300).state(1e300)),
-                (tvi.Error, "EDOMAIN", r"state\[0\]\[1\]: x and v",
-                 lambda: gravity.Orbit.of(1, [1, 0, 0], [[[0, 1, 0], [1, 0, 0]]])),
-                (tvi.Error, "EINVAL", "mu is not", lambda: gravity.Orbit.of(-1, [1, 0, 0], [0, 1, 0])),
-                (ValueError, None, "^q = inf is not finite", lambda: gravity.Orbit(q=math.inf).state(1)),
-                (ValueError, None, r"^a\[1\]\[0\] = nan is not", lambda: gravity.Orbit(a=[[1], [math.nan]]).state(1)),
-                (ValueError, None, r"not \(..., 3\)", lambda: gravity.Orbit.of(1, [1, 0], [0, 1])),
-                (ValueError, None, "shape mismatch", lambda: gravity.Orbit(q=[1, 2], e=[1, 2, 3]).state(1)),
-                (TypeError, None, "real numbers", lambda: gravity.Orbit(q="1").state(1))):
+                (tvi.Error, "EINVAL", r"orbit\[1\]: a = 1, e = 2: q = .* = -1 is not", lambda: orbit(a=1, e=[0.5, 2])),
+                (tvi.Error, "EINVAL", r"orbit\[1\]\[1\]: a = 1, e = 1.4: q = ", lambda: orbit(a=1, e=an_array)),
+                (tvi.Error, "EINVAL", "orbit: a = 1, e = 1: .* a parabola needs q", lambda: orbit(a=1, e=1)),
+                (tvi.Error, "EINVAL", "orbit: a = -1, e = 0.5: q = .* an ellipse", lambda: orbit(a=-1, e=0.5)),
+                (tvi.Error, "EINVAL", "orbit: neither a nor q is given", lambda: orbit(e=0.1)),
+                (tvi.Error, "EINVAL", "orbit: a = 1, q = 0.6 and e = 0.5 disagree", lambda: orbit(a=1, q=0.6, e=0.5)),
+                (tvi.Error, "EINVAL", "orbit: a = 0.5, q = 3 and e = 0 disagree", lambda: orbit(a=0.5, q=3)),
+                (tvi.Error, "EINVAL", r"orbit: i = -1e-17 is not within \[0, pi\]", lambda: orbit(a=1, i=-1e-17)),
+                (tvi.Error, "EINVAL", r"orbit\[2\]: i = 4 is not", lambda: orbit(a=1, i=[0, 1, 4])),
+                (tvi.Error, "EINVAL", "orbit: e = -0.5 is negative", lambda: orbit(q=1, e=-0.5)),
+                (tvi.Error, "EINVAL", "orbit: time = 0 and M = 1 disagree", lambda: orbit(a=1, time=0, M=1)),
+                (tvi.Error, "EINVAL", r"orbit\[1\]: f = 1 and M = 0 disagree", lambda: orbit(a=1, f=[0, 1], M=0)),
+                (tvi.Error, "EINVAL", "orbit: M = 1 and mean_longitude = 1 disagree",
+                 lambda: orbit(a=1, node=1, M=1, mean_longitude=1)),
+                (tvi.Error, "EINVAL", "orbit: pericentre = 0 and longitude_of_pericentre = 2 disagree",
+                 lambda: orbit(a=1, node=1, pericentre=0, longitude_of_pericentre=2)),
+                (tvi.Error, "EINVAL", "orbit: time = 3 and f = .* disagree",
+                 lambda: orbit.of(1, [1, 0, 0], [0.1, 1, 0])._replace(time=3)),
+                (tvi.Error, "EINVAL", "orbit: M = 1, e = 1: M of a parabola is 0", lambda: orbit(q=1, e=1, M=1)),
+                (tvi.Error, "EINVAL", "orbit: f = 2.2 is not within the asymptotes", lambda: orbit(q=1, e=2, f=2.2)),
+                (tvi.Error, "ENONFINITE", "orbit: time = .* too large", lambda: orbit(q=1e-300, e=1, time=1e300)),
+                (ValueError, None, "^q = inf is not finite", lambda: orbit(q=math.inf)),
+                (ValueError, None, r"^a\[1\]\[0\] = nan is not", lambda: orbit(a=[[1], [math.nan]])),
+                (ValueError, None, "^M = nan is not finite", lambda: orbit(a=1, M=math.nan)),
+                (ValueError, None, "shape mismatch", lambda: orbit(q=[1, 2], e=[1, 2, 3])),
+                (TypeError, None, "f has real numbers", lambda: orbit(q=1, f=[None, 1])),
+                (TypeError, None, "real numbers", lambda: orbit(q="1"))):
+            with self.assertRaisesRegex(kind, text) as refused:
+                call().state(1)
+            self.assertEqual(getattr(refused.exception, "status", None), status)
+        for kind, status, text, call in (
+                (tvi.Error, "EINVAL", r"orbit\[1\]: mu = 0 is not positive", lambda: orbit(a=1).state([1, 0])),
+                (tvi.Error, "EDOMAIN", r"state\[0\]\[1\]: x and v are on one line",
+                 lambda: orbit.of(1, [1, 0, 0], [[[0, 1, 0], [1, 0, 0]]])),
+                (tvi.Error, "EINVAL", "state: mu = -1 is not positive", lambda: orbit.of(-1, [1, 0, 0], [0, 1, 0])),
+                (ValueError, None, r"not \(..., 3\)", lambda: orbit.of(1, [1, 0], [0, 1])),
+                (TypeError, None, "unexpected keyword", lambda: orbit(a=1).at(tim=1))):
             with self.assertRaisesRegex(kind, text) as refused:
                 call()
             self.assertEqual(getattr(refused.exception, "status", None), status)

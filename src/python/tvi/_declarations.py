@@ -64,7 +64,9 @@ typedef struct {
     double sharpness;
 } tvi_bodies;
 
-typedef struct { double a, q, e, i, node, pericentre, time, f, M; } tvi_orbit;
+typedef struct {
+    double a, q, e, i, node, pericentre, time, f, M, mean_longitude, longitude_of_pericentre;
+} tvi_orbit;
 
 typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
 typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);

@@ -4,15 +4,13 @@
 has orbital elements, and their places and velocities.
 """
 
-from __future__ import annotations
-
 from typing import Any, Callable, NamedTuple
 
 import numpy as np
 
 from ._arrays import Array, Doubles, _floats, integer, number, numbers, pointer
 from ._jets import Jet, Recording
-from ._library import EINVAL, OK, Error, check, ffi, lib, name_of
+from ._library import OK, Error, check, ffi, lib, name_of, text_of
 from ._systems import MAX_DIMENSION, System, potential
 
 __all__ = ["Bodies", "Orbit"]
@@ -216,8 +214,11 @@ def _again(mass: np.ndarray, axes: int, others: dict) -> Bodies:
 class Orbit(NamedTuple):
     """Orbital elements: numbers, or arrays of any shapes that go together, with angles in radians.
 
-    An ellipse has e < 1 and a > 0, a parabola e = 1 and an infinite a, a hyperbola e > 1 and a < 0. Give a or q, or
-    both where they agree to 1e-12: near e = 1 neither is enough. `_replace` changes single ones.
+    An ellipse has e < 1 and a > 0, a parabola e = 1 and an infinite a, a hyperbola e > 1 and a < 0. None is what is not
+    given. Give a or q; pericentre or longitude_of_pericentre, which are 0 without either; and one of time, f, M and
+    mean_longitude, without which the body is at the pericentre. Elements that are given twice must agree: a change of
+    each by 1e-12 of itself makes both the same, apart from whole revolutions. `of` gives all elements, and near e = 1
+    neither a nor q alone is enough. at() is the same orbit at another place, and `_replace` changes single elements.
 
     >>> from tvi import gravity
     >>> x, v = gravity.Orbit(q=[1, 2, 3], e=[0.5, 1, 2], i=0.1, time=2).state(1.0)
@@ -225,43 +226,56 @@ class Orbit(NamedTuple):
     ((3, 3), array([0.5, 1. , 2. ]))
     """
 
-    a: Any = 0.0  # semimajor axis; 0: q and e say it
-    q: Any = 0.0  # distance of the pericentre, a (1 - e); 0: a and e say it
-    e: Any = 0.0  # eccentricity
-    i: Any = 0.0  # inclination, 0 to pi
-    node: Any = 0.0  # longitude of the ascending node
-    pericentre: Any = 0.0  # argument of the pericentre
-    time: Any = 0.0  # since the pericentre, M (|a|^3 / mu)^(1/2)
-    f: Any = 0.0  # true anomaly, which is not read
-    M: Any = 0.0  # mean anomaly, which is not read; 0 of a parabola
+    a: Any = None
+    q: Any = None
+    e: Any = 0.0
+    i: Any = 0.0
+    node: Any = 0.0
+    pericentre: Any = None
+    time: Any = None
+    f: Any = None
+    M: Any = None
+    mean_longitude: Any = None
+    longitude_of_pericentre: Any = None
 
-    def state(self, mu: Array) -> tuple[np.ndarray, np.ndarray]:
-        """The places and velocities, [..., 3], of a body relative to another, mu = G (m_1 + m_2).
-
-        Raises tvi.Error: EINVAL for mu <= 0, e < 0, i outside [0, pi], no q = a (1 - e) > 0, and a, q, e that disagree;
-        ENONFINITE where they lead to what is not finite.
+    def at(self, *, time: Array = None, f: Array = None, M: Array = None, mean_longitude: Array = None) -> "Orbit":
+        """The same orbit at another place, said by one of these; without any, at the pericentre.
 
         >>> import numpy as np
         >>> from tvi import gravity
         >>> mars = gravity.Orbit(a=1.524, e=0.0934)
-        >>> x, v = mars._replace(time=np.linspace(0, 11, 5)).state(1.0)
+        >>> x, v = mars.at(M=np.linspace(0, np.pi, 5)).state(1.0)
         >>> np.linalg.norm(x, axis=-1).round(3)
-        array([1.382, 1.522, 1.664, 1.581, 1.398])
+        array([1.382, 1.431, 1.537, 1.631, 1.666])
         """
-        *elements, mu = np.broadcast_arrays(*(_floats(name, value, name == "a") for name, value in
-                                              zip(self._fields, self)), _floats("mu", mu))
+        return self._replace(time=time, f=f, M=M, mean_longitude=mean_longitude)
+
+    def state(self, mu: Array) -> tuple[np.ndarray, np.ndarray]:
+        """The places and velocities, [..., 3], of a body relative to another, mu = G (m_1 + m_2).
+
+        Raises tvi.Error, which names the element and, among several orbits, which of them: EINVAL for mu <= 0, e < 0, i
+        outside [0, pi], no q = a (1 - e) > 0, elements that disagree, f outside of the asymptotes, and M of a parabola
+        other than 0; ENONFINITE where they lead to what is not finite.
+
+        >>> from tvi import gravity
+        >>> x, v = gravity.Orbit(a=1, e=0.1, M=1).state(1)
+        >>> print(x.round(6))
+        [0.363728 0.881537 0.      ]
+        """
+        given = zip(self._fields, self)
+        *elements, mu = np.broadcast_arrays(*(_element(name, value) for name, value in given), _floats("mu", mu))
         orbits, mu = np.ascontiguousarray(np.stack(elements, axis=-1)), np.ravel(mu)
         x, v = (Doubles(*orbits.shape[:-1], 3) for _ in "xv")
         of = ffi.cast("tvi_orbit *", pointer(orbits))
         for k in range(len(mu)):
             status = lib.tvi_orbit_state(of + k, mu[k], x.pointer + 3 * k, v.pointer + 3 * k)
-            _check(status, "orbit", k, x.array.shape[:-1])
+            _check_one(status, "orbit", k, x.array.shape[:-1])
         return x.array.copy(), v.array.copy()
 
     @classmethod
     def of(cls, mu: Array, x: Array, v: Array) -> "Orbit":
-        """All elements of states x and v, [..., 3], for mu of a shape that goes with theirs. Angles and M are from -pi
-        to pi, and the node is 0 where i is 0 or pi.
+        """All elements of states x and v, [..., 3], for mu of a shape that goes with theirs. Angles are from -pi to pi,
+        M and both longitudes so on ellipses only, and the node is 0 where i is 0 or pi.
 
         Raises tvi.Error: EINVAL for mu <= 0, EDOMAIN for x and v on one line through the centre, ENONFINITE where an
         element is not finite.
@@ -277,20 +291,40 @@ class Orbit(NamedTuple):
         mu, found = np.ravel(np.broadcast_to(mu, shape)), Doubles(*shape, len(cls._fields))
         of, places, speeds = ffi.cast("tvi_orbit *", found.pointer), pointer(x), pointer(v)
         for k in range(len(mu)):
-            _check(lib.tvi_orbit_of(mu[k], places + 3 * k, speeds + 3 * k, of + k), "state", k, shape)
+            _check_one(lib.tvi_orbit_of(mu[k], places + 3 * k, speeds + 3 * k, of + k), "state", k, shape)
         return cls(*(found.array[..., k].copy()[()] for k in range(len(cls._fields))))
 
 
-_REFUSED = {"orbit": "it needs mu > 0, e >= 0, i from 0 to pi, and q or a (both agree to 1e-12) with q = a (1 - e) > 0",
-            "state": "mu is not positive", "EDOMAIN": "x and v are on one line through the centre: no pericentre"}
+_ELEMENTS = {
+    "a": "Semimajor axis, < 0 of a hyperbola, infinite of a parabola; None, or 0 in an array: q and e say it.",
+    "q": "Distance of the pericentre, a (1 - e); None, or 0 in an array: a and e say it.",
+    "e": "Eccentricity.",
+    "i": "Inclination, from 0 to pi.",
+    "node": "Longitude of the ascending node.",
+    "pericentre": "Argument of the pericentre.",
+    "time": "Time since the pericentre, M (|a|^3 / mu)^(1/2).",
+    "f": "True anomaly.",
+    "M": "Mean anomaly; that of a parabola is 0.",
+    "mean_longitude": "Mean longitude, node + pericentre + M.",
+    "longitude_of_pericentre": "Longitude of the pericentre, node + pericentre.",
+}
+for _name, _text in _ELEMENTS.items():
+    getattr(Orbit, _name).__doc__ = _text
 
 
-def _check(status: int, what: str, k: int, shape: tuple) -> None:
-    """Raises what a status of the functions of orbits says, which have no text of their own."""
+def _element(name: str, value: Any) -> np.ndarray:
+    """An element as tvi_orbit has it: 0 is not given, and a 0 that is given is -0.0, where these differ."""
+    array = _floats(name, 0.0 if value is None else value, name == "a")
+    if value is not None and name not in ("a", "q", "e", "i", "node"):
+        array[array == 0] = -0.0
+    return array
+
+
+def _check_one(status: int, what: str, k: int, shape: tuple) -> None:
+    """Raises what a status other than TVI_OK says of the orbit or state number k of this shape."""
     if status != OK:
-        name, where = name_of(status), "".join(f"[{i}]" for i in np.unravel_index(k, shape))
-        text = _REFUSED.get(what if status == EINVAL else name) or ffi.string(lib.tvi_status_string(status)).decode()
-        raise Error(f"{what}{where}: {text}", name)
+        where = "".join(f"[{i}]" for i in np.unravel_index(k, shape))
+        raise Error(f"{what}{where}: {text_of(status)}", name_of(status))
 
 
 def _vectors(name: str, value: Any, n: int) -> np.ndarray:
