@@ -93,8 +93,8 @@ $(PROGRAMS) $(GENERATED) $(OTHER_PROGRAMS):
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
-# All suites of a program, and the three programs that have none.
-FUZZERS := fuzz fuzz_steps fuzz_states
+# All suites of a program, and the four programs that have none.
+FUZZERS := fuzz fuzz_steps fuzz_states fuzz_bodies
 $(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(DO)
 $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 	$(if $(filter $*,$(FUZZERS)),,tests/suites.sh '' )$<
@@ -181,13 +181,15 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz fuzz_states) $(BUILD)/libtvi.so
+do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble bodies fuzz fuzz_states fuzz_bodies) $(BUILD)/libtvi.so
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
 	$(IN_ONE_GO) 'failing,states,refused,members,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
 	$(BUILD)/check/fuzz_states 1 1250000
+	$(IN_ONE_GO) 'refused,elements,places,sums' $(BUILD)/check/bodies
+	$(BUILD)/check/fuzz_bodies 1 1000000
 	$(PYTHON_SANITIZED)
 
 check-valgrind: ; $(REPORT) "valgrind" $(DO)

@@ -174,6 +174,7 @@ static const struct {
     {{.q = 1, .e = 2, .M = 1, .mean_longitude = 1 + 6.283185307179586}, TVI_EINVAL, "M = 1 and mean_longitude"},
     {{.a = 1e300, .M = 1}, TVI_OK, ""},
     {{.q = 1e-300, .e = 1e8, .M = 1e300}, TVI_ENONFINITE, "M = 1e+300 leads to numbers"},
+    {{.q = 1.7157, .e = 8.2e247, .time = 1.71e-120}, TVI_ENONFINITE, "time = 1.71e-120 leads to numbers"},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
@@ -185,6 +186,25 @@ START_TEST(agreement)
     ck_assert((status == TVI_OK) == (x[0] != 7));
     if (status == TVI_OK) return;
     ck_assert_msg(!strncmp(tvi_last_error(), rows[_i].text, strlen(rows[_i].text)), "%s", tvi_last_error());
+}
+END_TEST
+
+/* A state at the pericentre goes there and back, where time, f and M are 0 and the mean longitude is not. */
+START_TEST(at_the_pericentre)
+{
+    bits = 71;
+    for (int k = 0; k < 5000; k++) {
+        const double a = between(0.1, 1), b = between(0.1, 1), e = between(0, 1.2);
+        const double x[] = {a, b, 0}, v[] = {-b, a, between(-1, 1)}, mu = length(v) * length(v) * length(x) / (1 + e);
+        double y[3], w[3];
+        tvi_orbit o;
+        ck_assert_int_eq(tvi_orbit_of(mu, x, v, &o), TVI_OK);
+        if (o.f != 0) continue; /* it is the apocentre of a circle */
+        ck_assert(o.time == 0 && o.M == 0);
+        ck_assert_int_eq(tvi_orbit_state(&o, mu, y, w), TVI_OK);
+        ck_assert_double_le(distance(x, y), 16 * DBL_EPSILON * length(x));
+        ck_assert_double_le(distance(v, w), 16 * DBL_EPSILON * length(v));
+    }
 }
 END_TEST
 
@@ -215,6 +235,7 @@ Suite *suite_places(void)
     suite_add_tcase(suite, one);
     tcase_add_loop_test(several, one_changed, 0, KINDS);
     tcase_add_loop_test(several, agreement, 0, ROWS);
+    tcase_add_test(several, at_the_pericentre);
     tcase_add_test(several, another_place);
     suite_add_tcase(suite, several);
     return suite;

@@ -99,6 +99,12 @@ static void bodies()
     std::vector<double> q = {-0.75, 0, 0.25, 0}, p = {0, -1.5, 0, 1.5};
     expect("to the end", circle.integrate_to(0.5, turn, t, q, p));
     expect("round", std::fabs(q[0] + 0.75) < 1e-13 && std::fabs(p[3] - 1.5) < 1e-13);
+    tvi_orbit orbit = tvi_orbit();
+    double x[3], u[3];
+    orbit.a = 1, orbit.e = 0.1, orbit.M = 1;
+    expect("an orbit", tvi_orbit_state(&orbit, 1, x, u) == TVI_OK && std::fabs(x[0] - 0.36372818) < 1e-8);
+    orbit.f = 1;
+    expect("two places", tvi_orbit_state(&orbit, 1, x, u) == TVI_EINVAL && std::strstr(tvi_last_error(), "disagree"));
     pair.J2 = 0.01;
     expect("no radius", throws([&] { tvi::gravity flat(pair); }, TVI_EINVAL, "J2 = 0.01 needs the radius"));
     const double negative[] = {1, -0.5};
