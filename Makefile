@@ -81,13 +81,8 @@ BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
 # what is done for speed alone (ad/devices.h) left out: PLAIN=1
 BASE      += $(if $(PLAIN),-DTVI_PLAIN) $(if $(DEVICES),-DTVI_DEVICES)
 
-# threads for the members of an ensemble (src/run/parallel_for.c), where the compiler has OpenMP; OPENMP=0: one thread
-OPENMP     ?= 1
-OPENMP_LIB := $(if $(filter-out 0,$(OPENMP)),$(shell o=$$(mktemp) && \
-                  printf 'void f(void);\nint main(void) {\n#pragma omp parallel\nf();\n}\nvoid f(void) { }\n' | \
-                  $(CC) -fopenmp -include omp.h -x c -c -o $$o - 2>/dev/null && for lib in gomp omp; do \
-                  $(CC) -o $$o.out $$o -l$$lib 2>/dev/null && echo $$lib && break; done; rm -f $$o $$o.out))
-$(BUILD)/src/run/parallel_for.o: BASE += $(if $(OPENMP_LIB),-fopenmp)
+# An exception of C++ that leaves an observer passes runs, which then end what they have begun.
+$(BUILD)/src/run/%.o: BASE += -fexceptions
 
 # what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
 # fused multiply-adds use them.
@@ -104,7 +99,7 @@ SRC_OBJECTS  := $(EMBEDDED_SRC) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
-LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
+LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) -lm -pthread
 
 .DELETE_ON_ERROR:
 .PHONY: help libs all built check check-long bench choose references clean need-library need-check need-bench
@@ -160,8 +155,8 @@ need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(SLEEF_PACKAGE) $(PACKAGES_BENCH)
 
 # ---- The library -------------------------------------------------------------------------------------------------------
 
-# All objects are made anew when the compiler, its flags, SLEEF or OpenMP are others.
-BUILT_WITH := $(filter-out -Werror,$(CC) $(BASE) $(CFLAGS) $(OPENMP_LIB))
+# All objects are made anew when the compiler, its flags or SLEEF are others.
+BUILT_WITH := $(filter-out -Werror,$(CC) $(BASE) $(CFLAGS))
 $(BUILD)/built_with: always
 	@mkdir -p $(@D) && echo '$(BUILT_WITH)' | cmp -s - $@ || echo '$(BUILT_WITH)' >$@
 .PHONY: always

@@ -280,7 +280,8 @@ TVI_NODISCARD tvi_status tvi_integrator_velocity(const tvi_integrator *integrato
 TVI_NODISCARD tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
 
 /* Forgets the last step. A step also forgets it if t, q, p are not bitwise what the last successful step returned;
- * otherwise the low-order parts of the compensated sums carry on. */
+ * otherwise the low-order parts of the compensated sums carry on. After longjmp has left an observer, an integrator
+ * makes no step before a reset. An observer may call it, but a step that the observer then makes ends the run. */
 void tvi_integrator_reset(tvi_integrator *integrator);
 
 /* An observer is called after each step, with step = 1..steps; a value other than 0 stops the run. */

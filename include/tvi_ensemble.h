@@ -20,10 +20,10 @@ extern "C" {
  * tvi_ensemble_reset is called. An ensemble is used by one thread at a time. */
 typedef struct tvi_ensemble tvi_ensemble;
 
-/* Creates an ensemble. options NULL: tvi_options_default. threads 0: as many as OpenMP has; without OpenMP it is always
- * one. *out is NULL on failure.
+/* Creates an ensemble. options NULL: tvi_options_default. threads: the most threads of a run, the caller's among them;
+ * 0: as many as this process has processors. Each run starts threads and ends them. Where they cannot be started, it
+ * runs on those that it has. *out is NULL on failure.
  *   TVI_EINVAL  also members < 1, threads < 0
- *   TVI_ENOMEM  also more threads than can be started
  *   others      as of tvi_integrator_create */
 TVI_NODISCARD tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options,
                                              int members, int threads);
@@ -31,7 +31,8 @@ void tvi_ensemble_free(tvi_ensemble *ensemble); /* NULL is allowed */
 
 /* Does what tvi_integrator_set_parameters does, for each member: value[tvi_system_parameters][members]. */
 TVI_NODISCARD tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[]);
-/* Does what tvi_integrator_reset does, for each member. Members that have failed are tried again. */
+/* Does what tvi_integrator_reset does, for each member. Members that have failed are tried again. Does nothing if an
+ * observer of a member calls it. */
 void tvi_ensemble_reset(tvi_ensemble *ensemble);
 
 /* Makes `steps` steps of size h of each member. status[m] is TVI_OK, or the status of the step at which member m
@@ -44,7 +45,9 @@ TVI_NODISCARD tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h
                                                 double p[], tvi_status status[], tvi_ensemble_observer *observer,
                                                 void *ctx);
 
-/* A plan for all members (tvi_runs.h). */
+/* A plan for all members (tvi_runs.h). Where an exception of C++ leaves an observer in the caller's thread, the run
+ * ends once the other threads have ended the runs of their members, and the exception comes out of it; in another
+ * thread it ends the program. Where longjmp leaves an observer, the ensemble can be freed alone. */
 typedef tvi_run_plan tvi_ensemble_plan;
 /* Runs all members by a plan. Members are then as after tvi_run by integrators of their own, and status[m] is its
  * status. It is TVI_ESTOPPED if an event or an observer ended the run of the member; its next run goes on from there. D
@@ -56,7 +59,7 @@ TVI_NODISCARD tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ense
                                           double p[], tvi_status status[]);
 
 /* Counts of all members together, since the ensemble was created; largest_tail is that of any, tail and residual are 0.
- *   TVI_EINVAL  NULL */
+ *   TVI_EINVAL  NULL, an observer of a member calls it */
 TVI_NODISCARD tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats);
 
 /* Save and load all that the members hold between runs, as tvi_state_save and tvi_state_load do. The ensemble needs as

@@ -2,7 +2,7 @@
 
 # The environment of a program in Python that uses the module from here, with the library that was built.
 PYTHON_HERE = TVI_LIBRARY='$(abspath $(BUILD))/libtvi.so' PYTHONPATH='$(CURDIR)/src/python:$(CURDIR)/tests/python' \
-              PYTHONDONTWRITEBYTECODE=1 XDG_CACHE_HOME='$(abspath $(BUILD))/check/python' CC='$(CC)' OMP_NUM_THREADS=2
+              PYTHONDONTWRITEBYTECODE=1 XDG_CACHE_HOME='$(abspath $(BUILD))/check/python' CC='$(CC)'
 
 check-python: ; $(REPORT) "Python: bits of C, refusals, threads, memory, Ctrl-C, the page and its doctests" $(DO)
 do-python: all

@@ -18,9 +18,9 @@ declared=$(sed -nE '/^typedef/! s/^[^(]*[ *]((tvi|jet)_[a-z_0-9]+)\(.*/\1/p' "$a
 differ=$(printf '%s\n' "$exported" "$declared" | sort | uniq -u)
 [ -z "$differ" ] || complain "exported and not declared, or declared and not exported: $differ"
 
-# data that only the loader writes to, to relocate it, is read-only afterwards
+# data that only the loader writes to, to relocate it, is read-only afterwards; DW.ref. is the compiler's, of cleanups
 writable=$(size -A "$static" | awk '/ \(ex / { member = $1 }
-    $1 ~ /^\.(data|bss|tdata|tbss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 && member $1 != "refusal.o.tbss" { print member, $1, $2 }')
+    $1 ~ /^\.(data|bss|tdata|tbss)/ && $1 !~ /^\.data\.rel\.(ro|local\.DW\.ref\.)/ && $2 > 0 && member $1 != "refusal.o.tbss" { print member, $1, $2 }')
 [ -z "$writable" ] || complain "writable data: $writable"
 common=$(nm "$static" 2>/dev/null | awk '$2 == "C" { print $3 }')
 [ -z "$common" ] || complain "common symbols: $common"

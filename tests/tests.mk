@@ -197,17 +197,17 @@ do-valgrind: $(addprefix $(BUILD)/check/,library ad)
 	$(IN_ONE_GO) 'input/systems,input/functions,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
 
-# threads on one system, library and all: integrators of their own, and ensembles, of which tests/threads makes the threads
+# threads on one system, library and all: integrators of their own, and ensembles
 check-threads:
 	$(REPORT) "two threads, ten thousand integrators; ensembles; thread sanitizer" $(LOG) \
-	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads OPENMP=0 CFLAGS='-O1 -g1 -fsanitize=thread'
+	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g1 -fsanitize=thread'
 THREADS := $(patsubst tests/threads/%.c,%,$(filter-out %/blas.c,$(wildcard tests/threads/*.c)))
 do-threads: $(THREADS:%=$(BUILD)/check/threads-%)
 	for program in $^; do TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $$program || exit 1; done
 $(THREADS:%=$(BUILD)/check/threads-%): $(BUILD)/check/threads-%: $(BUILD)/tests/threads/%.o $(BUILD)/libtvi.a
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -pthread -o $@ $^ $(LIBS)
-$(BUILD)/check/threads-ensemble: WRAP = -Wl,--wrap=tvi_parallel_for
+$(BUILD)/check/threads-ensemble: WRAP = -Wl,--wrap=pthread_create
 $(BUILD)/tests/threads/%.o: tests/threads/%.c
 	@mkdir -p $(@D)
 	$(call SAY,CC $<)$(CC) $(TEST_FLAGS) -c -o $@ $<
@@ -265,12 +265,12 @@ do-formatting:
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Werror
 
-# each header alone, in C and in C++, and two programs in C++; that of tvi.hpp in every standard, and with the address
-# sanitizer, which finds what an exception would leak; numbers that are not finite from a program with -ffast-math;
-# std::sin of a jet has an error that says what to write
+# each header alone, in C and in C++, and three programs in C++; that of tvi.hpp in every standard, and with the address
+# sanitizer, which finds what an exception would leak, as does one of exceptions through functions of C; numbers that
+# are not finite from a program with -ffast-math; std::sin of a jet has an error that says what to write
 CXX_STANDARDS := g++/11 g++/14 g++/17 g++/20 g++/23 clang++/11 clang++/14 clang++/17 clang++/20 clang++/2b
 check-headers: ; $(REPORT) "headers in C and C++" $(DO)
-do-headers: tests/library/header.cpp tests/library/wrapper.cpp tests/library/fast_math.cpp $(BUILD)/libtvi.a
+do-headers: tests/library/header.cpp tests/library/wrapper.cpp tests/library/fast_math.cpp tests/library/thrown.cpp $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	for header in $(basename $(notdir $(wildcard include/*.h))); do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
 	    for compiler in 'gcc -std=c11' 'clang -std=c11' 'g++ -std=c++11 -x c++' 'clang++ -std=c++11 -x c++'; do \
@@ -283,7 +283,9 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp tests/library/fas
 	for compiler in 'g++ -std=c++17' 'clang++ -std=c++11'; do \
 	    $$compiler -g -fsanitize=address $(STRICT) -DWITH_EIGEN -isystem /usr/include/eigen3 -Iinclude \
 	        -o $(BUILD)/check/wrapper tests/library/wrapper.cpp $(BUILD)/libtvi.a $(LIBS) && \
-	    $(BUILD)/check/wrapper || exit 1; done
+	    $(BUILD)/check/wrapper || exit 1; \
+	    $$compiler -g -fsanitize=address $(STRICT) -Iinclude -o $(BUILD)/check/thrown tests/library/thrown.cpp $(BUILD)/libtvi.a $(LIBS) && \
+	    $(BUILD)/check/thrown || exit 1; done
 	for compiler in 'gcc -std=c11 -x c' 'clang -std=c11 -x c' 'g++ -std=c++11' 'clang++ -std=c++11'; do \
 	    $$compiler -O2 -ffast-math $(STRICT) -Iinclude -o $(BUILD)/check/fast_math tests/library/fast_math.cpp \
 	        -x none $(BUILD)/libtvi.a $(LIBS) && $(BUILD)/check/fast_math || exit 1; done
@@ -350,16 +352,14 @@ check-symbols: ; $(REPORT) "symbols: the ABI, no globals that change, nothing th
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	$(call ABI,compare)
 	tests/symbols.sh $^ tests/abi.txt
-	# threads, where the compiler has OpenMP
-	$(if $(OPENMP_LIB),nm $(BUILD)/src/run/parallel_for.o | grep -q omp_get_max_threads)
 abi: $(BUILD)/libtvi.so
 	$(call ABI,renew)
 .PHONY: abi
 
-# a program that links the static library may use every other name for its own
+# a program that links the static library may use every other name for its own; DW.ref. is the compiler's, of cleanups
 check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(DO)
 do-names: $(BUILD)/libtvi.a
-	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
+	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_|^DW\.ref\./ { print; failed = 1 } END { exit failed || !names }'
 
 check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; names of pages" $(DO)
 do-floors:

@@ -12,8 +12,7 @@ SHARE      := share/doc/tvi
 PAGE_DIRS  := $(patsubst docs/%,$(SHARE)/%,$(filter-out docs/,$(sort $(dir $(PAGES)))))
 FILLED      = $(LIB)/pkgconfig/tvi.pc $(LIB)/pkgconfig/tvi-static.pc $(CMAKE)/tvi-config.cmake $(CMAKE)/tvi-config-version.cmake
 FILL        = -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIB@|$(LIB)|' -e 's|@UP@|$(shell echo $(LIB) | sed 's|[^/]\+|..|g')|' \
-              -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@SLEEF@|$(HAS_SLEEF)|' \
-              -e 's|@OPENMP@|$(OPENMP_LIB:%=-l%)|'
+              -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@SLEEF@|$(HAS_SLEEF)|'
 # the module, where this Python, which is asked once, looks below the prefix; a link to the library stands beside it
 PYTHON_LOOKS = import site, sys; dirs = [d for d in site.getsitepackages() if d.startswith("$(PREFIX)/")]; \
                print(dirs[0] if dirs else "$(PREFIX)/lib/python%d.%d/site-packages" % sys.version_info[:2])

@@ -1,9 +1,9 @@
 /* ensemble.c - Creates, frees, saves and loads ensembles, and copies members between the ensemble's memory and the
  * integrators of its threads (tvi_worker_load_member, tvi_worker_store_member). A thread has one integrator, which is a
  * member from its load to its store. So a member's steps are those of an integrator of its own, to the bit. */
+#define _POSIX_C_SOURCE 200809L
 #include "run/ensemble.h"
 #include "run/saved.h"
-#include "run/parallel_for.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -57,10 +57,20 @@ static tvi_status create_workers_and_members(tvi_ensemble *ensemble, const tvi_o
 {
     tvi_status status = TVI_OK;
     ensemble->workers = calloc((size_t)ensemble->thread_count, sizeof *ensemble->workers);
-    if (!ensemble->workers) return TVI_ENOMEM;
+    ensemble->team = tvi_parallel_team_create(ensemble->thread_count);
+    if (!ensemble->workers || !ensemble->team) return TVI_ENOMEM;
     for (int i = 0; i < ensemble->thread_count && status == TVI_OK; i++)
         status = create_worker(&ensemble->workers[i], ensemble, options);
     return status == TVI_OK ? allocate_member_memory(ensemble) : status;
+}
+
+static void initialize_lock(pthread_mutex_t *lock)
+{
+    pthread_mutexattr_t kind;
+    (void)pthread_mutexattr_init(&kind);
+    (void)pthread_mutexattr_settype(&kind, PTHREAD_MUTEX_ERRORCHECK);
+    (void)pthread_mutex_init(lock, &kind);
+    (void)pthread_mutexattr_destroy(&kind);
 }
 
 tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options, int members,
@@ -74,22 +84,28 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     tvi_ensemble *ensemble = calloc(1, sizeof *ensemble);
     if (!ensemble) return jet_explain_out_of_memory(TVI_ENOMEM);
     const int wanted = threads > 0 ? threads : tvi_parallel_default_thread_count();
-    if (!tvi_parallel_can_start_threads(wanted < members ? wanted : members)) {
-        free(ensemble);
-        return jet_refuse(TVI_ENOMEM, "so many threads cannot be started");
-    }
     *ensemble = (tvi_ensemble){.system = system, .n = system->n, .member_count = members};
     ensemble->thread_count = wanted < members ? wanted : members;
-    (void)pthread_mutex_init(&ensemble->observer_lock, NULL);
+    initialize_lock(&ensemble->observer_lock);
     const tvi_status status = create_workers_and_members(ensemble, options);
     if (status == TVI_OK) *out = ensemble;
     else tvi_ensemble_free(ensemble);
     return status == TVI_ENOMEM ? jet_explain_out_of_memory(status) : status;
 }
 
+/* Where longjmp has left a run, this thread still holds the lock, for which the run's other threads may wait. */
+static void end_abandoned_run(tvi_ensemble *ensemble)
+{
+    if (!ensemble->is_running) return;
+    tvi_parallel_stop(ensemble->team);
+    (void)pthread_mutex_unlock(&ensemble->observer_lock);
+}
+
 void tvi_ensemble_free(tvi_ensemble *ensemble)
 {
     if (!ensemble) return;
+    end_abandoned_run(ensemble);
+    tvi_parallel_team_free(ensemble->team);
     for (int i = 0; ensemble->workers && i < ensemble->thread_count; i++) {
         tvi_integrator_free(ensemble->workers[i].integrator);
         free(ensemble->workers[i].member_q);
@@ -191,7 +207,7 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double valu
 
 void tvi_ensemble_reset(tvi_ensemble *ensemble)
 {
-    if (!ensemble) return;
+    if (!ensemble || tvi_ensemble_refuse_if_running(ensemble) != TVI_OK) return;
     const size_t members = (size_t)ensemble->member_count;
     memset(ensemble->histories, 0, members * ensemble->history_bytes);
     memset(ensemble->failure_status, 0, members * sizeof *ensemble->failure_status);
@@ -217,6 +233,8 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats)
     if (!ensemble || !stats)
         return tvi_refuse_first_null_pointer(2, (const void *const[]){ensemble, stats},
                                              (const char *const[]){"ensemble", "stats"});
+    const tvi_status idle = tvi_ensemble_refuse_if_running(ensemble);
+    if (idle != TVI_OK) return idle;
     const size_t members = (size_t)ensemble->member_count;
     *stats = (tvi_stats){.is_compiled = ensemble->workers->integrator->stats.is_compiled};
     for (size_t m = 0; m < members; m++) add_step_counts(stats, &ensemble->records[m].stats);

@@ -4,6 +4,7 @@
 #define TVI_SRC_RUN_ENSEMBLE_H
 
 #include "refusal.h"
+#include "run/parallel_for.h"
 #include "run/tangent.h"
 
 #include <pthread.h>
@@ -43,7 +44,9 @@ struct tvi_ensemble {
     tvi_status *failure_status; /* [member_count] TVI_OK if the member can go on, otherwise the status of its failure */
     bool has_run;               /* true if the ensemble has run since it was created or reset */
     bool is_running;            /* true during a run, in which observers may neither read nor change the members */
-    pthread_mutex_t observer_lock; /* a thread holds this lock while it calls an observer of a member */
+    tvi_parallel_team *team;    /* the threads of a run */
+    /* A thread holds this lock while it calls an observer of a member. Others cannot unlock it. */
+    pthread_mutex_t observer_lock;
 };
 
 static inline tvi_event_stop *tvi_stop_of_member(const tvi_ensemble *ensemble, int member)
@@ -55,7 +58,8 @@ static inline tvi_event_stop *tvi_stop_of_member(const tvi_ensemble *ensemble, i
 static inline tvi_status tvi_ensemble_refuse_if_running(const tvi_ensemble *ensemble)
 {
     if (!ensemble->is_running) return TVI_OK;
-    return jet_refuse(TVI_EINVAL, "the ensemble is in a run, whose observer may not run, read or change its members");
+    return jet_refuse(TVI_EINVAL, "the ensemble is in a run, whose observer may not run, read or change its members "
+                                  "(if longjmp has left the run, free the ensemble)");
 }
 
 /* Copy the numbers of one member from an array [rows][members] to an array [rows], and back. */

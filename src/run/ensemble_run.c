@@ -2,7 +2,6 @@
  * its integrator, runs this integrator by the plan, and stores the member. */
 #include "run/ensemble.h"
 #include "run/plan.h"
-#include "run/parallel_for.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -24,6 +23,35 @@ static void set_member_status(const run_between_observer_calls *segment, int mem
     segment->ensemble->failure_status[member] = tvi_is_failure_of_one_member_only(status) ? status : TVI_OK;
 }
 
+/* A member in the integrator of a thread. */
+typedef struct {
+    const run_between_observer_calls *segment;
+    tvi_ensemble_worker *worker;
+    int member;
+    double t;
+} loaded_member;
+
+static loaded_member load_member(const run_between_observer_calls *segment, tvi_ensemble_worker *worker, int member)
+{
+    tvi_ensemble *ensemble = segment->ensemble;
+    tvi_gather_member(ensemble->n, ensemble->member_count, segment->q, member, worker->member_q);
+    tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
+    if (segment->run_mode == TVI_RUN_AT_TIMES) tvi_worker_load_member_and_curve(worker, ensemble, member);
+    else tvi_worker_load_member(worker, ensemble, member);
+    return (loaded_member){segment, worker, member, segment->t[member]};
+}
+
+/* Stores the member and what it has reached, also where an exception leaves an observer. */
+static void store_member(loaded_member *loaded)
+{
+    const run_between_observer_calls *segment = loaded->segment;
+    const tvi_ensemble *ensemble = segment->ensemble;
+    segment->t[loaded->member] = loaded->t;
+    tvi_scatter_member(ensemble->n, ensemble->member_count, loaded->worker->member_q, loaded->member, segment->q);
+    tvi_scatter_member(ensemble->n, ensemble->member_count, loaded->worker->member_p, loaded->member, segment->p);
+    tvi_worker_store_member(loaded->worker, segment->ensemble, loaded->member);
+}
+
 static void run_member_in_thread(void *ctx, int thread, int member)
 {
     const run_between_observer_calls *segment = ctx;
@@ -31,41 +59,41 @@ static void run_member_in_thread(void *ctx, int thread, int member)
     tvi_ensemble_worker *worker = &ensemble->workers[thread];
     /* An observer or an event has stopped this member in an earlier segment. */
     if (segment->step_count_before_segment > 0 && segment->member_status[member] == TVI_ESTOPPED) return;
-    tvi_gather_member(ensemble->n, ensemble->member_count, segment->q, member, worker->member_q);
-    tvi_gather_member(ensemble->n, ensemble->member_count, segment->p, member, worker->member_p);
-    if (segment->run_mode == TVI_RUN_AT_TIMES) tvi_worker_load_member_and_curve(worker, ensemble, member);
-    else tvi_worker_load_member(worker, ensemble, member);
-    if (ensemble->failure_status[member] != TVI_OK &&
-        tvi_integrator_state_equals(worker->integrator, segment->t[member], worker->member_q, worker->member_p)) {
-        segment->member_status[member] = ensemble->failure_status[member];
-    } else {
-        const tvi_member_run run = {.plan = &segment->plan,
-                                    .run_mode = segment->run_mode,
-                                    .member_index = member,
-                                    .member_count = ensemble->member_count,
-                                    .step_count_before_segment = segment->step_count_before_segment,
-                                    .observer_lock = &ensemble->observer_lock};
-        set_member_status(
-            segment, member,
-            tvi_run_member(worker->integrator, &run, &segment->t[member], worker->member_q, worker->member_p));
-        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_q, member, segment->q);
-        tvi_scatter_member(ensemble->n, ensemble->member_count, worker->member_p, member, segment->p);
+    __attribute__((cleanup(store_member))) loaded_member loaded = load_member(segment, worker, member);
+    const tvi_status failed = ensemble->failure_status[member];
+    if (failed != TVI_OK &&
+        tvi_integrator_state_equals(worker->integrator, loaded.t, worker->member_q, worker->member_p)) {
+        segment->member_status[member] = failed;
+        return;
     }
-    tvi_worker_store_member(worker, ensemble, member);
+    const tvi_member_run run = {.plan = &segment->plan,
+                                .run_mode = segment->run_mode,
+                                .member_index = member,
+                                .member_count = ensemble->member_count,
+                                .step_count_before_segment = segment->step_count_before_segment,
+                                .team = ensemble->team,
+                                .observer_lock = &ensemble->observer_lock};
+    set_member_status(segment, member,
+                      tvi_run_member(worker->integrator, &run, &loaded.t, worker->member_q, worker->member_p));
 }
 
 /* ---- The run ----------------------------------------------------------------------------------------------------- */
 
+/* Allows other calls after a run, also where an exception has left an observer. */
+static void end_run(tvi_ensemble **ensemble)
+{
+    (*ensemble)->is_running = false;
+    (*ensemble)->has_run = true;
+}
+
 static tvi_status run_all_members(const run_between_observer_calls *segment)
 {
-    const tvi_ensemble *ensemble = segment->ensemble;
+    __attribute__((cleanup(end_run))) tvi_ensemble *ensemble = segment->ensemble;
     tvi_status status = TVI_OK;
-    segment->ensemble->is_running = true;
-    tvi_parallel_for(ensemble->thread_count, ensemble->member_count, run_member_in_thread, (void *)segment);
-    segment->ensemble->is_running = false;
+    ensemble->is_running = true;
+    tvi_parallel_for(ensemble->team, ensemble->member_count, run_member_in_thread, (void *)segment);
     for (int member = 0; member < ensemble->member_count; member++)
         if (segment->member_status[member] == TVI_ENOMEM) status = jet_explain_out_of_memory(TVI_ENOMEM);
-    segment->ensemble->has_run = true;
     return status;
 }
 
@@ -88,12 +116,19 @@ static tvi_status run_all_segments(run_between_observer_calls *segment)
     return TVI_OK;
 }
 
-/* Prepares the integrators of all threads for tangent vectors, if the run has columns. */
+/* Prepares the integrators of all threads and the members for tangent vectors, if the run has columns. */
 static tvi_status allocate_tangents(const tvi_ensemble *ensemble, int column_count)
 {
+    tvi_integrator *first = ensemble->workers->integrator;
     tvi_status status = TVI_OK;
-    for (int i = 0; i < ensemble->thread_count && column_count > 0 && status == TVI_OK; i++)
+    if (column_count == 0) return TVI_OK;
+    for (int i = 0; i < ensemble->thread_count && status == TVI_OK; i++)
         status = tvi_integrator_allocate_tangents(ensemble->workers[i].integrator, 0);
+    for (int m = 0; m < ensemble->member_count && status == TVI_OK; m++) {
+        tvi_step_columns_exchange(first, &ensemble->columns[m]);
+        status = tvi_integrator_allocate_tangents(first, column_count);
+        tvi_step_columns_exchange(first, &ensemble->columns[m]);
+    }
     return status;
 }
 

@@ -14,8 +14,8 @@ static void *map_address_to_history_copy_before_step(const tvi_integrator *it, c
     return it->history_before + ((const char *)address_in_history - it->history);
 }
 
-/* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) with this number of coordinates. `allocate`
- * is the function of the arena that allocates an array. */
+/* Allocates the four arrays of a state or of increments (p, q, p_low, q_low) with this number of coordinates.
+ * `allocate` is the function of the arena that allocates an array. */
 static void allocate_state_arrays(tvi_arena *arena, void *(*allocate)(tvi_arena *, size_t), int dimension,
                                   double **const arrays[4])
 {

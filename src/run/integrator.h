@@ -109,6 +109,10 @@ void tvi_integrator_copy_state(const tvi_integrator *integrator, double *t, doub
 int tvi_call_observer(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
                       const double p[], void *ctx);
 
+/* Allows steps again after an observer has returned, or was left by an exception of C++: a cleanup of the variable that
+ * has the integrator. */
+void tvi_end_observer_call(tvi_integrator **integrator);
+
 /* Creates an integrator for the system, the options and the parameters of another one. It has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *integrator);
 

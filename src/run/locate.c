@@ -94,14 +94,12 @@ static tvi_status locate_events_of_step(tvi_locator *locator)
 /* Calls the observer of events with the state of a root. Returns true if the observer stops the run at the root. */
 static bool report_event_and_tell_if_stopped(tvi_locator *locator, const tvi_event_root *root, const double state[])
 {
-    tvi_integrator *it = locator->search.integrator;
-    const int n = it->system->n;
+    const int n = locator->search.integrator->system->n;
     const tvi_observers *observers = &locator->run->observers;
     if (!observers->on_event) return false;
-    it->is_in_observer = true;
-    const int stop = observers->on_event(root->event_index, state[2 * n], state, state + n, observers->ctx);
-    it->is_in_observer = false;
-    return stop != 0;
+    __attribute__((cleanup(tvi_end_observer_call))) tvi_integrator *called = locator->search.integrator;
+    called->is_in_observer = true;
+    return observers->on_event(root->event_index, state[2 * n], state, state + n, observers->ctx) != 0;
 }
 
 /* Computes the tangent vectors at the root, if the observer of events may read them, or the user after a terminal

@@ -55,15 +55,36 @@ tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan)
 
 /* ---- The observers of a plan ------------------------------------------------------------------------------------- */
 
+/* A call of an observer of a member. has_returned is false if an exception leaves it. */
+typedef struct {
+    const tvi_member_run *run;
+    bool has_returned;
+} observer_call;
+
+static void end_observer_call(observer_call *call)
+{
+    if (!call->has_returned) tvi_parallel_stop(call->run->team);
+    (void)pthread_mutex_unlock(call->run->observer_lock);
+}
+
+static int call_locked_observer(const tvi_member_run *member_run, tvi_member_observer *observer, int report_index,
+                                double t, const double q[], const double p[])
+{
+    (void)pthread_mutex_lock(member_run->observer_lock);
+    __attribute__((cleanup(end_observer_call))) observer_call call = {member_run, false};
+    const int stop = tvi_parallel_is_stopped(member_run->team) ||
+                     observer(member_run->member_index, report_index, t, q, p, member_run->plan->ctx) != 0;
+    call.has_returned = true;
+    return stop;
+}
+
 static int call_member_observer(const tvi_member_run *member_run, tvi_member_observer *observer, long report_index,
                                 double t, const double q[], const double p[])
 {
+    const int index = report_index < INT_MAX ? (int)report_index : INT_MAX;
     if (!observer) return 0;
-    if (member_run->observer_lock) (void)pthread_mutex_lock(member_run->observer_lock);
-    const int stop = observer(member_run->member_index, report_index < INT_MAX ? (int)report_index : INT_MAX, t, q, p,
-                              member_run->plan->ctx);
-    if (member_run->observer_lock) (void)pthread_mutex_unlock(member_run->observer_lock);
-    return stop;
+    return member_run->team ? call_locked_observer(member_run, observer, index, t, q, p)
+                            : observer(member_run->member_index, index, t, q, p, member_run->plan->ctx);
 }
 
 static int call_event_observer(int event_index, double t, const double q[], const double p[], void *ctx)

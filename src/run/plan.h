@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_RUN_PLAN_H
 #define TVI_SRC_RUN_PLAN_H
 
+#include "run/parallel_for.h"
 #include "run/run.h"
 
 #include <pthread.h>
@@ -22,7 +23,10 @@ typedef struct {
     long step_count_before_segment;
     /* The observer that is called after plan->at_step; NULL if the ensemble itself calls the observer of the plan. */
     tvi_ensemble_observer *ensemble_observer;
-    pthread_mutex_t *observer_lock; /* held while an observer is called; NULL if there is only one thread */
+    /* The threads of the ensemble's run, of which one at a time calls an observer and holds the lock; NULL for a single
+     * integrator. */
+    tvi_parallel_team *team;
+    pthread_mutex_t *observer_lock;
 } tvi_member_run;
 /* Runs the member whose state the integrator holds (tvi_worker_load_member). */
 TVI_NODISCARD tvi_status tvi_run_member(tvi_integrator *integrator, const tvi_member_run *member_run, double *t,

@@ -12,11 +12,12 @@ int tvi_call_observer(tvi_integrator *it, tvi_observer *observer, long step, dou
                       const double p[], void *ctx)
 {
     if (!observer) return 0;
-    it->is_in_observer = true;
-    const int stop = observer(step, t, q, p, ctx);
-    it->is_in_observer = false;
-    return stop;
+    __attribute__((cleanup(tvi_end_observer_call))) tvi_integrator *called = it;
+    called->is_in_observer = true;
+    return observer(step, t, q, p, ctx);
 }
+
+void tvi_end_observer_call(tvi_integrator **it) { (*it)->is_in_observer = false; }
 
 /* ---- Steps to a time --------------------------------------------------------------------------------------------- */
 
@@ -258,34 +259,47 @@ static tvi_status report_times_events_and_step(const run_in_progress *in_progres
     return stops || (in_progress->times && in_progress->times->is_stopped_by_observer) ? TVI_ESTOPPED : TVI_OK;
 }
 
+/* Frees what the run has opened, also where an exception leaves an observer. */
+static void close_locator(tvi_locator **locator) { tvi_locator_close(*locator); }
+static void close_times(tvi_times_progress *times) { tvi_times_close(times); }
+
+/* An observer that has reset the integrator could step it. */
+static tvi_status refuse_steps_of_observer(const tvi_integrator *it, long steps, tvi_status status)
+{
+    if (it->stats.steps == steps || (status != TVI_OK && status != TVI_ESTOPPED)) return status;
+    return jet_refuse(TVI_EINVAL, "an observer has reset the integrator and stepped it, which ends its run");
+}
+
 static tvi_status make_all_steps(run_in_progress *in_progress, double *t, double q[], double p[])
 {
     const double *const state[] = {q, p};
     const bool has_events = in_progress->run->plan->event_count > 0;
+    const tvi_integrator *it = in_progress->integrator;
+    __attribute__((cleanup(close_locator))) tvi_locator *locator = NULL;
     tvi_status status =
-        has_events ? tvi_locator_open(&in_progress->locator, in_progress->integrator, in_progress->run, *t, state)
-                   : TVI_OK;
+        has_events ? tvi_locator_open(&locator, in_progress->integrator, in_progress->run, *t, state) : TVI_OK;
+    in_progress->locator = locator;
     bool is_end_of_run = false;
     int slow_step_count = 0;
     for (long step = 1; step <= in_progress->schedule.most_calls && !is_end_of_run && status == TVI_OK; step++) {
         status = make_next_step(in_progress, t, q, p, &is_end_of_run);
+        const long made = it->stats.steps;
         if (status == TVI_OK) status = report_times_events_and_step(in_progress, step, t, q, p);
+        status = refuse_steps_of_observer(it, made, status);
         is_end_of_run = is_end_of_run || (in_progress->times && tvi_times_are_all_reported(in_progress->times));
         if (status == TVI_OK && in_progress->schedule.ends_at_t_end && !is_end_of_run)
-            status = check_time_advances(in_progress->integrator, in_progress->schedule.t_end, &slow_step_count);
+            status = check_time_advances(it, in_progress->schedule.t_end, &slow_step_count);
     }
-    tvi_locator_close(in_progress->locator);
     return status;
 }
 
 static tvi_status run_with_given_times(run_in_progress *in_progress, double *t, double q[], double p[])
 {
-    tvi_times_progress times;
+    __attribute__((cleanup(close_times))) tvi_times_progress times = {.integrator = NULL};
     tvi_status status = tvi_times_open(&times, in_progress->integrator, in_progress->run,
                                        in_progress->schedule.continues_last_step, *t, q, p);
     in_progress->times = &times;
     if (status == TVI_OK && !tvi_times_are_all_reported(&times)) status = make_all_steps(in_progress, t, q, p);
-    tvi_times_close(&times);
     return status;
 }
 
@@ -294,8 +308,8 @@ tvi_status tvi_run_integrator(tvi_integrator *it, const tvi_single_run *run, dou
     if (!it || !t || !q || !p) return tvi_refuse_invalid_run_arguments((tvi_run_arguments){it, t, q, p, 1}, "");
     run_in_progress in_progress = {.integrator = it, .run = run};
     tvi_status status = check_arguments_and_schedule_steps_of_run(it, run, *t, q, p, &in_progress.schedule);
-    if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && run->columns.elements) status = tvi_integrator_allocate_tangents(it, run->columns.count);
+    if (status == TVI_OK && run->columns.elements) status = tvi_columns_check_finite(it, &run->columns);
     if (status == TVI_OK && (in_progress.schedule.loads_user_state || it->is_in_observer))
         status = tvi_integrator_begin_step(it, *t, q, p);
     if (status != TVI_OK) return status;

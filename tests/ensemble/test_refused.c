@@ -1,12 +1,15 @@
 /* test_refused.c - Tests what is no ensemble and no run of one: nothing is touched, and the text names it. */
 #include "ensemble.h"
 #include "problems/refusals.h"
-#include "run/parallel_for.h"
 
 #include <math.h>
+#include <pthread.h>
+#include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 enum { MEMBERS = 5 };
 
@@ -121,17 +124,118 @@ START_TEST(no_steps)
 }
 END_TEST
 
-/* Threads of eight megabytes of stack in an address space of two gigabytes. */
+/* Threads of eight megabytes of stack in an address space of two gigabytes: the ensemble runs on those that start, or
+ * is refused. */
 START_TEST(too_many_threads)
 {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    if (tvi_parallel_default_thread_count() == 1) return; /* as without OpenMP, which ends the program */
-    tvi_ensemble *none = ensemble;
+    enum { MANY = 1000 };
+    static group many, few;
+    tvi_ensemble *of_many, *of_one;
     const struct rlimit two = {(rlim_t)2 << 30, (rlim_t)2 << 30};
     ck_assert_int_eq(setrlimit(RLIMIT_AS, &two), 0);
-    expect_call_refused(tvi_ensemble_create(&none, system_one, NULL, 4096, 4096), TVI_ENOMEM, "threads");
-    ck_assert_ptr_null(none);
+    OK(tvi_ensemble_create(&of_many, system_one, NULL, MANY, MANY));
+    OK(tvi_ensemble_create(&of_one, system_one, NULL, MANY, 1));
+    start_group(&many, MANY, 0);
+    start_group(&few, MANY, 0);
+    OK(tvi_ensemble_integrate(of_many, H, 2, many.t, many.q, many.p, many.status, NULL, NULL));
+    OK(tvi_ensemble_integrate(of_one, H, 2, few.t, few.q, few.p, few.status, NULL, NULL));
+    for (int m = 0; m < MANY; m++) expect_same("threads", &many, m, &few, m);
+    tvi_ensemble_free(of_many);
+    tvi_ensemble_free(of_one);
 #endif
+}
+END_TEST
+
+/* The threads of a run end with it, so that a child process has what its parent has. */
+START_TEST(a_forked_process_runs)
+{
+    tvi_ensemble *of_two;
+    OK(tvi_ensemble_create(&of_two, system_one, NULL, MEMBERS, 2));
+    OK(tvi_ensemble_integrate(of_two, H, 2, is.t, is.q, is.p, is.status, NULL, NULL));
+    const pid_t child = fork();
+    if (child == 0) {
+        (void)alarm(20);
+        _exit(tvi_ensemble_integrate(of_two, H, 2, is.t, is.q, is.p, is.status, NULL, NULL) != TVI_OK);
+    }
+    int status = -1;
+    ck_assert_int_eq(waitpid(child, &status, 0), child);
+    ck_assert_int_eq(status, 0);
+    tvi_ensemble_free(of_two);
+}
+END_TEST
+
+/* An observer that longjmp leaves: the integrator is free after a reset, and the ensemble can be freed alone. */
+static jmp_buf out_of_the_run;
+
+static int jump(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)member, (void)which, (void)t, (void)q, (void)p;
+    if (pthread_equal(pthread_self(), *(pthread_t *)ctx)) longjmp(out_of_the_run, 1);
+    return 0;
+}
+
+START_TEST(observers_that_are_left)
+{
+    pthread_t own = pthread_self();
+    const tvi_run_plan plan = {.h = H, .steps = 20000, .at_step = jump, .ctx = &own}, plain = {.h = H, .steps = 1};
+    tvi_options options;
+    tvi_ensemble *volatile left;
+    tvi_stats stats;
+    ck_assert(has_options(system_one, &methods[0], &options));
+    static alone a;
+    a = start_alone(system_one, &options, 0);
+    if (setjmp(out_of_the_run) == 0) ck_assert_int_eq(tvi_run(a.integrator, &plan, &a.t, a.q, a.p), -1);
+    refused("may not step it", tvi_step(a.integrator, H, &a.t, a.q, a.p), TVI_EINVAL);
+    tvi_integrator_reset(a.integrator);
+    OK(tvi_step(a.integrator, H, &a.t, a.q, a.p));
+    end_alone(&a);
+    for (volatile int threads = 1; threads <= 3; threads++) {
+        tvi_ensemble *e;
+        OK(tvi_ensemble_create(&e, system_one, &options, MEMBERS, threads));
+        left = e;
+        start_group(&is, MEMBERS, 0);
+        if (setjmp(out_of_the_run) == 0) {
+            OK(tvi_ensemble_run(left, &plan, is.t, is.q, is.p, is.status));
+            ck_assert_int_gt(threads, 1); /* Others have run all members before this thread had one. */
+            tvi_ensemble_free(left);
+            continue;
+        }
+        tvi_ensemble_reset(left);
+        refused("free the ensemble", tvi_ensemble_stats(left, &stats), TVI_EINVAL);
+        refused("free the ensemble", tvi_ensemble_run(left, &plain, is.t, is.q, is.p, is.status), TVI_EINVAL);
+        tvi_ensemble_free(left);
+    }
+}
+END_TEST
+
+/* A look ahead: an observer may reset its integrator, but the run ends where it steps it. */
+static int reset_and_step(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    alone ahead = *(const alone *)ctx;
+    (void)member, (void)which;
+    tvi_integrator_reset(ahead.integrator);
+    ahead.t = t;
+    memcpy(ahead.q, q, sizeof ahead.q);
+    memcpy(ahead.p, p, sizeof ahead.p);
+    OK(tvi_step(ahead.integrator, H, &ahead.t, ahead.q, ahead.p));
+    return 0;
+}
+
+START_TEST(an_observer_that_resets_and_steps)
+{
+    static const double at[] = {0.3 * H, 5 * H};
+    tvi_run_plan runs[] = {{.h = H, .steps = 3, .at_step = reset_and_step},
+                           {.h = H, .t_end = 3, .at_step = reset_and_step},
+                           {.h = H, .times = at, .time_count = 2, .at_time = reset_and_step}};
+    tvi_options options;
+    ck_assert(has_options(system_one, &methods[0], &options));
+    for (int k = 0; k < 3; k++) {
+        alone a = start_alone(system_one, &options, 0);
+        runs[k].ctx = &a;
+        refused("has reset the integrator and stepped it", tvi_run(a.integrator, &runs[k], &a.t, a.q, a.p), TVI_EINVAL);
+        end_alone(&a);
+    }
 }
 END_TEST
 
@@ -226,6 +330,8 @@ static int ask_in_a_run(int member, int which, double t, const double q[], const
     refused("in a run", tvi_ensemble_save(e, bytes, &size), TVI_EINVAL);
     refused("in a run", tvi_ensemble_load(e, before_run.bytes, before_run.size), TVI_EINVAL);
     refused("in a run", tvi_ensemble_set_parameters(e, D), TVI_EINVAL);
+    refused("in a run", tvi_ensemble_stats(e, &(tvi_stats){0}), TVI_EINVAL);
+    tvi_ensemble_reset(e);
     for (int m = 0; m < MEMBERS; m++) expect_same("what is refused changes nothing", &was_seen, m, &seen, m);
     return 0;
 }
@@ -273,6 +379,9 @@ Suite *suite_refused(void)
     tcase_add_test(tests, no_steps);
     if (getenv("CK_FORK") == NULL) tcase_add_test(tests, too_many_threads); /* whose limit stays */
     tcase_add_test(tests, arguments_that_are_missing);
+    tcase_add_test(tests, a_forked_process_runs);
+    tcase_add_test(tests, observers_that_are_left);
+    tcase_add_test(tests, an_observer_that_resets_and_steps);
     suite_add_tcase(suite, tests);
     TCase *running = tcase_create("running");
     tcase_add_loop_test(running, members_are_not_read_in_a_run, 0, method_count);

@@ -97,6 +97,25 @@ class Interrupts(unittest.TestCase):
                 self.assertIs(raised.exception.result, slow)
                 self.assertGreater(slow.t.min(), 1)
 
+    def test_ensembles(self):
+        """All ways of a run of many, by threads that end their members at different times: the run does not go on."""
+        far, end = 1e9, tvi.event(lambda q, p: q[0] - 100, terminal=True)
+        ways = {"tolerance": {"tolerance": 1e-10}, "h": {"h": 0.25}, "terminal": {"h": 0.25, "events": end},
+                "events": {"h": 0.25, "events": lambda q, p: q @ p},
+                "times": {"h": 0.25, "t_eval": np.linspace(0, far, 10**5)},
+                "close times": {"h": 0.25, "t_eval": np.linspace(0, 1e5, 2 * 10**5)}}
+        for threads in 1, 2, 8:
+            for name, way in ways.items():
+                with self.subTest(f"{name}, {threads} threads"):
+                    pressed = Pressed()
+                    with self.assertRaises(tvi.Interrupted) as raised, pressed:
+                        tvi.ensemble(kepler(), (0, way.get("t_eval", [far])[-1]), [[1, 0]] * 3, [0, 0.8],
+                                     threads=threads, **way)
+                    self.assertLess(pressed.heard, SOON)
+                    orbits = raised.exception.result.orbits
+                    self.assertLess(orbits.t.max(), 9e4 if name == "close times" else far / 10)
+                    self.assertTrue(orbits.integrate(0.25, 1) or "OK" in orbits.status)
+
     def test_solve(self):
         with self.assertRaises(tvi.Interrupted) as raised, Pressed():
             tvi.solve(kepler(), (0, 1e9), [1, 0], [0, 0.8], h=0.25, dense_output=True, compiled=False)

@@ -202,6 +202,17 @@ class Many(unittest.TestCase):
         self.assertLess(np.abs(many.orbits.energy() - w**2 / 2).max(), 1e-12)
         self.assertLess(np.abs(many.orbits.v - many.p).max(), 1e-15)
 
+    def test_times_closer_than_steps(self):
+        """Lists of times are cut into calls, between which times lie in the last step. The bits are those of solve."""
+        for system in spring(), spring().rescaled():
+            for count in 10, 100, 1000:
+                times = np.linspace(0, 10, count)
+                with self.subTest(f"{system!r}, {count}"):
+                    many = tvi.ensemble(system, (0, 10), [[1.0], [2.0]], h=0.5, t_eval=times, threads=2)
+                    alone = tvi.solve(system, (0, 10), [2.0], h=0.5, t_eval=times, compiled=False)
+                    self.assertEqual(set(many.status), {"OK"})
+                    self.assertTrue(same_bits(many.q[1], alone.q) and same_bits(many.p[1], alone.p))
+
     def test_alone_and_together(self):
         """A member has the bits of an ensemble of one, however many threads there are."""
         q0 = np.linspace([1, 0], [1.5, 0.3], 33)

@@ -1,55 +1,26 @@
 /* ensemble.c - Runs ensembles on three threads, under the thread sanitizer: steps, events, tangents, states, results
- * the same to the last bit as on one. The threads are POSIX threads in the place of OpenMP's, whose own library the
- * sanitizer does not see into: tvi_parallel_for is linked with --wrap. */
-#include "run/parallel_for.h"
+ * the same to the last bit as on one, and on as many as can be started. Observers of members that ask what a running
+ * ensemble refuses race with no thread. */
 #include "tvi.h"
 
+#include <errno.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MEMBERS = 50, N = 2, ROWS = 2 * N, STEPS = 20, MOST = 3 };
 
-/* ---- tvi_parallel_for
- * -------------------------------------------------------------------------------------------------- */
+/* ---- Threads that cannot be started ------------------------------------------------------------------------------ */
 
-typedef struct {
-    atomic_int next;
-    int count;
-    tvi_parallel_body *work;
-    void *ctx;
-} shared;
+static int started_count, most_threads = MOST; /* those that a run may start, less one */
 
-typedef struct {
-    shared *shared_work;
-    int thread;
-} hand;
-
-static void *take_turns(void *ctx)
+int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *ctx);
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *ctx);
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*run)(void *), void *ctx)
 {
-    const hand *h = ctx;
-    for (int i;
-         (i = atomic_fetch_add_explicit(&h->shared_work->next, 1, memory_order_relaxed)) < h->shared_work->count;)
-        h->shared_work->work(h->shared_work->ctx, h->thread, i);
-    return NULL;
-}
-
-static int most_threads; /* at once */
-
-void __wrap_tvi_parallel_for(int threads, int count, tvi_parallel_body *work, void *ctx);
-void __wrap_tvi_parallel_for(int threads, int count, tvi_parallel_body *work, void *ctx)
-{
-    shared shared_work = {.count = count, .work = work, .ctx = ctx};
-    pthread_t thread[MOST];
-    hand hands[MOST];
-    for (int i = 0; i < threads; i++) {
-        hands[i] = (hand){&shared_work, i};
-        if (pthread_create(&thread[i], NULL, take_turns, &hands[i]) != 0) abort();
-    }
-    for (int i = 0; i < threads; i++) pthread_join(thread[i], NULL);
-    if (threads > most_threads) most_threads = threads;
+    if (started_count % MOST >= most_threads - 1) return EAGAIN;
+    started_count++;
+    return __real_pthread_create(thread, attributes, run, ctx);
 }
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
@@ -83,17 +54,36 @@ static int note(int member, int which, double t, const double q[], const double 
     return 0;
 }
 
+/* What is refused while the ensemble runs. */
+static tvi_ensemble *asked;
+static int not_refused;
+
+static int ask(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    tvi_stats stats;
+    (void)t, (void)q, (void)p, (void)ctx;
+    if (member % 10 != 0 || which != 3) return 0;
+    tvi_ensemble_reset(asked);
+    not_refused += tvi_ensemble_stats(asked, &stats) != TVI_EINVAL;
+    return 0;
+}
+
 static tvi_status go(tvi_ensemble *ensemble, const tvi_event *const events[], result *r)
 {
     const tvi_ensemble_plan plans[] = {
         {.h = 0.25, .steps = STEPS, .events = events, .event_count = 1, .on_event = note, .ctx = r},
         {.h = 0.25, .steps = STEPS, .D = r->D, .columns = 1},
         {.h = 0.25, .t_end = 15},
+        {.h = 0.25, .steps = STEPS, .at_step = ask},
     };
     size_t size;
     tvi_status status = tvi_ensemble_integrate(ensemble, 0.25, STEPS, r->t, r->q, r->p, r->status, NULL, NULL);
-    for (int k = 0; k < 3 && status == TVI_OK; k++)
+    asked = ensemble;
+    for (int k = 0; k < 4 && status == TVI_OK; k++) {
+        started_count = 0;
         status = tvi_ensemble_run(ensemble, &plans[k], r->t, r->q, r->p, r->status);
+    }
+    if (status == TVI_OK) status = tvi_ensemble_last(ensemble, r->t, r->q, r->p, r->status);
     return status == TVI_OK ? tvi_ensemble_save(ensemble, NULL, &size) : status;
 }
 
@@ -119,16 +109,20 @@ int main(void)
         const char *name;
         int order;
     } methods[] = {{"galerkin", 16}, {"taylor", 12}, {"stormer-verlet", 2}, {"midpoint", 8}};
-    static result one, three;
+    static result one, several;
     tvi_system *system;
-    int wrong = 0;
+    int wrong = 0, threads = 0;
     if (tvi_system_potential(&system, N, NULL, potential, NULL) != TVI_OK) return 1;
     for (int k = 0; k < 4; k++) {
         wrong += run(system, methods[k].name, methods[k].order, 1, &one) != TVI_OK;
-        wrong += run(system, methods[k].name, methods[k].order, MOST, &three) != TVI_OK;
-        wrong += one.told < MEMBERS || memcmp(&one, &three, sizeof one) != 0;
+        for (most_threads = 1; most_threads <= MOST; most_threads++) {
+            wrong += run(system, methods[k].name, methods[k].order, MOST, &several) != TVI_OK;
+            wrong += one.told < MEMBERS || memcmp(&one, &several, sizeof one) != 0;
+            wrong += started_count != most_threads - 1;
+            threads += started_count;
+        }
     }
     tvi_system_free(system);
-    printf("%d threads, %d members: %d wrong\n", most_threads, MEMBERS, wrong);
-    return wrong != 0 || most_threads != MOST;
+    printf("%d threads, %d members: %d wrong, %d not refused\n", threads, MEMBERS, wrong, not_refused);
+    return wrong != 0 || not_refused != 0;
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any, Callable
 
 import numpy as np
@@ -10,30 +9,10 @@ import numpy as np
 from ._alike import Busy, Made, Stats, encoded, saved, stats_of, values_in
 from ._arrays import Array, Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
-from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, make
+from ._library import ESTOPPED, Guard, Handle, Interrupted, STATUSES, apart, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for
 from ._runs import MOST_STEPS, Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
-
-
-class Threads:
-    """Whether this process has those of OpenMP. A fork does not copy them, and who waits for them waits for ever."""
-
-    are_started = are_lost = False
-
-    @classmethod
-    def forked(cls) -> None:
-        cls.are_started, cls.are_lost = False, cls.are_lost or cls.are_started
-
-    @classmethod
-    def start(cls, threads: int) -> None:
-        if threads != 1 and cls.are_lost:
-            raise RuntimeError("the threads of this ensemble were left behind by a fork: make it anew in this process, "
-                               "where it will have one thread, or start processes by spawn")
-        cls.are_started = cls.are_started or threads != 1
-
-
-os.register_at_fork(after_in_child=Threads.forked)
 
 
 class Ensemble(Made):
@@ -75,7 +54,7 @@ class Ensemble(Made):
         options = ffi.new("tvi_options *", self.method._options[0])
         code = code_for(compiled, system, self.method)
         options.compiled = code._handle.pointer if code else ffi.NULL
-        threads = 1 if Threads.are_lost else integer("threads", threads, 0)
+        threads = integer("threads", threads, 0)
         self._made_with: dict[str, Any] = {"threads": threads, "compiled": code is not None}
         made = make("tvi_ensemble", lambda out: lib.tvi_ensemble_create(out, system._handle.pointer, options, count,
                                                                         threads))
@@ -242,7 +221,9 @@ class Ensemble(Made):
             (way.steps is not None or way.tolerance is None and not self.system.is_rescaled)
         if not is_counted:
             observers.hear(plan)
-        course = Course(way, plan, lambda: self._call(plan), self._going_times, is_counted, **cuts)
+        is_apart = not is_counted and self._made_with["threads"] != 1
+        call = (lambda: apart(lambda: self._checked_call(plan), guard)) if is_apart else lambda: self._call(plan)
+        course = Course(way, plan, lambda: ESTOPPED if guard.thrown else call(), self._going_times, is_counted, **cuts)
         with self._busy.running():
             try:
                 return ended(course.run(), guard) and not self._codes.any()
@@ -253,8 +234,15 @@ class Ensemble(Made):
         return self._t.pointer, self._q.pointer, self._p.pointer, self._status
 
     def _call(self, plan: Any) -> int:
-        Threads.start(self._made_with["threads"])
         return lib.tvi_ensemble_run(self._handle.pointer, plan, *self._state())
+
+    def _checked_call(self, plan: Any) -> int:
+        """A call on another thread, as the main one would hear nothing while it waits for others to end their members.
+        What is refused is raised there, where its text is."""
+        status = self._call(plan)
+        if status != ESTOPPED:
+            check(status)
+        return status
 
     def _going_times(self) -> np.ndarray:
         """The times of the members that go on."""

@@ -159,9 +159,12 @@ class Guard:
             return ffi.callback(kind, function, onerror=self._keep)
         return ffi.callback(kind, function, error=error, onerror=self._keep)
 
-    def _keep(self, kind: type, value: BaseException, traceback: Any) -> None:
+    def keep(self, thrown: BaseException) -> None:
         if self.thrown is None:
-            self.thrown = value
+            self.thrown = thrown
+
+    def _keep(self, kind: type, value: BaseException, traceback: Any) -> None:
+        self.keep(value)
 
     def reraise(self) -> None:
         """Raises what was kept, once; the traceback is that of the callback."""
@@ -173,9 +176,10 @@ class Guard:
                 del thrown
 
 
-def apart(call: Callable[[], Any]) -> Any:
+def apart(call: Callable[[], Any], guard: "Guard | None" = None) -> Any:
     """The value of a call of the library that may take seconds, made on another thread: so Ctrl-C is heard at once.
-    The call then goes on to its end by itself; what it refers to lives as long."""
+    The call then goes on to its end by itself; what it refers to lives as long. With a guard, whose callbacks end the
+    call once something is thrown, its end is waited for."""
     done: dict[str, Any] = {}
 
     def run() -> None:
@@ -183,12 +187,23 @@ def apart(call: Callable[[], Any]) -> Any:
             done["value"] = call()
         except BaseException as error:  # It is raised again in the thread that asked.
             done["error"] = error
+        finally:
+            ended.set()
 
+    ended = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         return call()
     thread = threading.Thread(target=run, name="tvi")
     thread.start()
-    thread.join()
+    while not ended.is_set():  # An interrupted Thread.join loses the thread.
+        try:
+            ended.wait()
+        except BaseException as error:
+            if guard is None:
+                raise
+            guard.keep(error)
+    if guard is not None:
+        guard.reraise()
     if "error" in done:
         raise done["error"]
     return done["value"]

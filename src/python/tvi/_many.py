@@ -14,7 +14,7 @@ from ._events import Found, events_of, found
 from ._library import Interrupted, check
 from ._methods import Compiled, Method, method_of, suggest_step, taylor_order
 from ._recorder import Progress
-from ._runs import Way, new_plan
+from ._runs import Course, Way, new_plan
 from ._solve import _times
 from ._systems import System
 
@@ -48,7 +48,7 @@ def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
              order: int = 16, t_eval: Array = None, events: Any = (), threads: int = 0,
              compiled: "bool | Compiled" = False, progress: "bool | Callable" = False,
              **parameters: Any) -> EnsembleResult:
-    """Many orbits of one system from t_span[0] to t_span[1], on all cores, several at once in the lanes of vectors.
+    """Many orbits of one system from t_span[0] to t_span[1], on all cores.
 
     q0, p0, v0: [member, n], or [n] for all. parameters: one value for all, or [member]. h, error, tolerance: as for
     tvi.solve; of error the smallest step that tvi.suggest_step has for a member. A member has the same bits in every
@@ -146,12 +146,14 @@ def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Array) -> 
         raise ValueError("w0 is 0")
     orbits.tangent = w / length
     tangent = orbits._tangent.array
-    plan = new_plan(Way(h, every, None, None, None), None, orbits._tangent)
+    way = Way(h, every, None, None, None)
+    plan = new_plan(way, None, orbits._tangent)
+    course = Course(way, plan, lambda: orbits._call(plan), orbits._going_times, True)
     while (going := (orbits._codes == 0) & ((t_end - orbits.t) / h > 1e-9)).any():
-        plan.steps = every
+        steps = every
         if not orbits.system.is_rescaled:
-            plan.steps = min(every, max(1, math.ceil(float(np.max((t_end - orbits.t[going]) / h)) - 1e-9)))
-        check(orbits._call(plan))
+            steps = min(every, max(1, math.ceil(float(np.max((t_end - orbits.t[going]) / h)) - 1e-9)))
+        check(course.make_steps(steps))
         length = np.sqrt(((tangent / unit[..., None])**2).sum(axis=(0, 1)))
         tangent /= length
         yield orbits.t - start, np.where(orbits._codes == 0, np.log(length), 0.0)

@@ -50,7 +50,7 @@ class Pace:
     """How many steps a call makes, so that it takes some hundredths of a second."""
 
     def __init__(self) -> None:
-        self.steps = 16
+        self.steps = 1  # An ensemble's may take as long as that.
 
     def timed(self, call: Callable[[], int], steps: int) -> int:
         start = time.perf_counter()
@@ -137,7 +137,7 @@ class Course:
         """Makes the run; its last status."""
         way = self._way
         if way.steps is not None:
-            return self._make_steps(way.steps) if self._is_cut else self._whole(steps=way.steps)
+            return self.make_steps(way.steps) if self._is_cut else self._whole(steps=way.steps)
         if way.times is not None:
             return self._go_through(way.times)
         status = self._approach(way.t_end) if self._is_cut else OK
@@ -158,7 +158,7 @@ class Course:
         self._set_end(**end)
         return self._ended(self._call())
 
-    def _make_steps(self, steps: int) -> int:
+    def make_steps(self, steps: int) -> int:
         """So many steps, in calls."""
         status, left = OK, steps
         while left > 0 and status == OK:
@@ -180,7 +180,7 @@ class Course:
     def _approach(self, t: float) -> int:
         status = OK
         while status == OK and (steps := self._steps_before(t)) > 0:
-            status = self._make_steps(steps)
+            status = self.make_steps(steps)
         return status
 
     def _go_through(self, times: np.ndarray) -> int:
