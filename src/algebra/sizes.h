@@ -18,8 +18,13 @@ static inline uint64_t tvi_double_bits(double x)
     return bits;
 }
 
-/* Returns 0 if x is finite, and otherwise another number: x - x is 0 only if x is finite. */
-static inline uint64_t tvi_nonzero_if_nonfinite(double x) { return tvi_double_bits(x - x); }
+/* Returns 0 if x is finite, and otherwise another number. An exponent of ones is carried into the bit of the sign. The
+ * rounding mode has no effect, as it has on the sign of x - x. */
+static inline uint64_t tvi_nonzero_if_nonfinite(double x)
+{
+    const uint64_t exponent = UINT64_C(0x7ff) << 52, one = UINT64_C(1) << 52;
+    return ((tvi_double_bits(x) & exponent) + one) >> 63;
+}
 
 /* Tells whether all numbers in rows of n numbers, `stride` apart, are finite. It combines the bits of all numbers,
  * so that compilers can use vectors. */

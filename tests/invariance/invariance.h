@@ -11,5 +11,6 @@ Suite *suite_subsystems(void);
 Suite *suite_light(void);
 Suite *suite_probe(void);
 Suite *suite_sizes(void);
+Suite *suite_rounding(void);
 
 #endif

@@ -3,6 +3,6 @@
 #include "problems/run_suites.h"
 
 static Suite *(*const suites[])(void) = {suite_frames, suite_reversed, suite_numbers, suite_subsystems,
-                                         suite_light,  suite_probe,    suite_sizes};
+                                         suite_light,  suite_probe,    suite_sizes,   suite_rounding};
 
 int main(void) { return RUN_SUITES(suites); }
